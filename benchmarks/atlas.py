@@ -26,7 +26,7 @@ METHODS_AT = 1e-6
 MOST = 3e6
 
 
-def by_method(entry: atlas.Entry, method: str) -> dict[str, object]:
+def by_method(entry: atlas.HardScene, method: str) -> dict[str, object]:
     """Outcome, error, estimate and cost of a scene by a method."""
     cell: dict[str, object] = {"scene": entry.name, "method": method}
     scene = entry.scene()

@@ -16,6 +16,7 @@ from scipy.special import expit
 
 import tribo
 from tribo import paper, plotting
+from tribo.plotting.style import note
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "measured"
 NUMBERS = FOLDER / "statistics.json"
@@ -113,7 +114,7 @@ def detailed(members: int) -> dict:
                 ax.errorbar(middle, ratio, width, elinewidth=0.6, label=label, **look)
         found["reversed run of case A"] = returned
         ax.axvline(-returned, color=plotting.INK, linewidth=0.6, linestyle=":")
-        plotting.note(ax, (-returned, 5.8), "reversed run, $T=1$", (4, 0), ha="left", fontsize=7)
+        note(ax, (-returned, 5.8), "reversed run, $T=1$", (4, 0), ha="left", fontsize=7)
         ax.set(xlabel="$|w|/T$", ylabel="$\\ln P(w)/P(-w)$", xlim=(0, 6), ylim=(-0.3, 6.3))
         ax.legend(frameon=False, fontsize=6.5, loc="lower right")
     plotting.save(ax, FOLDER / "statistics_detailed.png")

@@ -210,15 +210,19 @@ def points(study: str, side: int, seeds: int) -> Iterator[Point]:
                     yield Point(study, case, x, side, seed)
 
 
-def slope(name: str, x: np.ndarray, y: np.ndarray) -> Number:
-    """The slope of a straight line, and Student's interval of the regression."""
+def line(names: tuple[str, str], x: np.ndarray, y: np.ndarray) -> tuple[Number, Number]:
+    """Slope and intercept of a straight line, and Student's intervals of the regression."""
     fit = stats.linregress(x, y)
-    return Number(name, fit.slope, stats.t.ppf(0.975, len(x) - 2) * fit.stderr)
+    width = stats.t.ppf(0.975, len(x) - 2)
+    return (
+        Number(names[0], fit.slope, width * fit.stderr),
+        Number(names[1], fit.intercept, width * fit.intercept_stderr),
+    )
 
 
 def power_law(name: str, x: np.ndarray, y: np.ndarray) -> Number:
     """The exponent p of y ~ x^p."""
-    return slope(name, np.log(x), np.log(y))
+    return line((name, "log of the factor"), np.log(x), np.log(y))[0]
 
 
 def mean(name: str, values: np.ndarray) -> Number:
@@ -278,11 +282,10 @@ class Table:
         x, _, _, friction, load = self.of(study, "reservoirs", "friction", "load").T
         if study == "load":
             pressed = x <= PRESSED
-            fit = slope("d friction / d load with reservoirs", load[pressed], friction[pressed])
-        else:
-            slow = x <= SLOW
-            fit = power_law("slow friction ~ speed^p: p", x[slow], friction[slow])
-        return [fit, lost]
+            names = "d friction / d load with reservoirs", "friction of that line at no load"
+            return [*line(names, load[pressed], friction[pressed]), lost]
+        slow = x <= SLOW
+        return [power_law("slow friction ~ speed^p: p", x[slow], friction[slow]), lost]
 
     def draw(self, study: str, folder: Path) -> Path:
         """The figure of a study."""
@@ -296,9 +299,10 @@ class Table:
                 turn, side, _, friction = self.of(study, "square", "friction").T
                 for length in np.unique(side):
                     mine = side == length
-                    label = f"{length:g} x {length:g}"
-                    ax.plot(turn[mine] / length, friction[mine], label=label)
-                ax.set(xlabel="angle [rad]")
+                    ax.plot(turn[mine] / length, friction[mine])
+                for length, half in zip(*self.half_angles(), strict=True):
+                    ax.annotate(f" {length:g}$^2$", (half, 0.5 * friction[0]), fontsize=8)
+                ax.set(xlabel="angle [rad]", xscale="log")
             else:
                 for case, mark in (("reservoirs", "o"), ("none", "s")):
                     x, _, _, friction, load = self.of(study, case, "friction", "load").T
@@ -309,7 +313,8 @@ class Table:
                 ax.set(xscale="linear" if study == "load" else "log")
             static = study in ("static", "angle")
             ax.set(ylabel=f"{'static ' * static}friction per asperite")
-            ax.legend(frameon=False, fontsize=7)
+            if study != "angle":  # its lines have labels
+                ax.legend(frameon=False)
         return plotting.save(ax, folder / f"friction_{study}.png")
 
 

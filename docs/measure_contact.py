@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 import tribo
-from tribo.plotting import WIDE, save, style
+from tribo.plotting import PAGE, save, style
 
 FOLDER = Path(__file__).resolve().parent / "measured"
 SIDE, SPACING = 256, 1.5
@@ -46,9 +46,12 @@ def main() -> None:
     result = simulation.run()
     seconds = time.perf_counter() - began
     with style():
-        figure = Figure(figsize=(WIDE, 0.47 * WIDE), layout="constrained")
-        result.plot.map("height", "lower", ax=figure.add_subplot(121))
-        result.plot.map("w1", "lower", ax=figure.add_subplot(122))
+        figure = Figure(figsize=(PAGE, 0.42 * PAGE), layout="constrained")
+        heights, works = figure.subplots(1, 2)
+        result.plot.map("height", "lower", ax=heights)
+        result.plot.map("w1", "lower", ax=works)
+        for ax, label in ((heights, "height"), (works, "work of contact")):
+            ax.child_axes[0].set_ylabel(label)  # the scale of colours
     save(figure, FOLDER / "contact.png")
     touched = (abs(result["lower"].w1[-1]) > 1e-6).mean()
     (FOLDER / "contact.md").write_text(

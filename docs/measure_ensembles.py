@@ -15,7 +15,7 @@ import xarray
 
 import tribo
 from tribo.paper import scene as paper_scene
-from tribo.plotting import WIDE, drawing_on, save
+from tribo.plotting.style import WIDE, drawing_on, save
 
 FOLDER = Path(__file__).resolve().parent / "measured"
 # Points along each axis.

@@ -42,11 +42,13 @@ def main(folder="."):
     residues = {q: np.array([residue(s, p, q) for s in strengths]) for p, q in FRACTIONS}
     critical = np.interp(0.0, np.log(residues[55] / residues[21]), strengths)
     with tribo.plotting.style():
-        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.5)
         for q, values in residues.items():
             ax.plot(strengths, values, label=f"{q} atoms")
         ax.axvline(0.971635, color="0.5", lw=0.7, ls=":")
-        ax.set(xlabel="strength $K$", ylabel="residue", yscale="log")
+        for x, word in ((0.94, "sliding"), (1.0, "pinned")):
+            ax.text(x, 6e-4, word, ha="center", color=tribo.plotting.INK)
+        ax.set(xlabel="strength $K$", ylabel="magnitude of the residue", yscale="log")
         ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/aubry_transition.png")
     return {"critical strength": critical}

@@ -2,7 +2,8 @@
 
 If the rows fit, all asperites climb together, and each has the friction F_1 of one.  With g times
 the spacing, g the golden mean, some descend while others climb.  The friction of a rigid row per
-asperite is F_1 |sin(pi N g) / (N sin(pi g))|, as stiff springs and a slow pull show here.
+asperite is F_1 |sin(pi N g) / (N sin(pi g))|, as stiff springs and a slow pull show here.  The
+shaded area contains this number for every N.
 
 M. Hirano, K. Shinjo, Phys. Rev. B 41 (1990) 11837.
 """
@@ -44,10 +45,14 @@ def main(folder="."):
     """Friction of many that fit, per asperite, and of a whole row that does not."""
     fits, misfits = (np.array([friction(n, s) for n in SIZES]) for s in (1.0, GOLDEN_MEAN))
     with tribo.plotting.style():
-        ax, n = tribo.plotting.axes(tribo.plotting.COLUMN, 2.6), np.arange(1, 351)
-        ax.loglog(SIZES, fits, "o-", ms=4, lw=0.5, color="#0b62a4", label="fits")
+        ax, n = tribo.plotting.axes(tribo.plotting.COLUMN, 2.6), np.arange(1, 257)
+        most = fits[0] / (n * np.abs(np.sin(np.pi * GOLDEN_MEAN)))
+        low = [np.min(fits[0] * rigid(n[: k + 1])) for k in range(n.size)]
+        ax.fill_between(n, low, most, color="#d55e00", alpha=0.2, lw=0.0)
+        ax.loglog(SIZES, fits[0] * rigid(SIZES), color="#d55e00", lw=0.8)
+        ax.axhline(fits[0], color="#0b62a4", lw=0.8)
+        ax.loglog(SIZES, fits, "o", ms=4, color="#0b62a4", label="fits")
         ax.loglog(SIZES, misfits, "s", ms=4, color="#d55e00", label="does not fit")
-        ax.loglog(n, fits[0] * rigid(n), ".", ms=1.8, mew=0.0, color="#d55e00", label="closed form")
         ax.set(xlabel="asperites $N$", ylabel="static friction per asperite")
         ax.legend(loc="lower left", frameon=False)
     tribo.plotting.save(ax, f"{folder}/commensurate_rows.png")

@@ -13,17 +13,18 @@ import numpy as np
 from scipy.special import i0
 
 import tribo
+from tribo.results.intervals import interval
 
 # The period is 1; the amplitude [energy] makes the largest curvature of the corrugation 1.
 AMPLITUDE = 1.0 / (2.0 * np.pi) ** 2
 # Damping [mass / time] of a mass of 1: inertia changes D by about 1 %.
 GAMMA, POINT = 10.0, tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
-# Barriers relative to the temperature, A / T.
-BARRIERS = np.array([0.25, 1.0, 2.0])
+# Barriers relative to the temperature, A / T; groups of particles, one value of D for each.
+BARRIERS, GROUPS = np.array([0.25, 1.0, 2.0]), 40
 
 
 def diffusion(particles):
-    """D gamma / T for each barrier, of one surface of independent particles each."""
+    """D gamma / T for each barrier, and the half-width of its 95 % interval."""
     surfaces = [
         tribo.Surface(
             f"barrier {100.0 * barrier:g} %",
@@ -37,21 +38,24 @@ def diffusion(particles):
     washboard = tribo.Field(tribo.Corrugation(AMPLITUDE, 1.0), on=[s.name for s in surfaces])
     scene = tribo.Scene(surfaces, [], 250.0, fields=[washboard], output=tribo.Output(samples=6))
     result = tribo.simulate(scene, method="verlet", step=0.05)
-    squares = np.array([result[s.name].x_bob.var(axis=1) for s in surfaces])
+    paths = np.array([result[s.name].x_bob.reshape(6, GROUPS, -1) for s in surfaces])
+    squares = paths.var(axis=3, ddof=1)
     rate = (squares[:, -1] - squares[:, 1]) / (result.t[-1] - result.t[1])
-    return 0.5 * rate * GAMMA / AMPLITUDE * BARRIERS
+    found = 0.5 * rate * GAMMA / AMPLITUDE * BARRIERS[:, None]
+    return np.array([interval(groups) for groups in found]).T
 
 
 def main(folder=".", particles=8000):
-    """D gamma / T; a standard error is 2 % without a barrier, and 4 % at the highest."""
-    found = diffusion(particles)
+    """D gamma / T at each barrier, and the half-width at the highest."""
+    found, half_width = diffusion(particles)
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
     barrier = np.linspace(0.0, 2.5, 200)
     ax.plot(barrier, 1.0 / i0(barrier) ** 2, color="#d55e00")
-    ax.plot(BARRIERS, found, "o", ms=4, color=tribo.plotting.INK)
+    ax.errorbar(BARRIERS, found, half_width, fmt="o", ms=3, capsize=2, color=tribo.plotting.INK)
     ax.set(xlabel="$A / T$", ylabel=r"$D\,\gamma / T$", ylim=(0.0, 1.1))
     tribo.plotting.save(ax, f"{folder}/diffusion.png")
-    return {f"D gamma / T at A / T = {b:g}": d for b, d in zip(BARRIERS, found, strict=True)}
+    shown = {f"D gamma / T at A / T = {b:g}": d for b, d in zip(BARRIERS, found, strict=True)}
+    return shown | {"half-width at A / T = 2": half_width[-1]}
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ V.  The oscillators of its bath take up energy.  To lowest order in A the fricti
 
     F = (A q)^2 / (2 V) Re Y(q V) ,   Y(w) = 1 / (-i w M + sum_n K_n(w)) ,
 
-with the mobility Y of a block of mass M, and the force per velocity K_n of each oscillator.
+with the mobility Y of a block of mass M, and the force per velocity K_n of each oscillator.  Points
+are means over one period of the corrugation; the grey line is the speed of block and bath together.
 
 J. B. Sokoloff, Phys. Rev. B 42 (1990) 760.
 """
@@ -25,14 +26,15 @@ TOTAL = 1.0 + MASSES.sum()
 
 
 def simulated_speed():
-    """Times, and the speed of the centre of mass of block and oscillators."""
+    """Times, the speed of block and oscillators together, and the place of the block."""
     settings = {"bob": (0.25, 0.0), "velocity": (SPEED, 0.0), "drive": tribo.Free()}
     point, bath = tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf), tribo.Bath(MASSES, FREQUENCIES)
     block = tribo.Surface("block", asperite=point, bath=bath, **settings)
     corrugation = tribo.Field(tribo.Corrugation(AMPLITUDE, 2.0 * np.pi / Q), on=["block"])
     scene = tribo.Scene([block], [], 150.0, fields=[corrugation], output=tribo.Output(samples=1501))
     result = tribo.simulate(scene, method="verlet", step=0.02)
-    return result.t, np.sqrt(SPEED**2 + 2.0 * result["block"].delta_K / TOTAL)
+    speed = np.sqrt(SPEED**2 + 2.0 * result["block"].delta_K / TOTAL)
+    return result.t, speed, result["block"].x_bob[:, 0]
 
 
 def deceleration(t, speed):
@@ -44,14 +46,18 @@ def deceleration(t, speed):
 
 def main(folder="."):
     """Speed that the block has lost in the last tenth of the run, and the closed form."""
-    t, speed = simulated_speed()
+    t, speed, place = simulated_speed()
     expected = solve_ivp(deceleration, (0.0, t[-1]), [SPEED], t_eval=t, rtol=1e-8).y[0]
+    passes = np.interp(np.arange(place[0], place[-1], 2.0 * np.pi / Q), place, t)
+    middle, mean = 0.5 * (passes[1:] + passes[:-1]), 2.0 * np.pi / Q / np.diff(passes)
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    ax.plot(t, speed, color="#0b62a4", lw=0.5)
+    ax.plot(t, speed, color="0.8", lw=0.5)
     ax.plot(t, expected, color="#d55e00")
+    ax.plot(middle[::2], mean[::2], "o", ms=2.5, color=tribo.plotting.INK)
     ax.set(xlabel="$t$", ylabel="speed of the block")
     tribo.plotting.save(ax, f"{folder}/free_block.png")
-    lost = [SPEED - each[t > 0.9 * t[-1]].mean() for each in (speed, expected)]
+    late = t > 0.9 * t[-1]
+    lost = [SPEED - each[late].mean() for each in (speed, expected)]
     return {"speed lost": lost[0], "speed lost by the closed form": lost[1]}
 
 

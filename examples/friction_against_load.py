@@ -1,4 +1,4 @@
-"""Static friction of interlocking spheres is proportional to the load.
+"""A sphere that interlocks with a row of spheres must climb: friction is load times slope.
 
 A hard sphere rests between two spheres of a row with spacing a.  At a distance d between touching
 centres it must climb a slope alpha with sin(alpha) = a / (2 d).  Under a load N the static friction

@@ -2,19 +2,21 @@
 
 A continuum of oscillators with Drude's damping kernel gamma w_c exp(-w_c t) acts on a bar by a
 force p with p' = -w_c p - gamma w_c v_bar, so that small swings have an exact solution.  A finite
-bath returns the energy later; tribo estimates until when (dotted) it acts as a continuum.
+bath follows it for a while, and then gives its energy back to the swing.  tribo estimates until
+when (dotted lines) the bath acts as a continuum.
 
 R. Zwanzig, J. Stat. Phys. 9 (1973) 215.
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.linalg import expm
 
 import tribo
 from tribo.model.spectrum import valid_until
 
 GAMMA, CUTOFF = 1.0, 2.0  # [mass / time], [rad / time]
-START, ASPERITE, TIMES = 1e-3, tribo.Asperite(), np.linspace(0.0, 100.0, 1001)
+START, ASPERITE, TIMES = 1e-3, tribo.Asperite(), np.linspace(0.0, 260.0, 1301)
 MASS, INERTIA, L2 = (ASPERITE.for_each(1)[name][0] for name in ("mass", "inertia", "l2"))
 FREQUENCY = np.sqrt(ASPERITE.kappa / INERTIA)
 
@@ -40,18 +42,21 @@ def main(folder="."):
     """Until when each bath acts as a continuum, and its largest error until then."""
     shown, exact = {}, continuum()
     with tribo.plotting.style():
-        ax = tribo.plotting.axes(tribo.plotting.WIDE, 2.6)
+        figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")
+        swing, error = figure.subplots(1, 2)
         for n, colour in ((40, "#0b62a4"), (160, "#d55e00")):
             spectrum = tribo.Spectrum("drude", GAMMA, CUTOFF, n)
             energy, end = swing_energy(spectrum), valid_until(spectrum, ASPERITE.m2, FREQUENCY)
             shown[f"{n} oscillators act as a continuum until t"] = end
             shown[f"largest error of {n} until then"] = np.abs(energy - exact)[end > TIMES].max()
-            ax.semilogy(TIMES, energy, color=colour, label=f"{n} oscillators")
-            ax.axvline(end, color=colour, lw=0.8, ls=":")
-        ax.plot(TIMES, exact, color=tribo.plotting.INK, lw=0.8, ls="--", label="continuum")
-        ax.set(xlabel="$t$", ylabel="energy of the swing", xlim=(0, 100), ylim=(1e-6, 2))
-        ax.legend(frameon=False)
-    tribo.plotting.save(ax, f"{folder}/heat_into_baths.png")
+            swing.plot(TIMES, energy, color=colour, label=f"{n} oscillators")
+            error.semilogy(TIMES, np.abs(energy - exact), color=colour)
+            error.axvline(end, color=colour, lw=0.8, ls=":")
+        swing.plot(TIMES, exact, color=tribo.plotting.INK, lw=0.8, ls="--", label="continuum")
+        swing.set(xlabel="$t$", ylabel="energy of the swing", xlim=(0, 260))
+        error.set(xlabel="$t$", ylabel="difference from the continuum", ylim=(1e-8, 2))
+        swing.legend(frameon=False)
+    tribo.plotting.save(figure, f"{folder}/heat_into_baths.png")
     return shown
 
 

@@ -41,11 +41,16 @@ def main(folder="."):
     motion = sum(each.delta_K + each.delta_E_int for each in (upper, lower)) - upper.heat_bath
     parts = {"contact": contact, "motion": motion, "bath": upper.heat_bath, "swings": lower.heat}
     with tribo.plotting.style():
-        figure = Figure(figsize=(6.9, 2.8), layout="constrained")
+        figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")
         law, budget = figure.subplots(1, 2)
         law.errorbar(LOADS, force, error, fmt="o", ms=4, color=tribo.plotting.INK)
         law.plot(LOADS, np.exp(logarithm) * LOADS**exponent, color="#d55e00")
-        law.set(xlabel="load", ylabel="friction", xlim=(0, None), ylim=(0, None))
+        law.set(
+            xlabel="load per asperite",
+            ylabel="friction per asperite",
+            xlim=(0, None),
+            ylim=(0, None),
+        )
         budget.stackplot(results[-1].t, *parts.values(), labels=parts)
         budget.plot(results[-1].t, upper.w2, color=tribo.plotting.INK, label="drive")
         budget.set(xlabel="$t$", ylabel="energy", xlim=(0, 60))

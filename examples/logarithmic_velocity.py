@@ -1,8 +1,10 @@
-"""Friction of a warm tip grows with its speed, and faster than the logarithm.
+"""Friction of a warm tip grows with its speed as Kramers' rate of escape says.
 
 At a temperature T noise takes a pulled tip over a barrier before the barrier vanishes; a slower
-pull leaves the noise more time.  The mean heat of a slip follows from Kramers' rate of escape at
-each position of the stage: it grows by 0.095, 0.109 and 0.128 (2 pi A / a) in successive decades.
+pull leaves the noise more time.  The mean loss in a slip follows from Kramers' rate of escape at
+each position of the stage: it grows by 0.095, 0.109 and 0.128 (2 pi A / a) a decade between
+successive speeds, faster than the logarithm.  The intervals of the simulation are too wide to show
+this.  The reservoir moves with the stage and adds no drag.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172; H. A. Kramers, Physica 7 (1940) 284.
 """
@@ -11,6 +13,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 import tribo
+from tribo.results.intervals import interval
 
 # Corrugation with a period and a curvature of 1; spring; damping of a mass of 1; temperature.
 Q, A = 2.0 * np.pi, 1.0 / (2.0 * np.pi) ** 2
@@ -19,17 +22,17 @@ SPEEDS, TIP = (3e-5, 1e-4, 3e-4, 1e-3), tribo.Asperite(m1=0.5, m2=0.5, kappa=np.
 
 
 def friction(speed, tips=40):
-    """Mean work of the stage in its third period, over independent tips."""
+    """Mean work of the stage in its third period, over independent tips, and its half-width."""
     drive, bath = tribo.Pulled(stiffness=K, speed=speed), tribo.Langevin(GAMMA, T, (speed, 0.0))
     tip = tribo.Surface("tip", shape=(tips, 1), asperite=TIP, drive=drive, langevin=bath)
     fields, output = [tribo.Field(tribo.Corrugation(A, 1.0), on=["tip"])], tribo.Output(samples=4)
     scene = tribo.Scene([tip], [], 3.0 / speed, fields=fields, output=output)
     work = tribo.simulate(scene, method="verlet", step=0.2)["tip"].w2
-    return (work[-1] - work[-2]).mean()
+    return interval(work[-1] - work[-2])
 
 
 def kramers(speed):
-    """Mean heat of a slip: the energy lost at each stage X, by the probability of a slip there."""
+    """Mean loss in a slip: the energy lost at each stage X, by the probability of a slip there."""
     edge = np.arccos(-K) / Q  # the end of the equilibrium
     X, x = np.linspace(0.35, edge + A * Q / K * np.sin(Q * edge), 4000), []
     for ends in ((0.05, edge), (1.0 - edge, edge), (1.0 - edge, 1.2)):  # well, barrier, next well
@@ -46,13 +49,16 @@ def kramers(speed):
 
 def main(folder="."):
     """Friction by simulation and by Kramers' rate, in units of the friction at T = 0."""
-    found, theory = (np.array([f(v) for v in SPEEDS]) / (Q * A) for f in (friction, kramers))
+    found, half_width = np.transpose([friction(v) for v in SPEEDS]) / (Q * A)
+    fine = np.geomspace(SPEEDS[0], SPEEDS[-1], 31)
+    theory = np.array([kramers(v) for v in fine]) / (Q * A)
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    ax.semilogx(SPEEDS, theory, color="#d55e00")
-    ax.semilogx(SPEEDS, found, "o", ms=4, color=tribo.plotting.INK)
-    ax.set(xlabel="speed", ylabel=r"friction $/\,(2\pi A/a)$")
+    ax.semilogx(fine, theory, color="#d55e00")
+    ax.errorbar(SPEEDS, found, half_width, fmt="o", ms=3, capsize=2, color=tribo.plotting.INK)
+    ax.set(xlabel="speed", ylabel=r"friction $/\,(2\pi A/a)$", ylim=(0.1, 0.32))
     tribo.plotting.save(ax, f"{folder}/logarithmic_velocity.png")
-    return {f"friction / Kramers at {v:g}": r for v, r in zip(SPEEDS, found / theory, strict=True)}
+    ratio = found / np.interp(SPEEDS, fine, theory)
+    return {f"friction / Kramers at {v:g}": r for v, r in zip(SPEEDS, ratio, strict=True)}
 
 
 if __name__ == "__main__":

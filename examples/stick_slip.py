@@ -3,12 +3,14 @@
 A bob moves in a corrugation -A cos(2 pi x / a); a spring k ties its bar to a stage that moves
 slowly.  The bob feels the spring and its pendulum in series, 1/K = 1/k + length^2/kappa for a long
 rod, and has several equilibria if eta = 4 pi^2 A / (K a^2) > 1.  For eta < 1 the work of a slow
-pull vanishes.  For eta > 1 each jump loses the energy between two equilibria.
+pull vanishes.  For eta > 1 each jump loses the energy between two equilibria.  The reservoir moves
+with the stage, so that it adds no drag to the mean force.
 
 L. Prandtl, Z. angew. Math. Mech. 8 (1928) 85; G. A. Tomlinson, Phil. Mag. 7 (1929) 905.
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 import tribo
@@ -22,7 +24,8 @@ def pull(eta, speed, damping=1.0):
     """Positions of the stage, pulling forces, and the work of the pull in the last period."""
     K = Q**2 * A / eta
     k, asperite = 2.0 * K, tribo.Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2)
-    drive, reservoir = tribo.Pulled(stiffness=k, speed=speed), tribo.Langevin(damping * np.sqrt(K))
+    reservoir = tribo.Langevin(damping * np.sqrt(K), velocity=(speed, 0.0))
+    drive = tribo.Pulled(stiffness=k, speed=speed)
     tip = tribo.Surface("tip", asperite=asperite, drive=drive, langevin=reservoir)
     corrugation = tribo.Field(tribo.Corrugation(A, 2.0 * np.pi / Q), on=["tip"])
     output = tribo.Output(samples=3 * SAMPLES + 1)
@@ -45,13 +48,19 @@ def jump_energy(eta):
 
 def main(folder="."):
     """Work in a period of a slow pull, and by equilibria for the largest eta."""
-    works = np.array([pull(eta, speed=0.002)[2] for eta in ETAS])
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    fine = np.linspace(0.4, ETAS[-1], 500)
-    ax.plot(fine, [jump_energy(eta) / A for eta in fine], color="#d55e00")
-    ax.plot(ETAS, works / A, "o", ms=4, color=tribo.plotting.INK)
-    ax.set(xlabel=r"$\eta$", ylabel="work in a period $/A$")
-    tribo.plotting.save(ax, f"{folder}/stick_slip.png")
+    pulls = [pull(eta, speed=0.002) for eta in ETAS]
+    works, fine = np.array([each[2] for each in pulls]), np.linspace(0.4, ETAS[-1], 500)
+    with tribo.plotting.style():
+        figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")
+        saw, loss = figure.subplots(1, 2)
+        for k in (-1, 0):
+            saw.plot(pulls[k][0], pulls[k][1] / (Q * A), label=rf"$\eta = {ETAS[k]}$")
+        saw.set(xlabel="stage $/ a$", ylabel=r"pull $/\,(2\pi A/a)$", xlim=(0, 3), ylim=(-1.2, 1.5))
+        saw.legend(frameon=False, ncol=2)
+        loss.plot(fine, [jump_energy(eta) / A for eta in fine], color="#d55e00")
+        loss.plot(ETAS, works / A, "o", ms=4, color=tribo.plotting.INK)
+        loss.set(xlabel=r"$\eta$", ylabel="work in a period $/A$")
+    tribo.plotting.save(figure, f"{folder}/stick_slip.png")
     return {"work for eta = 0.7": works[0], "work / jump for eta = 4": works[-1] / jump_energy(4.0)}
 
 

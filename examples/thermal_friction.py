@@ -2,7 +2,7 @@
 
 At T = 0 a pulled bob sticks until its equilibrium ends, and then jumps.  At a temperature T noise
 takes it over the rest of the barrier before that, and the pull does less work.  Bands are 95 %
-intervals of the means.  The friction contains 0.16 of drag by the reservoir, which is at rest.
+intervals of the means.  The reservoir moves with the stage, so that it adds no drag to the mean.
 
 S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
 """
@@ -10,21 +10,22 @@ S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
 import numpy as np
 
 import tribo
-from tribo.ensembles.intervals import interval
+from tribo.results.intervals import interval
 
 # Curvature of the corrugation (amplitude and period 1) relative to the springs; speed of the stage.
 ETA, SPEED, ROD = 4.0, 0.05, 10.0
 # Stiffness of the pulling spring and the torsion spring in series [force / length].
 K = (2.0 * np.pi) ** 2 / ETA
 # Runs at each temperature [energy], and samples in each of the three periods of the pull.
-COLOURS, MEMBERS, SAMPLES = {0.01: "#0b62a4", 0.1: "#8a6f00", 0.3: "#d55e00"}, 48, 60
+COLOURS, MEMBERS, SAMPLES = {0.01: "#0b62a4", 0.1: "#2fae8c", 0.3: "#d55e00"}, 48, 60
 
 
 def runs(temperature):
     """Works of a tip that is pulled over three periods, with their means and intervals."""
     asperite = tribo.Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2)
-    drive, bath = tribo.Pulled(stiffness=2.0 * K, speed=SPEED), tribo.Langevin(K**0.5, temperature)
-    tip = tribo.Surface("tip", asperite=asperite, drive=drive, langevin=bath)
+    drive = tribo.Pulled(stiffness=2.0 * K, speed=SPEED)
+    reservoir = tribo.Langevin(K**0.5, temperature, velocity=(SPEED, 0.0))
+    tip = tribo.Surface("tip", asperite=asperite, drive=drive, langevin=reservoir)
     corrugation = tribo.Field(tribo.Corrugation(1.0, 1.0), on=["tip"])
     output = tribo.Output(samples=3 * SAMPLES + 1)
     scene = tribo.Scene([tip], [], 3.0 / SPEED, fields=[corrugation], output=output)

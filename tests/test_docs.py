@@ -14,9 +14,10 @@ import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("tutorials", "how-to", "explanation", "reference")
+FOLDERS = ("tutorials", "how-to", "explanation", "reference", "developers")
 PAGES = [
-    *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "paper.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
     *(page for folder in FOLDERS for page in sorted((ROOT / "docs" / folder).glob("*.md"))),
 ]
 
@@ -65,6 +66,25 @@ def test_notebook(name, tmp_path, monkeypatch):
     assert prose.count("<details>") == prose.count("</details>")
     answers = [cell for cell in code if cell["metadata"]]
     assert bool(answers) == ("<details>" in text)
+
+
+CAPTION = re.compile(r"\A\*[^*].*\d.*\*\Z", re.DOTALL)
+FIGURE = re.compile(r"^```\{figure\}.*\n(?::.*\n)*([^`]*)^```", re.MULTILINE)
+GALLERY = ROOT / "docs" / "gallery" / "index.md"
+
+
+@pytest.mark.parametrize("page", [*PAGES, GALLERY], ids=lambda page: str(page.relative_to(ROOT)))
+def test_pictures_have_captions(page):
+    """Each picture, or row of pictures, has a caption with a number: below it in italics."""
+    text = page.read_text(encoding="utf-8")
+    paragraphs = re.split(r"\n\s*\n", text)
+    is_picture = [paragraph.startswith("```{image}") for paragraph in paragraphs]
+    for number, paragraph in enumerate(paragraphs):
+        if is_picture[number] and not is_picture[number + 1]:
+            assert CAPTION.match(paragraphs[number + 1].strip()), paragraph
+    captions = FIGURE.findall(text)
+    assert len(captions) == text.count("```{figure}")
+    assert all(re.search(r"\d", caption) for caption in captions)
 
 
 def architecture():

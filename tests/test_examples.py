@@ -36,6 +36,8 @@ def diffusion(shown):
     """D gamma / T = 1 / I_0(A / T)^2, within three standard errors of the variance."""
     expected = 1.0 / i0(1.0) ** 2
     assert shown["D gamma / T at A / T = 1"] == pytest.approx(expected, rel=0.12)
+    shift = abs(shown["D gamma / T at A / T = 2"] - 1.0 / i0(2.0) ** 2)
+    assert shift < 1.5 * shown["half-width at A / T = 2"] < 0.04
 
 
 def free_block(shown):
@@ -53,11 +55,6 @@ def heat_into_baths(shown):
     """The decay is that of the continuum, to 1 %, for as long as tribo says."""
     assert shown["40 oscillators act as a continuum until t"] > 50.0
     assert shown["largest error of 40 until then"] < 0.01
-
-
-def lammps_export(shown):
-    """The atoms and the potential of the files have the energy of the scene."""
-    assert shown["energy of the files / energy of the scene"] == pytest.approx(1.0, rel=1e-13)
 
 
 def load_and_energy(shown):
@@ -78,15 +75,28 @@ def postcard(shown):
     assert shown["checks that passed"] == shown["checks on the card"] >= 10
 
 
+def rough_grid(shown):
+    """The share in contact of Greenwood and Williamson; twice the load takes 1.7 times as many."""
+    assert shown["share in contact / theory"] == pytest.approx(1.0, rel=0.15)
+    assert 1.6 < shown["share in contact, load doubled / single"] < 2.0
+
+
 def rough_surface(shown):
     """The energy balance is closed, and most of the work is heat."""
     assert shown["largest gap / work"] < 1e-8
     assert 0.8 < shown["heat / work"] < 1.0
 
 
+def squeezed_layers(shown):
+    """Layers break at the closed form's loads; a load that grows is late, most at the weakest."""
+    assert len(shown) == 3
+    late = [value - 1.0 for value in shown.values()]
+    assert 0.06 > late[0] > late[1] > late[2] > 0.0
+
+
 def stick_slip(shown):
     """The work of a slow pull is nearly zero below eta = 1, and that of the equilibria above."""
-    assert shown["work for eta = 0.7"] < 0.02
+    assert abs(shown["work for eta = 0.7"]) < 2e-3
     assert shown["work / jump for eta = 4"] == pytest.approx(1.0, rel=0.02)
 
 
@@ -153,12 +163,13 @@ def test_example(name, tmp_path):
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_length(name):
-    """An example is less than 60 lines long."""
-    assert len((FOLDER / f"{name}.py").read_text(encoding="utf-8").splitlines()) < 60
+    """An example is less than 75 lines long."""
+    assert len((FOLDER / f"{name}.py").read_text(encoding="utf-8").splitlines()) < 75
 
 
-def test_gallery():
+def test_gallery(monkeypatch):
     """The page has every example, its explanation, its numbers and its picture."""
+    monkeypatch.syspath_prepend(GALLERY)
     spec = importlib.util.spec_from_file_location("draw", GALLERY / "draw.py")
     draw = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(draw)

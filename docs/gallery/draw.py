@@ -12,23 +12,28 @@ import sys
 import tempfile
 from pathlib import Path
 
+from captions import CAPTIONS, THEMES
 from PIL import Image
+
+from tribo.plotting.style import STYLE
 
 FOLDER = Path(__file__).resolve().parent
 EXAMPLES = FOLDER.parents[1] / "examples"
 NUMBERS = FOLDER / "numbers.json"
 PAGE = FOLDER / "index.md"
 
-# Width of a picture [pixels]; with a palette of this many colours a file has 25 to 75 kB.
-WIDTH, COLOURS = 900, 256
+# Pixels of the page for each inch of a figure, so that text has one size in all pictures; a file
+# has twice as many.  With a palette of this many colours it has 25 to 100 kB.
+SCALE, COLOURS = 118, 256
 
 HEADER = """\
 <!-- written by docs/gallery/draw.py -->
 # Gallery
 
-Each example is a script of less than 60 lines in the folder `examples/`, with one idea, one
-picture, and a number that a test compares with a closed form or a published value. Lines in the
-pictures are closed forms and points are simulations, unless a legend says otherwise.
+This page shows each example of the folder `examples/`: its picture, the function that sets up the
+scene, and the numbers that a test compares with a closed form or a published value. Points are
+simulations and lines are closed forms, unless a legend or a caption says otherwise. An example
+draws its picture again by `python examples/NAME.py`.
 """
 
 
@@ -41,8 +46,8 @@ def module(name):
 
 
 def names():
-    """The names of all examples."""
-    return sorted(path.stem for path in EXAMPLES.glob("*.py"))
+    """The names of all examples, by theme."""
+    return [name for members in THEMES.values() for name in members]
 
 
 def run(name):
@@ -50,26 +55,35 @@ def run(name):
     with tempfile.TemporaryDirectory() as folder:
         numbers = module(name).main(folder)
         with Image.open(Path(folder) / f"{name}.png") as image:
-            size = (WIDTH, round(WIDTH * image.height / image.width))
+            ratio = 2.0 * SCALE / STYLE["savefig.dpi"]
+            size = (round(ratio * image.width), round(ratio * image.height))
             small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     small.quantize(COLOURS).save(FOLDER / f"{name}.png", optimize=True)
     return {key: float(value) for key, value in numbers.items()}
 
 
 def page(numbers):
-    """The text of the page: each example with its picture, its explanation and its numbers."""
-    return HEADER + "".join(_section(name, numbers[name]) for name in names())
+    """The text of the page: each example with its picture, its code and its numbers."""
+    parts = [HEADER]
+    for theme, members in THEMES.items():
+        parts.append(f"\n## {theme}\n")
+        parts += [_section(name, numbers[name]) for name in members]
+    return "".join(parts)
 
 
 def _section(name, numbers):
+    """The part of the page about an example."""
     title, _, about = module(name).__doc__.strip().partition("\n\n")
     title = " ".join(title.split()).removesuffix(".")
-    rows = "\n".join(f"| {key} | {value:.6g} |" for key, value in numbers.items())
-    first, value = next(iter(numbers.items()))
-    caption = f"{title}: {first} = {value:.4g}."
+    rows = "\n".join(f"| {key} | {value:.4g} |" for key, value in numbers.items())
+    function, caption = CAPTIONS[name]
+    with Image.open(FOLDER / f"{name}.png") as image:
+        width = image.width // 2
     return (
-        f"\n## {title}\n\n```{{figure}} {name}.png\n:width: 70%\n:alt: {title}\n\n{caption}\n"
-        f"```\n\n{about}\n\n"
+        f"\n### {title}\n\n```{{figure}} {name}.png\n:width: {width}px\n:alt: {title}\n\n"
+        f"{caption.format(*numbers.values())}\n```\n\n"
+        f"```{{literalinclude}} ../../examples/{name}.py\n:language: python\n"
+        f":pyobject: {function}\n```\n\n{about}\n\n"
         f"| `examples/{name}.py` | |\n| --- | --- |\n{rows}\n"
     )
 
@@ -78,7 +92,7 @@ def main(chosen):
     """Run the chosen examples, and write the page."""
     numbers = json.loads(NUMBERS.read_text(encoding="utf-8")) if NUMBERS.exists() else {}
     numbers |= {name: run(name) for name in chosen or names()}
-    numbers = {name: numbers[name] for name in names()}
+    numbers = {name: numbers[name] for name in sorted(names())}
     NUMBERS.write_text(json.dumps(numbers, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(numbers), encoding="utf-8")
 

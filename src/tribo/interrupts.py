@@ -44,18 +44,7 @@ _report: list[Callable[[], None]] = []
 
 
 class Interrupted(KeyboardInterrupt):
-    """An interrupt that ended a computation after a part of it.
-
-    Parameters
-    ----------
-    result : Result or xarray.Dataset
-        The partial result.
-
-    Attributes
-    ----------
-    result : Result or xarray.Dataset
-        As given.
-    """
+    """An interrupt that ended a computation, with the partial `result`: a Result or a data set."""
 
     def __init__(self, result: Any) -> None:
         super().__init__("the attribute `result` of this exception has what was computed before")

@@ -9,12 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.comparison import (
-    ABORTED,
-    error_bounds,
-    out_of_reach,
-    strictest,
-)
+from tribo.accuracy.comparison import ABORTED, error_bounds, out_of_reach, strictest
 from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
@@ -27,7 +22,6 @@ from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.passing import passing_notes
-from tribo.ledger.samples import Samples
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched
@@ -37,7 +31,6 @@ from tribo.loops.select import Integrator
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
-from tribo.results.cost import Cost
 from tribo.results.notes import (
     approach_notes,
     budget_notes,
@@ -50,7 +43,7 @@ from tribo.results.notes import (
     weak_notes,
 )
 from tribo.results.pumped_heat import pumping_notes
-from tribo.results.run_result import Known
+from tribo.results.run_result import Constant, Cost
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
@@ -63,27 +56,9 @@ class Simulation:
     Several threads can run it at the same time.  It can be copied, and pickled without its function
     for progress; copies and pickles give the same bits.
 
-    Parameters
-    ----------
-    plan : Plan
-        The method and all settings.
-    integrator : Integrator
-        Runs the scene by that method.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene to run.
-    method : Method
-        How time advances.
-    accuracy : float, mapping or None
-        The relative error of everything, or of each observable named; None with a given step.
-    why : str
-        The reason for the method; empty if it was given.
-    compile_seconds : float
-        Time to compile the time loop, or to load it from disk [s].
-    integrator : Integrator
-        As given.
+    `scene`, `method`, `accuracy` (None with a given step), `why` (the reason for the method; empty
+    if it was given) and `compile_seconds` (to compile the time loop, or to load it from disk) say
+    what it runs.
     """
 
     def __init__(self, plan: Plan, integrator: Integrator) -> None:
@@ -113,19 +88,18 @@ class Simulation:
         return other
 
     def __deepcopy__(self, memo: object) -> Simulation:
-        """As a copy."""
         return self.__copy__()
 
-    def run(self, start: Start | None = None, estimate: bool = True) -> Result:
+    def run(self, initial: Start | None = None, estimate: bool = True) -> Result:
         """Run from the scene's start, or with some initial values changed.
 
         Parameters
         ----------
-        start : mapping, optional
+        initial : mapping, optional
             "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
             [rad, rad/time].
         estimate : bool
-            False leaves out the two coarser runs that estimate the error.
+            False omits the two coarser runs that estimate the error.
 
         Returns
         -------
@@ -134,42 +108,30 @@ class Simulation:
         Raises
         ------
         InputError
-            A name or a value in `start` cannot be used.
+            If a name or a value in `initial` cannot be used.
         KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
+            The run was interrupted; the attribute ``result`` contains it so far.
 
         Warns
         -----
         TriboWarning
             The run stops early, or its error estimates exceed the accuracy.
         """
-        return with_warning(self.compute(start, estimate))
+        return with_warning(self.compute(initial, estimate))
 
     def first_result(self) -> Result:
         """The result of the runs that found the settings, or of a run if none were needed.
 
-        Returns
-        -------
-        Result
-
-        Raises
-        ------
-        KeyboardInterrupt
-            The run was interrupted; the attribute ``result`` has the Result up to there.
-
-        Warns
-        -----
-        TriboWarning
-            The run stops early, or its error estimates exceed the accuracy.
+        Raises and warns as :meth:`run`.
         """
         return with_warning(self.compute_first())
 
-    def compute(self, start: Start | None = None, estimate: bool = True) -> Result:
+    def compute(self, initial: Start | None = None, estimate: bool = True) -> Result:
         """As :meth:`run`, without warnings: for callers that report what falls short.
 
         An interrupted run is returned with its status.
         """
-        y = self._initial_state({} if start is None else start)
+        y = self._initial_state({} if initial is None else initial)
         tuned = self.plan.tuned
         if not estimate or tuned is None:
             return self._single_run(y)
@@ -191,11 +153,6 @@ class Simulation:
         return self._estimated_result(runs, self._initial_state({}), self.plan.tuned)
 
     @property
-    def empty_ledger(self) -> Ledger:
-        """The ledger of one sample of zeros, which has all names."""
-        return assemble(self.layout, Samples.at_zero(self.layout))
-
-    @property
     def settings(self) -> Plan:
         """The plan for other scenes of this kind, for :func:`from_settings`; it can be pickled."""
         return self.plan.without_runs(self._single_setting)
@@ -204,10 +161,7 @@ class Simulation:
     def finest(self) -> Integration:
         """The run that found the settings.
 
-        Raises
-        ------
-        InputError
-            There was no search, as the step was given.
+        Raises InputError if there was none, as the step was given.
         """
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
@@ -263,7 +217,7 @@ class Simulation:
             return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed)
-        return run, Known(streamed.whole(run.samples)), streamed.watched
+        return run, Constant(streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -356,8 +310,9 @@ class Simulation:
         keep = self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
-            assemble_ledger, add_up_cost = Known(ledger), Known(cost)
-            bounds = _bounds_of(ledger, bounds)
+            assemble_ledger, add_up_cost = Constant(ledger), Constant(cost)
+            names = {*ledger.names, *ledger.kept}  # and observables, as "upper.W"
+            bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
@@ -412,12 +367,6 @@ def _left_out(ledger: Ledger) -> tuple[str, ...]:
     if ledger.kept:
         return ()
     return ("of the asperites' series only the first and the last sample are kept",)
-
-
-def _bounds_of(ledger: Ledger, bounds: Mapping[str, float]) -> dict[str, float]:
-    """The bounds on the errors of quantities in a ledger, and of observables, as "upper.W"."""
-    names = {*ledger.names, *ledger.kept}
-    return {name: bound for name, bound in bounds.items() if name in names or "." in name}
 
 
 def with_warning(result: Result) -> Result:

@@ -23,15 +23,7 @@ Shown = Callable[[float], None] | bool | None
 
 
 class ProgressBar:
-    """A bar that appears on stderr after a second, and disappears at the end.
-
-    Parameters
-    ----------
-    total : float
-        The value at the end.
-    unit : str
-        Its unit.
-    """
+    """A bar that appears on stderr after a second, and disappears at the end."""
 
     def __init__(self, total: float, unit: str) -> None:
         self._total = total
@@ -49,25 +41,16 @@ class ProgressBar:
 
             # The rate is that from now on: what was done before may have been read from a file.
             self._bar = tqdm(
-                total=self._total,
-                initial=reached,
-                leave=False,
-                unit=self._unit,
-                bar_format=FORMAT,
+                total=self._total, initial=reached, leave=False, unit=self._unit, bar_format=FORMAT
             )
             self._bar.set_description(self._runs, refresh=False)
         self._bar.n = reached
         self._bar.refresh()
 
     def announce(self, number: int, runs: int, seconds: float | None) -> None:
-        """Begin a run.
+        """Begin a run, which is `number` of `runs`.
 
-        Parameters
-        ----------
-        number, runs : int
-            Which run it is, and how many there will be.
-        seconds : float or None
-            The predicted time of it and of those that follow, which is printed from DELAY on.
+        The predicted `seconds` of it and of those that follow are printed from DELAY on.
         """
         self._runs = f"run {number} of {runs}"
         if self._bar is not None:
@@ -84,40 +67,19 @@ class ProgressBar:
             self._bar.close()
 
 
-class Reported:
-    """A context that gives the function to call with what is reached, or None.
-
-    Parameters
-    ----------
-    progress : callable, bool or None
-        See :data:`Shown`.
-    total : float
-        The value at the end.
-    unit : str
-        Its unit.
-
-    Raises
-    ------
-    InputError
-        `progress` is none of these.
-    """
-
-    def __init__(self, progress: Shown, total: float, unit: str) -> None:
-        self._bar: ProgressBar | None = None
-        self._function: Callable[[float], None] | None = None
-        if progress is True or (progress is None and _is_watched()):
-            self._bar = ProgressBar(total, unit)
-        elif callable(progress):
-            self._function = progress
-        elif progress not in (None, False):
-            raise must_be("progress", "a function, True, False or None", progress)
-
-    def __enter__(self) -> Callable[[float], None] | None:
-        return self._bar or self._function
-
-    def __exit__(self, *error: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
+@contextmanager
+def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[float], None] | None]:
+    """The function to call with what is reached, if any; see :data:`Shown`.  Raises InputError."""
+    if progress is True or (progress is None and _is_watched()):
+        bar = ProgressBar(total, unit)
+        try:
+            yield bar
+        finally:
+            bar.close()
+    elif callable(progress) or progress in (None, False):
+        yield progress if callable(progress) else None
+    else:
+        raise must_be("progress", "a function, True, False or None", progress)
 
 
 @contextmanager

@@ -17,7 +17,6 @@ from tribo.model.identity import opened
 from tribo.results import dataset, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
-from tribo.results.cost import Cost
 from tribo.results.depinning import Depinning, depinning
 from tribo.results.force_averages import (
     force_average,
@@ -25,7 +24,7 @@ from tribo.results.force_averages import (
     friction_force,
     time_without_contact,
 )
-from tribo.results.run_result import Known, RunResult
+from tribo.results.run_result import Constant, Cost, RunResult
 from tribo.validation import as_path
 
 if TYPE_CHECKING:
@@ -45,9 +44,9 @@ class Result(RunResult):
     ) -> Average:
         """The time average of the friction force on a surface, with a 95 % interval.
 
-        The friction force is the x component of what resists sliding: the sum of all contact
-        forces f1 and of all forces of external fields.  It is negative on a surface that slides
-        towards positive x.  The scene's output must ask for the series "forces".
+        The friction force is the x component of the force that resists sliding: the sum of all
+        contact forces f1 and of all forces of external fields.  It is negative on a surface that
+        slides towards positive x.  The scene's output must ask for the series "forces".
 
         Parameters
         ----------
@@ -57,7 +56,7 @@ class Result(RunResult):
             When the average begins, as in :func:`tribo.time_average`; by default at the scene's
             ``output.run_in`` [time].
         part : "contact" or "field", optional
-            One of the two; both without it.
+            Select one of the two; None for both.
 
         Returns
         -------
@@ -67,8 +66,8 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The forces were not recorded, no field acts on the surface, or there are fewer than two
-            samples.
+            If the forces were not recorded, no field acts on the surface, or there are fewer than
+            two samples.
         """
         return friction_force(self, surface, after, part)
 
@@ -81,43 +80,28 @@ class Result(RunResult):
 
         Parameters
         ----------
-        surface : str
-            Name of the surface.
-        after : float or "auto", optional
-            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
-            ``output.run_in`` [time].
+        surface, after
+            As for :meth:`friction_force`.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
-
-        Raises
-        ------
-        InputError
-            The forces were not recorded, or there are fewer than two samples.
+            As of :meth:`friction_force`.
         """
         return force_average(self, f"{surface}.pull_force", after)
 
     def friction_coefficient(self, surface: str, after: float | str | None = None) -> Average:
-        """The time average of the friction force on a surface over the load on it.
+        """The time average of the friction force on a surface, divided by the load on it.
 
         Parameters
         ----------
-        surface : str
-            Name of the surface, whose drive has a load.
-        after : float or "auto", optional
-            As of :meth:`friction_force`.
+        surface, after
+            As for :meth:`friction_force`; the surface's drive has a load.
 
         Returns
         -------
         Average
-            As of :func:`tribo.time_average`, relative to the load; the mean is not negative.
-
-        Raises
-        ------
-        InputError
-            The surface has no load, or as of :meth:`friction_force`.
+            As of :meth:`friction_force`, relative to the load; the mean is not negative.
         """
         return friction_coefficient(self, surface, after)
 
@@ -125,16 +109,16 @@ class Result(RunResult):
         """The drive's force at which a pulled or pushed surface starts to slide, along x.
 
         It is the largest force on each asperite until its bar has moved by `distance`: the static
-        friction, if the pull is slow and samples are close in time.  A rate of the force adds the
-        rate times the time that the bar takes for the distance.
+        friction, if the pull is slow and samples are close in time. If the force grows at a rate,
+        the result is too large by the rate times the time that the bar takes for the distance.
 
         Parameters
         ----------
         surface : str
             Name of the surface, whose drive pulls or pushes.
         distance : float, optional
-            By default half of the period of the corrugation on the surface, or of the spacing of
-            the other surface: beyond the top of a barrier [length].
+            Distance beyond the top of a barrier [length]. By default half of the period of the
+            corrugation on the surface, or of the spacing of the other surface.
 
         Returns
         -------
@@ -144,16 +128,17 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            Another drive holds the surface, no bar moves so far, or the distance is missing.
+            If another drive holds the surface, no bar moves so far, or the distance is missing.
         """
         return depinning(self, surface, distance)
 
     def time_without_contact(self, surface: str, after: float | None = None) -> float:
-        """The share of time in which no bob of a surface is in contact with another surface.
+        """The fraction of time in which no bob of a surface is in contact with another surface.
 
-        Two bobs are in contact within the range of their potential.  Where it decays without an
-        end, they are if their energy is at least 1 % of the sum of the energy of torsion by 1 rad
-        of the softest asperite and of k_B T.  The scene's output must ask for the series "forces".
+        Two bobs are in contact within the range of their potential. Where it decays without an
+        end, they are in contact if their energy is at least 1 % of the sum of the energy of
+        torsion by 1 rad of the softest asperite and of k_B T.  The scene's output must
+        ask for the series "forces".
 
         Parameters
         ----------
@@ -170,8 +155,8 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The contact was not recorded, or has no range, as that of Coulomb, or there are fewer
-            than two samples.
+            If the contact was not recorded, or has no range, as that of Coulomb, or there are
+            fewer than two samples.
         """
         return time_without_contact(self, surface, after)
 
@@ -181,16 +166,11 @@ class Result(RunResult):
         Parameters
         ----------
         style : "text" or "bibtex"
-            A line for each, or entries of BibTeX.
+            "text" for a line each, "bibtex" for BibTeX entries.
 
         Returns
         -------
         str
-
-        Raises
-        ------
-        InputError
-            The style is another one.
         """
         return citations(self.scene, self.method, style)
 
@@ -200,13 +180,7 @@ class Result(RunResult):
         return report.end(self)
 
     def to_json(self) -> str:
-        """The property `end` as strict JSON, as ``tribo run --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object; numbers that are not finite are null.
-        """
+        """The property `end` as one object of strict JSON; numbers that are not finite are null."""
         return strict_json(self.end)
 
     def __repr__(self) -> str:
@@ -237,7 +211,7 @@ class Result(RunResult):
         Parameters
         ----------
         path : str or Path
-            The file, which is replaced if it exists.  A name that ends on .csv makes a table of
+            The file, which is replaced if it exists.  A name that ends in .csv makes a table of
             all series alone, without the scene and the error estimates: a row for each time, and a
             column for each quantity, as ``upper.W``, and for each asperite if a surface has
             several, as ``upper.theta[3]``.
@@ -245,7 +219,7 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The file cannot be written, or its name ends on neither .nc nor .csv.
+            If the file cannot be written, or its name ends in neither .nc nor .csv.
         """
         path = as_path(path)
         if path.suffix.lower() == CSV:
@@ -270,7 +244,7 @@ class Result(RunResult):
         Parameters
         ----------
         path : str or Path
-            The file, which is replaced if it exists; its name ends on .gif or .mp4.
+            The file, which is replaced if it exists; its name ends in .gif or .mp4.
         **settings
             ``frames``, ``rate``, ``surface``, ``width`` and ``bath`` of
             :func:`tribo.plotting.animate`.
@@ -279,11 +253,6 @@ class Result(RunResult):
         -------
         Path
             The file.
-
-        Raises
-        ------
-        InputError
-            If the name ends otherwise, ffmpeg is missing, or the file cannot be written.
         """
         from tribo.plotting import animate
 
@@ -293,23 +262,28 @@ class Result(RunResult):
         """The run as a list of ``ase.Atoms``, one for each sample: bobs, then bars.
 
         ``ase.io.write("run.traj", result.to_ase())`` and ``"run.extxyz"`` make files that ASE and
-        other programs open.
+        other programs open.  The scene's unit of length is read as Angstrom, its unit of energy as
+        eV, its unit of mass as u; ASE's unit of time, A sqrt(u/eV), is then the scene's.
 
         Parameters
         ----------
         symbols : dict of str to str, optional
-            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species.
+            Elements of the bobs by surface, as ``{"upper": "Si"}``; without it their species, and
+            "X" where these are no elements, as for bars.
 
         Returns
         -------
         list of ase.Atoms
-            With masses, velocities, charges, contact energy and contact forces: see
-            :func:`tribo.export.ase_atoms.to_ase`.  Numbers are in the scene's units.
+            With masses, velocities, charges, contact energy and contact forces f1 (none act on
+            bars).  Tags number the surfaces; the array "is_bar" tells bars from bobs; "theta" and
+            "phi" are the angles of the asperite [rad]; a .traj file drops these three.  `info` has
+            the time and the series of the system.
 
         Raises
         ------
         InputError
-            If a symbol is no element, or a surface does not exist.
+            A symbol is no element, a surface does not exist, a calculator of the scene fails, or
+            the places of single asperites were not kept.
         """
         from tribo.export.ase_atoms import to_ase
 
@@ -329,13 +303,7 @@ class Result(RunResult):
         return ledger_table(self)
 
     def end_to_pandas(self) -> pandas.DataFrame:
-        """The end state as a table of pandas: a row for each asperite, a column a quantity.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Indexed by (surface, asperite).
-        """
+        """The end state as a table of pandas: a row for each (surface, asperite)."""
         from tribo.export.pandas_tables import end_table
 
         return end_table(self)
@@ -359,25 +327,15 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            The file cannot be written, or the places of asperites, or of the oscillators that are
-            requested, are not recorded.
+            If the file cannot be written, or the positions of asperites, or of requested
+            oscillators, are not recorded.
         """
         from tribo.viewer import write_page
 
         return write_page(self, path, bath)
 
     def widget(self) -> Any:
-        """The page as a widget of a notebook; it needs ``tribo[notebook]``.
-
-        Returns
-        -------
-        anywidget.AnyWidget
-
-        Raises
-        ------
-        InputError
-            anywidget is not installed, or the places of asperites are not recorded.
-        """
+        """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
 
@@ -387,19 +345,10 @@ class Result(RunResult):
 def load_result(path: str | Path) -> Result:
     """Read a result from the file that :meth:`tribo.Result.save` wrote.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    Result
-
     Raises
     ------
     InputError
-        There is no such file, or it holds no result.
+        If there is no such file, or it contains no result.
     """
     path = as_path(path)
     data = dataset.load(path)
@@ -415,9 +364,9 @@ def load_result(path: str | Path) -> Result:
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Known(dataset.ledger_of(data, scene)),
-        add_up=Known(Cost(**json.loads(data.attrs["cost"]))),
-        take_state=Known(dataset.state_in(data, scene)),
+        assemble=Constant(dataset.ledger_of(data, scene)),
+        add_up=Constant(Cost(**json.loads(data.attrs["cost"]))),
+        take_state=Constant(dataset.state_in(data, scene)),
         settings=settings,
         version=data.attrs["version"],
     )

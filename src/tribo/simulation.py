@@ -8,9 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tribo.accuracy.choose_method import Choice, choose
-from tribo.accuracy.comparison import (
-    Accuracy,
-)
+from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.estimate import check_observables
 from tribo.accuracy.plan import Plan, integrator_for, make_plan
 from tribo.analysis.deep_core import core_notes
@@ -27,7 +25,7 @@ from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
-from tribo.progress import ProgressBar, Reported, Shown
+from tribo.progress import ProgressBar, Shown, reported
 from tribo.result import Result, load_result
 from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
 
@@ -61,8 +59,8 @@ def prepare(
         A function that is called with the time reached, a few times a second.
     start : State, optional
         The state from which all runs begin, such as that of a result; by default the start of the
-        scene at t = 0.  In the scene of the state, works and changes of energy continue from their
-        values in the state; in a scene with other forces they begin at zero.
+        scene at t = 0.  In the scene of the state, works and changes of energy continue from
+        their values in the state; in a scene with other forces they start at zero.
     allow_unresolved : bool
         Whether a step of a splitting method may be too long to resolve the fastest pendulum or
         spring, as in the scene's numerics.
@@ -77,8 +75,8 @@ def prepare(
     Raises
     ------
     InputError
-        The settings do not go together or do not suit the scene, the accuracy is out of reach, or
-        a plug-in cannot be compiled.
+        If settings exclude each other or do not suit the scene, the accuracy is out of reach, or
+        a plug-in does not compile.
     KeyboardInterrupt
         The search for settings was interrupted.
 
@@ -146,16 +144,7 @@ def _integrator(
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
     """A simulation of a scene by the settings of another of its kind, without a search.
 
-    Parameters
-    ----------
-    scene : Scene
-        Differs from the other in numbers, not in the effects that it calls for.
-    settings : Plan
-        :attr:`Simulation.settings` of the other.
-
-    Returns
-    -------
-    Simulation
+    The scene differs from the other in numbers, not in the effects that it calls for.
     """
     layout = lay_out(scene)
     return Simulation(settings, integrator_for(layout, methods.METHODS[settings.method]))
@@ -179,19 +168,19 @@ def simulate(
     ----------
     scene, accuracy, method, step, allow_unresolved, threads
         As for :func:`prepare`.
-    start : State, optional
-        The state ``result.state()`` of another run, from which this one continues.  With the same
-        method, step and recorded times it has the bits of a run without the pause.
     progress : callable or bool, optional
         A function that is called with the time reached, a few times a second.  By default a bar
         appears on a terminal or in a notebook after a second; True shows it elsewhere too, False
         never.
+    start : State, optional
+        The state ``result.state()`` of another run, from which this one continues.  With the same
+        method, step and recorded times it has the bits of a run without the pause.
     out : str or Path, optional
-        A NetCDF file for the result.  During the run and after an interruption, ``out`` with
-        ``.part`` appended to its name has the samples so far.
+        A NetCDF file for the result.  Until that is complete, ``out`` with ``.part`` appended to
+        its name has what is done.
     resume : bool
-        Continue from ``out.part``, with the same bits as a run without a pause.  Without such a
-        file the run starts from the beginning, or ``out`` is read if it is complete.
+        Continue from ``out.part``, with the same bits as without a pause.  Without such a file the
+        run starts from the beginning, or ``out`` is read if it is complete.
 
     Returns
     -------
@@ -202,8 +191,8 @@ def simulate(
     InputError
         As for :func:`prepare`.
     KeyboardInterrupt
-        The run was interrupted, as by Ctrl-C.  If a part of it had been computed, the attribute
-        ``result`` of the exception has the Result up to there.
+        The run was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has the
+        Result up to there, if a part of it had been computed.
 
     Warns
     -----
@@ -211,7 +200,7 @@ def simulate(
         The run stops early, its error estimates exceed the accuracy, or bobs start deep in a core.
     """
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    with Reported(progress, layout.scene.duration, "t") as report:
+    with reported(progress, layout.scene.duration, "t") as report:
         if out is None:
             integrator = _integrator(layout, choice, report, origin, threads)
             result = _first_result(choice, integrator, report)

@@ -11,7 +11,7 @@ from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.simulation import simulate
-from tribo.validation import is_list, must_be, number
+from tribo.validation import is_list, must_be, must_be_one_of, number
 from tribo.viewer.contents import MOST_ARROWS, contents
 from tribo.viewer.html import document
 
@@ -28,22 +28,10 @@ MOST_EVALUATIONS = 2e6
 
 @dataclass(frozen=True)
 class Slider:
-    """A value of a scene that can be changed.
+    """A value of a scene that can be changed: in a range, or to one of some `values`."""
 
-    Attributes
-    ----------
-    key : str
-        As for :func:`tribo.model.parameters.with_values`.
-    value : float or str
-        The value at the beginning.
-    low, high : float
-        The range, where there is one.
-    values : tuple, optional
-        The values to choose from, where there is no range.
-    """
-
-    key: str
-    value: Any
+    key: str  # as for tribo.model.parameters.with_values
+    value: Any  # at the beginning
     low: float = 0.0
     high: float = 0.0
     values: tuple[Any, ...] | None = None
@@ -60,7 +48,7 @@ class Slider:
             for each in self.values:
                 if type(each) is type(value) and each == value:
                     return each
-            raise must_be(self.key, f"one of {', '.join(map(str, self.values))}", value)
+            raise must_be_one_of(self.key, self.values, value)
         found = number(self.key, value)
         if not self.low <= found <= self.high:
             raise must_be(self.key, f"from {self.low:g} to {self.high:g}", found)
@@ -77,23 +65,9 @@ class Slider:
 
 
 def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
-    """The sliders of a scene.
+    """The sliders of a scene: key -> (low, high), or a list of words or of other values.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    given : mapping
-        Key -> (low, high), or a list of words or of other values.
-
-    Returns
-    -------
-    list of Slider
-
-    Raises
-    ------
-    InputError
-        A range is none, or the scene cannot have one of its ends or values.
+    Raises InputError if a range is none, or the scene cannot have one of its ends or values.
     """
     return [_slider(scene, str(key), values) for key, values in given.items()]
 
@@ -128,15 +102,7 @@ def shown(scene: Scene, bath: bool = False) -> Scene:
 
 
 class Playing:
-    """A scene whose runs a page asks for.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    sliders : list of Slider
-        The values that change.
-    """
+    """A scene whose runs a page asks for, and the sliders of the values that change."""
 
     def __init__(self, scene: Scene, sliders: Sequence[Slider]) -> None:
         given = scene.numerics.max_evaluations or MOST_EVALUATIONS
@@ -147,11 +113,8 @@ class Playing:
     def run(self, values: object) -> dict[str, Any]:
         """What the page shows of the run at some values.
 
-        Raises
-        ------
-        InputError
-            There is another key than the declared ones, or a value out of its range, or the scene
-            with these values cannot be run.
+        Raises InputError if there is another key than the declared ones, or a value out of its
+        range, or the scene with these values cannot be run.
         """
         return contents(self.simulated(values))
 
@@ -161,7 +124,7 @@ class Playing:
             raise must_be("values", "a value for each key", values)
         for key in values:
             if key not in self._sliders:
-                raise must_be(str(key), f"one of {', '.join(self._sliders)}", key)
+                raise must_be_one_of(str(key), self._sliders, key)
         checked = {key: self._sliders[key].checked(value) for key, value in values.items()}
         return simulate(with_values(self._scene, checked), progress=False)
 
@@ -180,27 +143,9 @@ class Playing:
 
 
 def grid_page(scene: Scene, sliders: Sequence[Slider], bath: bool = False) -> str:
-    """The page with the runs of every combination of the values of sliders.
+    """The page, without Python, with the runs of every combination of the values of sliders.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    sliders : list of Slider
-        Ranges become lists of 41 values, of 11 where there are two sliders, of 5 where there are
-        three.
-    bath : bool
-        Whether bath oscillators are drawn.
-
-    Returns
-    -------
-    str
-        The page, which needs no Python.
-
-    Raises
-    ------
-    InputError
-        There are more than three sliders or 1000 runs, or a run cannot be made.
+    Raises InputError if there are more than three sliders or 1000 runs, or a run cannot be made.
     """
     if len(sliders) not in POINTS:
         raise must_be("--slider", f"given at most {max(POINTS)} times", len(sliders))
@@ -232,12 +177,12 @@ def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:
     Returns
     -------
     anywidget.AnyWidget
-        What a notebook shows.
+        A widget that a notebook shows.
 
     Raises
     ------
     InputError
-        A key or a value does not suit the scene, or anywidget is not installed.
+        If a key or a value does not suit the scene, or anywidget is not installed.
     """
     from tribo.viewer.widget import Player
 

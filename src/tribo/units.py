@@ -15,7 +15,8 @@ __all__ = ["AG_NM_NS", "ASE", "SI", "Units", "from_energy"]
 class Units(NamedTuple):
     """Three units in SI, from which all others follow.
 
-    Multiply a number of a scene or a result by a unit to have it in SI, divide to go back.
+    Multiply a number of a scene or a result by a unit to convert it to SI, divide to convert it
+    back.
 
     Attributes
     ----------
@@ -63,18 +64,7 @@ class Units(NamedTuple):
         return self.mass / self.time
 
     def kT(self, kelvin: float) -> float:  # noqa: N802  (as it is written in equations)
-        """Boltzmann's constant times a temperature [energy of these units].
-
-        Parameters
-        ----------
-        kelvin : float
-            Temperature [K].
-
-        Returns
-        -------
-        float
-            The temperature of a scene.
-        """
+        """Boltzmann's constant times a temperature [K]: that of a scene [energy of these units]."""
         return constants.k * kelvin / self.energy
 
 
@@ -83,12 +73,9 @@ def from_energy(length: float, mass: float, energy: float) -> Units:
 
     Parameters
     ----------
-    length : float
-        Unit of length [m], as the sigma of a Lennard-Jones potential.
-    mass : float
-        Unit of mass [kg].
-    energy : float
-        Unit of energy [J], as the epsilon of a Lennard-Jones potential.
+    length, mass, energy : float
+        Units of length [m], of mass [kg] and of energy [J], as sigma and epsilon of a
+        Lennard-Jones potential.
 
     Returns
     -------

@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
 
@@ -23,12 +24,8 @@ Condition = tuple[str, Callable[[float], bool]]
 class InputError(ValueError):
     """A value that cannot be used: ``field: what is wrong, and which values are valid``.
 
-    Attributes
-    ----------
-    field : str
-        The field as a scene file writes it, such as ``surface[0].asperite.m1``.
-    problem : str
-        What is wrong with its value.
+    Attributes: `field` as a scene file writes it, such as ``surface[0].asperite.m1``, and
+    `problem`.
     """
 
     def __init__(self, field: str, problem: str) -> None:
@@ -47,6 +44,22 @@ class InputError(ValueError):
 def must_be(field: str, wanted: str, value: object) -> InputError:
     """The error of a field whose value is not what is wanted; to be raised."""
     return InputError(field, f"must be {wanted}, got {short_repr(value)}")
+
+
+def must_be_one_of(field: str, options: Iterable[object], value: object) -> InputError:
+    """The error of a field whose value is none of some names; to be raised."""
+    return InputError(field, f"must be one of {shortened(options)}, got {short_repr(value)}")
+
+
+def shortened(names: Iterable[object]) -> str:
+    """Names with commas between them, as many as a message quotes."""
+    words = list(map(str, names))
+    shown = [
+        word
+        for word, end in zip(words, accumulate(len(w) + 2 for w in words), strict=True)
+        if end <= 100
+    ]
+    return ", ".join(shown) + f", ... ({len(words)} in all)" * (len(shown) < len(words))
 
 
 class TriboWarning(UserWarning):
@@ -108,11 +121,7 @@ def number_or_array(
 
 
 def vector(
-    field: str,
-    value: object,
-    condition: Condition = ANY,
-    size: int | None = None,
-    unit: str = "",
+    field: str, value: object, condition: Condition = ANY, size: int | None = None, unit: str = ""
 ) -> np.ndarray:
     """A read-only array of finite numbers, of the given size if there is one."""
     wanted = "a list of numbers" if size is None else "1 number" if size == 1 else f"{size} numbers"
@@ -179,7 +188,7 @@ def known_keys(
     for key in table:
         if key not in allowed:
             near = difflib.get_close_matches(str(key), allowed, n=1)
-            hint = f'did you mean "{near[0]}"?' if near else f"known here: {', '.join(allowed)}"
+            hint = f'did you mean "{near[0]}"?' if near else f"known here: {shortened(allowed)}"
             name = key if isinstance(key, str) and key.isprintable() else short_repr(key)
             raise InputError(name, f"is not a known key; {hint}")
     for key in required:

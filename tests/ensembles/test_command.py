@@ -8,6 +8,7 @@ import xarray
 from scipy import stats
 from scipy.stats import qmc
 
+import tribo
 from tribo import ensemble, paper
 from tribo.commands.cli import main
 from tribo.ensembles import batches
@@ -163,6 +164,51 @@ def test_means_over_time(tmp_path, capsys):
     assert main([*arguments, "--json"]) == 0
     table = json.loads(capsys.readouterr().out)["quantities"]["upper.W"]
     assert table["half_width"] == float(data["upper.W_half_width"][-1])
+
+
+def test_a_half_width_determines_the_members(tmp_path, capsys):
+    """As the argument of tribo.ensemble, and of tribo.sweep at each point."""
+    scene = paper.scene("A")
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    settings = ["--vary", "upper.theta=normal(0,0.1)", "--half-width", "upper.W=0.02"]
+    settings += ["--step", "0.1"]
+    assert main(["ensemble", str(path), *settings, "--out", str(out)]) == 0
+    how = {"half_width": {"upper.W": 0.02}, "step": 0.1}
+    data = ensemble(scene, vary={"upper.theta": stats.norm(0.0, 0.1)}, **how)
+    with xarray.open_dataset(out) as file:
+        assert file.sizes["member"] == data.sizes["member"] > 16
+        np.testing.assert_array_equal(file["upper.W_mean"], data["upper.W_mean"])
+    capsys.readouterr()
+    assert main(["sweep", str(path), "--set", "interaction.strength=0.2", *settings, "--json"]) == 0
+    (point,) = json.loads(capsys.readouterr().out)["points"]
+    assert point["members"] == {"completed": data.sizes["member"]}
+    for wrong in ("upper.W", "upper.W=wide", "upper.nothing=1"):
+        assert main(["ensemble", str(path), *settings[:2], "--half-width", wrong]) == 2
+        assert "half" in capsys.readouterr().err
+
+
+def test_an_unresolved_step_may_be_allowed(tmp_path, capsys):
+    """For runs, ensembles and sweeps."""
+    stiff = tribo.Surface("upper", asperite=tribo.Asperite(kappa=1e4))
+    scene = tribo.Scene((stiff,), (), 1.0, output=tribo.Output(samples=2))
+    scene.save(tmp_path / "a.toml")
+    many = ["--vary", "upper.theta=normal(0,0.1)", "--members", "2"]
+    for command, *rest in (["run"], ["ensemble", *many], ["sweep", "--set", "duration=1.0,2.0"]):
+        arguments = [
+            command,
+            str(tmp_path / "a.toml"),
+            "--method",
+            "verlet",
+            "--step",
+            "0.1",
+            *rest,
+        ]
+        assert main(arguments) != 0
+        printed = capsys.readouterr()
+        assert "allow_unresolved" in printed.err + printed.out
+        assert main([*arguments, "--allow-unresolved"]) == 0
+        capsys.readouterr()
 
 
 @pytest.mark.parametrize(

@@ -372,7 +372,7 @@ def test_numbers_of_their_own(case):
     variation = Variation(scene, NUMBERS, 0)
     for member in (0, 33, 69):
         alone = tribo.ensemble_member(data, member)
-        run = tribo.simulate(variation.member(member).scene_with_start(scene), accuracy=1e-10)
+        run = tribo.simulate(variation.member(member).scene(scene, with_start=True), accuracy=1e-10)
         for name in KEEP:
             np.testing.assert_array_equal(data[name][member], alone[name][0], name)
             np.testing.assert_array_equal(data[name][member], few[name][member], name)

@@ -27,10 +27,10 @@ from tribo.accuracy.plan import Plan
 from tribo.ensembles import batches
 from tribo.ensembles.dataset import COUNTS
 from tribo.ensembles.figure import mean_band
-from tribo.ensembles.intervals import interval, members_needed
 from tribo.ensembles.means import FIRST_STAGE
 from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
+from tribo.results.intervals import interval, members_needed
 
 TEMPERATURE = 0.3
 LIGHT = Asperite(m2=0.5)
@@ -451,7 +451,7 @@ THETA = {"upper.theta": stats.norm(0.0, 0.1)}
         ({"members": 2, "vary": THETA, "seed": -1}, "seed", "an integer"),
         ({"members": 2, "vary": THETA, "engine": 3}, "engine", "submit or map"),
         ({"vary": THETA, "half_width": 1e-2}, "half_width", "must map quantities"),
-        ({"vary": THETA, "half_width": {"upper.phi": 1.0}}, "half_width.upper.phi", "one of"),
+        ({"vary": THETA, "half_width": {"upper.phi": 1.0}}, "half_width", "one of"),
         ({"vary": THETA, "half_width": {"upper.W": 0.0}}, "half_width.upper.W", "positive"),
         (
             {"members": 20, "vary": THETA, "half_width": {"upper.W": 1e-4}, **STEP},

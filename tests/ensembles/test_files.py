@@ -9,7 +9,7 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, ensemble_member, paper
-from tribo.ensembles import batches, statistics, statistics_store, stores
+from tribo.ensembles import batches, statistics_store, stores
 
 KEEP = ["upper.w1", "contact_energy"]
 VARY = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.01)}
@@ -20,7 +20,7 @@ SCENE = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6), output
 def small_chunks(monkeypatch):
     """Chunks of 64 members, which are written at once."""
     monkeypatch.setattr(batches, "CHUNK", 64)
-    monkeypatch.setattr(statistics, "BLOCK", 100)
+    monkeypatch.setattr(statistics_store, "BLOCK", 100)
     for module in (stores, statistics_store):
         monkeypatch.setattr(module, "INTERVAL", 0.0)
 

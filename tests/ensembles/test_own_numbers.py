@@ -53,7 +53,7 @@ def check(scene, vary, members, within, **how):
     assert set(data["status"].values) == {"completed"}
     variation = Variation(scene, vary, 0)
     for m in (0, members // 2, members - 1):
-        run = tribo.simulate(variation.member(m).scene_with_start(scene), **how)
+        run = tribo.simulate(variation.member(m).scene(scene, with_start=True), **how)
         series = {}
         for name in KEEP:
             surface, _, quantity = name.rpartition(".")

@@ -10,8 +10,8 @@ from scipy import stats
 import tribo
 from tribo import InputError, ensemble, paper
 from tribo.ensembles import statistics_store
-from tribo.ensembles.kept_values import Kept
-from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments, Statistics
+from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments
 
 DRAWS = {
     "normal": stats.norm(1e3, 1e-3),
@@ -27,15 +27,16 @@ def test_against_numpy(name):
     values = DRAWS[name].rvs(size=(20_000, 2, 3), random_state=rng).astype(float)
     values[:, 1, 1] = 0.25  # constant
     kept = Kept(("upper.w1",), True, ((2, 3),))
-    found = Statistics(kept)
+    found = statistics_store.StatisticsStore(kept, np.nan, None)
     first = 0
     for size in (1, 1, 4000, 17, 15_981):
         part = values[first : first + size]
-        found.add({"upper.w1": part}, np.ones(size, bool))
+        added = KeptValues.without_runs(kept, size, "completed")
+        added.values = {"upper.w1": part}
+        found.add(added)
         first += size
-    found.merge()
-    assert first == found.moments.count == 20_000
-    moments = found.moments
+    moments = found.moments()
+    assert first == found.done == moments.count == 20_000
     np.testing.assert_allclose(moments.mean, values.mean(axis=0), rtol=1e-13)
     for time in range(2):
         exact = np.cov(values[:, time], rowvar=False)

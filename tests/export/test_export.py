@@ -57,7 +57,7 @@ def test_velocities_and_forces_are_derivatives(result):
 def test_wrong_symbols(result):
     with pytest.raises(InputError, match=r"symbols\['upper'\]: must be the symbol of an element"):
         result.to_ase({"upper": "Zz"})
-    with pytest.raises(InputError, match="symbols: must be of the surfaces upper, lower"):
+    with pytest.raises(InputError, match="symbols: must be one of upper, lower"):
         result.to_ase({"middle": "Si"})
 
 

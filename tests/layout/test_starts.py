@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from tribo import Asperite, Bath, Coulomb, DrivenBars, Free, Initial, InputError, Pulled, Surface
-from tribo.ensembles.members import Variation
+from tribo.ensembles.members import Variation, is_random
 from tribo.export.lammps import to_lammps
 from tribo.export.lammps_atoms import atoms_of
 from tribo.layout.initial_state import InitialState
@@ -196,4 +196,4 @@ def test_in_files_and_ensembles(tmp_path):
         InputError, match=r"warm.theta: cannot be changed where initial.temperature"
     ):
         scene.initial_value("warm.theta")
-    assert Variation(scene, {}, seed=0).own_scenes
+    assert is_random(scene)

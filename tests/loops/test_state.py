@@ -196,4 +196,4 @@ def test_no_run_continues_from_one_that_was_cut_back(streams, tmp_path, monkeypa
         with pytest.raises(InputError, match="was cut back to t = "):
             tribo.simulate(scene, **how, start=state)
     whole = tribo.simulate(replace(scene, duration=5.0), **how)
-    assert tribo.simulate(scene, **how, start=whole.state()).t[0] == 5.0
+    assert tribo.simulate(scene, **how, start=whole.state()).status == "PassedThrough"

@@ -295,7 +295,6 @@ def test_a_bath_from_a_list():
     np.testing.assert_array_equal(bath.inertias, [0.3])
     np.testing.assert_array_equal(bath.torsional_frequencies, [4.0])
     np.testing.assert_allclose(bath.stiffnesses, [0.4, 0.2])
-    np.testing.assert_allclose(bath.torsional_stiffnesses, [4.8])
     assert bath.temperature == 0.5
     assert bath.spectrum is None
     assert bath

@@ -35,6 +35,7 @@ from tribo import (
 from tribo.commands.cli import main
 from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
+from tribo.validation import must_be_one_of
 
 REMOVED = object()
 HUGE = 10**400  # TOML has such numbers, floats have not
@@ -151,6 +152,10 @@ def paths(value, path=""):
         yield from paths(item, where)
 
 
+# The most characters of a message, but for the name of a folder.
+TWO_LINES = 200
+
+
 def message(folder, capsys, source, *options):
     """The message of ``tribo run`` for an invalid scene file; checks that no file is written."""
     file = folder / "scene.toml"
@@ -162,7 +167,15 @@ def message(folder, capsys, source, *options):
     assert printed.out == ""
     assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
     assert printed.err.startswith("tribo: ") and printed.err.count("\n") == 1, printed.err
+    assert len(printed.err.replace(str(folder), "")) <= TWO_LINES, printed.err
     return printed.err.removeprefix("tribo: ").rstrip("\n")
+
+
+def test_a_message_quotes_some_of_many_names():
+    """As many as fit in a line, and how many there are."""
+    error = must_be_one_of("name", [f"surface{k}.friction_force" for k in range(1000)], "x")
+    assert len(str(error)) <= TWO_LINES and "... (1000 in all), got 'x'" in str(error)
+    assert str(must_be_one_of("name", ("a", "b"), "x")) == "name: must be one of a, b, got 'x'"
 
 
 # The path of a key, an invalid value, and the beginning of the message; then the field of the
@@ -268,7 +281,7 @@ WRONG = [
     ("field[0].on", "upper", "must be a list of names of surfaces, got 'upper'"),
     ("field[0].on", ["upper", "upper"], "must be each surface once; a field acts once on each"),
     ("field[0].on", [], "must be a list of names of surfaces, got []"),
-    ("field[0].on", [5], "must be one of the surfaces ['upper', 'lower', 'rough'], got 5"),
+    ("field[0].on", [5], "must be one of the surfaces upper, lower, rough, got 5"),
     ("output", 5, "must be a table, got 5"),
     ("numerics", 5, "must be a table, got 5"),
     ("periodic", 5, "must be a table, got 5"),
@@ -366,12 +379,12 @@ WRONG = [
     (
         "interaction[0].between",
         ["upper", "middle"],
-        "must be one of the surfaces ['upper', 'lower', 'rough'], got",
+        "must be one of the surfaces upper, lower, rough, got",
     ),
     ("interaction[0].between", ["upper"], "must be the names of two surfaces, got ['upper']"),
     ("interaction[0].between", "upper", "must be the names of two surfaces, got 'upper'"),
     ("interaction[0].between", [], "must be the names of two surfaces, got []"),
-    ("field[0].on", ["middle"], "must be one of the surfaces ['upper', 'lower', 'rough'], got"),
+    ("field[0].on", ["middle"], "must be one of the surfaces upper, lower, rough, got"),
     ("field[0].kind", "corugation", 'must be "corrugation"'),
     # one or the other
     ("surface[0].initial.swing", 0.1, "cannot go with theta; give one or the other"),

@@ -5,7 +5,8 @@ import pytest
 
 from tribo import InputError
 from tribo.model.heights import as_heights
-from tribo.model.roughness import Roughness, as_roughness, as_table, draw
+from tribo.model.roughness import Roughness, draw
+from tribo.model.tables import from_table, table_of
 from tribo.model.topography import Grid
 
 ROW, GRID = (512, 1), (96, 64)
@@ -185,10 +186,10 @@ def test_a_hundred_thousand():
 
 def test_tables_there_and_back():
     table = {"rms": 0.1, "hurst": 0.8, "shortest": 2.0, "longest": 20.0, "seed": 3}
-    assert as_table(as_roughness(table)) == table
-    assert as_table(as_roughness({"rms": 1})) == {"rms": 1.0}
+    assert table_of(from_table(Roughness, table)) == table
+    assert table_of(from_table(Roughness, {"rms": 1})) == {"rms": 1.0}
     roughness = Roughness(0.1)
-    assert as_roughness(roughness) is roughness
+    assert from_table(Roughness, roughness) is roughness
 
 
 def test_heights_of_a_surface():
@@ -224,7 +225,7 @@ def test_heights_of_a_surface():
 )
 def test_tables_that_make_no_sense(table, field):
     with pytest.raises(InputError) as caught:
-        as_roughness(table)
+        from_table(Roughness, table, ["rms"])
     assert caught.value.field == field
 
 

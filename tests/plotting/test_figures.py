@@ -8,8 +8,11 @@ import pytest
 import tribo
 from tribo import paper, plotting
 from tribo.paper import figures as paper_figures
-from tribo.plotting import scene_geometry
 from tribo.plotting.encounter import encounter_times
+from tribo.plotting.geometry import scene_geometry
+from tribo.plotting.series import spread
+from tribo.plotting.snapshots import draw_asperite
+from tribo.plotting.style import FILES, drawing_axes
 from tribo.validation import InputError
 
 
@@ -49,7 +52,7 @@ def test_a_file_is_no_folder(tmp_path, end):
 def test_an_asperite_is_drawn_where_it_is(result, surface):
     k = 232
     (asperite,) = scene_geometry(result, result.t[k])[surface]
-    parts = plotting.draw_asperite(plotting.drawing_axes(), asperite)
+    parts = draw_asperite(drawing_axes(), asperite)
     series = result[surface]
     for name, place in (("bob", "bob"), ("cm", "cm"), ("pivot", "bar")):
         expected = [series[f"{axis}_{place}"][k, 0] for axis in "xy"]
@@ -99,7 +102,7 @@ def test_axes_are_given_or_made(result, name, tmp_path):
     assert b"STIX" in path.read_bytes()
 
 
-@pytest.mark.parametrize("suffix", plotting.FILES)
+@pytest.mark.parametrize("suffix", FILES)
 def test_a_figure_is_always_the_same_file(result, tmp_path, suffix):
     """Two files of the same result are equal, byte for byte."""
     one, other = (
@@ -122,7 +125,7 @@ def test_a_file_that_cannot_be_written(result, tmp_path, name, problem):
 
 def test_labels_keep_their_distance_and_their_order():
     levels = np.array([0.5, 0.51, 0.5, 0.99, 1.0, 0.1])
-    apart = plotting.spread(levels, 0.1)
+    apart = spread(levels, 0.1)
     assert np.all(np.diff(np.sort(apart)) >= 0.1 - 1e-12)
     assert np.array_equal(np.argsort(apart), np.argsort(levels, kind="stable"))
     assert apart[5] == pytest.approx(0.1)

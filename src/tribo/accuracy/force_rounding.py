@@ -18,6 +18,7 @@ from tribo.kernels.records import OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
 from tribo.kernels.samples import BATH, SPRINGS
 from tribo.layout.force_records import stiffness_at_bars
 from tribo.layout.layout import Layout
+from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import Motion
 
 # Roundings of a difference: those of a displacement, of sine and cosine in it, and of the product.
@@ -79,6 +80,8 @@ def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
     found |= {"omega": largest(e.omega), "nu": largest(e.nu)}
     found |= dict.fromkeys(("delta_E_int", "total_energy_change"), whole)
     found |= dict.fromkeys(("vx_cm", "vy_cm"), largest(e.speed))
+    for name, error in _of_powers(layout, motion, e).items():
+        found[name] = found.get(name, 0.0) + error
     for end, arm in (("cm", 0.0), ("bob", a.l1), ("bar", a.l2)):
         found |= dict.fromkeys((f"x_{end}", f"y_{end}"), largest(place + arm * e.swing))
     return found
@@ -108,6 +111,20 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
     period = _inverse_frequency(torsion * pendulum, duration)
     return Errors(stretch, impulse / a.mass, omega * period, omega, nu * duration, nu)
+
+
+def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:
+    """The error of works, by name, from that of the velocities that forces are multiplied by."""
+    a, forces = motion.span.asperites, Accounts(layout.accounted, motion.samples.s)
+    speed, rod = largest(e.speed), largest(e.speed + (a.l1 + a.l2) * e.omega)
+    found: dict[str, float] = {}
+    for name in FORCES:
+        impulse = largest(np.hypot(forces[name].jx, forces[name].jy))
+        found |= {name: impulse * rod, f"{name}_ps": impulse * speed}
+    each, pseudo = sum(found.values()), sum(found[f"{name}_ps"] for name in FORCES)
+    whole = layout.scene.count * each
+    found |= dict.fromkeys(("W", "W_ps", "applied_work", "friction_work"), whole)
+    return found | {"w": each, "w_ps": pseudo, "heat": each}
 
 
 def _impulse(stiffness: np.ndarray, mobility: np.ndarray, duration: float) -> np.ndarray:

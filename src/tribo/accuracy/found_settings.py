@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting
-from tribo.results.cost import Cost
+from tribo.results.run_result import Cost
 
 
 class Errors(NamedTuple):

@@ -17,54 +17,21 @@ from tribo.plugins.compile_errors import compiling
 class ContactProbe:
     """Contact energies and forces of a scene whose bobs are placed by the caller.
 
-    Bobs are numbered surface after surface.  Calculators of ASE are called too.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its interactions, species and periods apply; nothing in it moves.
-
-    Attributes
-    ----------
-    layout : Layout
-        The scene as the kernels see it; ``layout.parts`` has the bobs of each surface.
+    Bobs are numbered surface after surface, as in ``layout.parts``.  Calculators of ASE are called
+    too.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.layout = lay_out(scene)
+        self.charges = self.layout.model.each[CHARGE, self.layout.places.columns]  # (n,)
+        self.depths = self.layout.depths  # (n,) z of the bobs, from the first bob [length]
         self._stamp = sources.source_stamp(self.layout.plugins)
 
-    @property
-    def charges(self) -> np.ndarray:
-        """(n,) charges of the bobs in the scene."""
-        return self.layout.model.each[CHARGE, self.layout.places.columns]
-
-    @property
-    def depths(self) -> np.ndarray:
-        """(n,) z of the bobs in the scene, from the first bob [length]."""
-        return self.layout.depths
-
     def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Evaluate every contact between surfaces.
+        """Energies (k,) and contact forces f1 on the bobs (k, n, 2) of k arrangements.
 
-        Parameters
-        ----------
-        positions : ndarray, (k, n, 3)
-            Bobs of k arrangements [length].
-        charges : ndarray, (k, n)
-            Charges of the bobs.
-
-        Returns
-        -------
-        energies : ndarray, (k,)
-            Contact energy of each arrangement.
-        forces : ndarray, (k, n, 2)
-            Force f1 on each bob; contact within a surface is not in it.
-
-        Raises
-        ------
-        InputError
-            If a potential does not compile, or a calculator fails.
+        `positions` is (k, n, 3), `charges` (k, n); contact within a surface is left out.  Raises
+        InputError if a potential does not compile, or a calculator fails.
         """
         energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
         probe = time_loop(contact_probe, self._stamp)

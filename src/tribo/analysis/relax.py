@@ -55,7 +55,7 @@ DENSE = 64
 
 
 class NoEquilibriumError(ValueError):
-    """A scene in which no equilibrium was found.
+    """No equilibrium of a scene was found; :func:`relax` raises it.
 
     Attributes
     ----------
@@ -74,10 +74,10 @@ class NoEquilibriumError(ValueError):
 def relax(scene: Scene) -> State:
     """Find a stable equilibrium of a scene, from its start.
 
-    Everything that a run would move is moved until no net force is left: swings, bars that turn,
-    centres of mass, and baths, which end at their bars.  The drive and loads act as at t = 0.
-    Driven bars stay where they start, and so do rigid pendulums.  Surfaces keep their velocities:
-    the equilibrium is that of the forces at t = 0, and everything moves with its surface.
+    All coordinates that a run integrates move until no net force is left: swings, bars that turn,
+    centres of mass, and baths, which end at their bars.  Drives and loads act as at t = 0. Driven
+    bars and rigid asperites stay where they start. Surfaces keep their velocities: the equilibrium
+    is that of the forces at t = 0, and all coordinates move with their surface.
 
     Parameters
     ----------
@@ -92,9 +92,9 @@ def relax(scene: Scene) -> State:
     Raises
     ------
     NoEquilibriumError
-        None was found: a force moves something without end, or a force has jumps.
+        No equilibrium was found: a force moves a coordinate without end, or a force jumps.
     InputError
-        The scene is no scene, or a plug-in does not compile.
+        If `scene` is not a Scene, or a plug-in does not compile.
     """
     if not isinstance(scene, Scene):
         raise must_be("scene", "a tribo.Scene", scene)
@@ -200,14 +200,7 @@ class _Accelerations:
 class _Derivative:
     """J at one place, by central differences.
 
-    Attributes
-    ----------
-    operator : LinearOperator
-        J, for scipy.
-    longest_step : float
-        The largest change of a coordinate in a step from here.
-    largest : float
-        The largest |J w| / |w| so far, in the maximum norm [1 / time^2].
+    `largest` is the largest |J w| / |w| so far, in the maximum norm [1 / time^2].
     """
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:

@@ -3,7 +3,7 @@
 The scenes are files in `scenes/`; `entries.toml` declares how each ends and holds its reference.
 """
 
-from tribo.atlas.entries import Entry, chosen
-from tribo.atlas.rows import HEAD, Row, judge, row, table
+from tribo.atlas.entries import HardScene, chosen
+from tribo.atlas.rows import HEAD, Row, judge, row
 
-__all__ = ["HEAD", "Entry", "Row", "chosen", "judge", "row", "table"]
+__all__ = ["HEAD", "HardScene", "Row", "chosen", "judge", "row"]

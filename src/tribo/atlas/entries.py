@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tribo.model.scene import Scene
 from tribo.model.scene_file import load_scene
-from tribo.validation import must_be
+from tribo.validation import must_be_one_of
 
 FOLDER = Path(__file__).parent
 # The key of a reference for the time at which a run stops; other keys are as "upper.theta".
@@ -18,33 +18,16 @@ STOP_TIME = "t"
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A hard scene, how its run should end, and what its end should be.
+class HardScene:
+    """A hard scene, how its run should end, and what its end should be."""
 
-    Attributes
-    ----------
-    name : str
-        Of the scene file, without its folder and suffix.
-    declared : str
-        The outcome: "completed", "completed, accuracy not met", or the status that stops the run.
-    bound : float
-        Largest acceptable error, relative to the scale of each kind of quantity; of the time of
-        a stop, relative to the duration.
-    reference : dict
-        "surface.quantity" -> the digits at the end of the run, one number for each asperite;
-        "t" -> the digits of the time at which a run stops.
-    source : str
-        Where the reference comes from.
-    failure : str
-        How a simple integrator fails on the scene.
-    """
-
-    name: str
-    declared: str
-    bound: float
+    name: str  # of the scene file, without its folder and suffix
+    declared: str  # "completed", "completed, accuracy not met", or the status that stops the run
+    bound: float  # largest error, in scales of the quantities; of a stop's time, in durations
+    # "surface.quantity" -> digits at the end for each asperite, or "t" -> of a stop's time
     reference: Mapping[str, tuple[str, ...]]
-    source: str
-    failure: str
+    source: str  # where the reference comes from
+    failure: str  # how a simple integrator fails on the scene
 
     @property
     def path(self) -> Path:
@@ -57,13 +40,13 @@ class Entry:
 
 
 @cache
-def all_entries() -> dict[str, Entry]:
+def all_entries() -> dict[str, HardScene]:
     """Every entry by its name, in the order of the file."""
     tables = tomllib.loads((FOLDER / "entries.toml").read_text(encoding="utf-8"))
     return {name: _entry(name, table) for name, table in tables.items()}
 
 
-def _entry(name: str, table: dict[str, object]) -> Entry:
+def _entry(name: str, table: dict[str, object]) -> HardScene:
     given = table.pop("reference")
     assert isinstance(given, dict)
     reference = {}
@@ -72,28 +55,13 @@ def _entry(name: str, table: dict[str, object]) -> Entry:
         for quantity, digits in quantities.items():
             several = tuple(digits) if isinstance(digits, list) else (digits,)
             reference[f"{key}.{quantity}" if quantity else key] = several
-    return Entry(name=name, reference=reference, **table)  # type: ignore[arg-type]
+    return HardScene(name=name, reference=reference, **table)  # type: ignore[arg-type]
 
 
-def chosen(names: Sequence[str] = ()) -> list[Entry]:
-    """Entries by their names; all of them without names.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of entries.
-
-    Returns
-    -------
-    list of Entry
-
-    Raises
-    ------
-    InputError
-        There is no entry of a name.
-    """
+def chosen(names: Sequence[str] = ()) -> list[HardScene]:
+    """Entries by their names; all of them without names. Raises InputError for an unknown name."""
     entries = all_entries()
     for name in names:
         if name not in entries:
-            raise must_be("name", f"one of {', '.join(entries)}", name)
+            raise must_be_one_of("name", entries, name)
     return [entries[name] for name in names or entries]

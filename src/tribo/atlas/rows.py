@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from tribo.accuracy.scales import EPSILON, KINDS, Scales, reported_scales
-from tribo.atlas.entries import STOP_TIME, Entry
+from tribo.atlas.entries import STOP_TIME, HardScene
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
 from tribo.result import Result
@@ -22,34 +22,16 @@ NOT_HONEST = "completed, error above its estimate"
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table.
-
-    Attributes
-    ----------
-    name : str
-        Of the entry.
-    declared : str
-        The outcome that the entry declares.
-    outcome : str
-        The outcome of the run.
-    as_declared : bool
-        Whether they are equal and the error is within the entry's bound.
-    error : float or None
-        The largest error of the reference's quantities at the end, relative to the scale of each;
-        None where the run did not reach what the reference describes.
-    estimate : float or None
-        The largest error estimate of these quantities, in the same units; None without estimates.
-    seconds : float
-        Time of all runs, compilation included [s].
-    """
+    """One line of the table."""
 
     name: str
     declared: str
     outcome: str
-    as_declared: bool
+    as_declared: bool  # also the error is within the entry's bound
+    # largest at the end, in scales; None where the run did not end as the reference
     error: float | None
-    estimate: float | None
-    seconds: float
+    estimate: float | None  # the largest estimate of these errors; None without estimates
+    seconds: float  # of all runs, compilation included
 
     def __str__(self) -> str:
         verdict = "as declared" if self.as_declared else f"NOT AS DECLARED ({self.declared})"
@@ -78,22 +60,8 @@ class Deviation:
         return self.estimate is None or self.error <= self.estimate + self.rounding
 
 
-def row(entry: Entry) -> Row:
-    """Run one scene, and compare its end with the reference.
-
-    Parameters
-    ----------
-    entry : Entry
-
-    Returns
-    -------
-    Row
-
-    Raises
-    ------
-    KeyboardInterrupt
-        The run was interrupted.
-    """
+def row(entry: HardScene) -> Row:
+    """Run one scene, and compare its end with the reference. Raises KeyboardInterrupt."""
     began = time.perf_counter()
     result = prepare(entry.scene()).compute_first()
     if result.status == Status.INTERRUPTED:
@@ -101,21 +69,8 @@ def row(entry: Entry) -> Row:
     return judge(entry, result, time.perf_counter() - began)
 
 
-def judge(entry: Entry, result: Result, seconds: float) -> Row:
-    """Compare a result with the reference of an entry.
-
-    Parameters
-    ----------
-    entry : Entry
-    result : Result
-        Of the entry's scene, by any method.
-    seconds : float
-        Time that it took [s].
-
-    Returns
-    -------
-    Row
-    """
+def judge(entry: HardScene, result: Result, seconds: float) -> Row:
+    """Compare a result of an entry's scene, by any method, with the reference."""
     stops = STOP_TIME in entry.reference
     if stops == (result.status == Status.COMPLETED):  # the reference is of another end
         return Row(entry.name, entry.declared, _outcome(result), False, None, None, seconds)
@@ -140,13 +95,13 @@ def _outcome(result: Result) -> str:
     return NOT_MET if completed and result.met is False else str(result.status)
 
 
-def _stop(entry: Entry, result: Result) -> Deviation:
+def _stop(entry: HardScene, result: Result) -> Deviation:
     """The difference of the time of a stop, in units of the duration."""
     (digits,) = entry.reference[STOP_TIME]
     return Deviation(abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0)
 
 
-def _deviations(entry: Entry, result: Result) -> Iterator[Deviation]:
+def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
     """The difference of each quantity of the reference, asperite by asperite."""
     scales = reported_scales(lay_out(result.scene), result.ledger)
     for key, digits in entry.reference.items():
@@ -167,17 +122,3 @@ def _relative(difference: float, name: str, scales: Scales) -> float:
     if difference == 0.0:
         return 0.0
     return difference / scale if scale > 0.0 else np.inf
-
-
-def table(rows: Iterable[Row]) -> dict[str, list[dict[str, object]]]:
-    """The rows as ``tribo atlas --json`` prints them.
-
-    Parameters
-    ----------
-    rows : iterable of Row
-
-    Returns
-    -------
-    dict
-    """
-    return {"rows": [asdict(row) for row in rows]}

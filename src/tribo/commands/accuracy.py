@@ -11,8 +11,6 @@ from tribo.interrupts import COMPLETED, STOPPED, also_in_part, report_by
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from tribo.work_precision import MeansPrecision, WorkPrecision
 
 
@@ -24,8 +22,15 @@ def run_accuracy(options: argparse.Namespace) -> int:
     scene = load_with_values(options)
     check_figure(options.figure)
     observables = options.observables or ()
-    report = _keep_for_interrupt(options)
     found: MeansPrecision | WorkPrecision
+
+    def show(found: MeansPrecision | WorkPrecision) -> None:
+        print(found.to_json() if options.json else found, flush=True)
+
+    def report(found: MeansPrecision | WorkPrecision) -> None:
+        if found.rows:  # to be printed if an interrupt ends the program
+            report_by(lambda: show(found))
+
     if noisy(scene):
         for option in ("methods", "figure"):
             if getattr(options, option) is not None:
@@ -37,19 +42,7 @@ def run_accuracy(options: argparse.Namespace) -> int:
         found = also_in_part(work_precision, scene, *settings)
         if options.figure is not None and found.rows:
             found.save_figure(options.figure)
-    print(found.to_json() if options.json else found)
+    show(found)
     if not found.rows:
         print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
     return COMPLETED if found.rows and found.status == "completed" else STOPPED
-
-
-def _keep_for_interrupt(
-    options: argparse.Namespace,
-) -> Callable[[MeansPrecision | WorkPrecision], None]:
-    """A function that keeps what was measured, to be printed if an interrupt ends the program."""
-
-    def keep(found: MeansPrecision | WorkPrecision) -> None:
-        if found.rows:
-            report_by(lambda: print(found.to_json() if options.json else found, flush=True))
-
-    return keep

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 
 from tribo import atlas
 from tribo.files import strict_json
@@ -42,7 +43,7 @@ def _print(options: argparse.Namespace, rows: list[atlas.Row], count: int) -> in
     """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
     declared = sum(one.as_declared for one in rows)
     if options.json:
-        print(strict_json(atlas.table(rows)), flush=True)
+        print(strict_json({"rows": [asdict(one) for one in rows]}), flush=True)
     else:
         print(f"{declared} of {count} scenes as declared", flush=True)
     return COMPLETED if declared == count else STOPPED

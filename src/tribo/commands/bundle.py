@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from tribo.commands.doctor import machine_and_versions
+from tribo.commands.doctor import versions
 from tribo.files import NETCDF, checked_target, replace_file, strict_json
 from tribo.interrupts import COMPLETED
 from tribo.validation import InputError
@@ -31,13 +31,8 @@ NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 def add_bundle(bundle: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo bundle`."""
-    bundle.add_argument(
-        "files",
-        nargs="+",
-        type=Path,
-        metavar="FILE",
-        help="a scene file, whose plug-ins and data are added, a result, or any other file",
-    )
+    files = "a scene file, whose plug-ins and data are added, a result, or any other file"
+    bundle.add_argument("files", nargs="+", type=Path, metavar="FILE", help=files)
     bundle.add_argument(
         "-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help="the archive to write"
     )
@@ -56,7 +51,7 @@ def _bundle(options: argparse.Namespace) -> int:
                 raise InputError(str(path), f"would be a second {name} in the archive; rename it")
             described[name] = _about(name, content)
     _refuse_names_that_differ_in_case(contents)
-    manifest = {"made_with": machine_and_versions(), "files": described}
+    manifest = {"made_with": versions(), "files": described}
     contents[MANIFEST] = (strict_json(manifest) + "\n").encode()
     sums = [f"{_sha256(content)}  {name}\n" for name, content in contents.items()]
     contents[SUMS] = "".join(sums).encode()

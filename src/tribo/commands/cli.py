@@ -15,10 +15,7 @@ WRONG_INPUT = 2
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        By default those of the program, which Ctrl-C then ends within half a second.
+    Without `arguments` they are those of the program, which Ctrl-C then ends within half a second.
     """
     json = "--json" in (sys.argv[1:] if arguments is None else arguments)
     try:

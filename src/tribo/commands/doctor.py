@@ -24,60 +24,39 @@ ACCURACY = 1e-8
 TOLERANCE = 1e-6
 
 
-def add_doctor(doctor: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo doctor`: none."""
-    doctor.set_defaults(command=_doctor)
-
-
-def _doctor(options: argparse.Namespace) -> int:
+def run_doctor(options: argparse.Namespace) -> int:
+    """Print versions, the machine and a known run; the exit status."""
     del options
-    for name, value in (*_versions().items(), *_machine().items()):
+    for name, value in (*versions().items(), *_machine().items()):
         print(f"{name:<12} {value}")
     healthy, report = _known_run()
     print(f"{'known run':<12} {report}")
     return 0 if healthy else 1
 
 
-def machine_and_versions() -> dict[str, str]:
-    """The versions, the system and the processor, for a record."""
-    return _versions() | {"system": _system()}
-
-
-def _system() -> str:
-    return f"{platform.system()} {platform.machine()}"
-
-
-def _versions() -> dict[str, str]:
-    """The versions of this package, of Python and of the libraries."""
+def versions() -> dict[str, str]:
+    """The versions of this package, of Python and of the libraries, and the system."""
     found = {}
     for name in LIBRARIES:
         try:
             found[name] = version(name)
         except PackageNotFoundError:
             found[name] = "is missing: pip install tribo again"
-    return {"python": platform.python_version(), "tribo": __version__} | found
+    own = {"python": platform.python_version(), "tribo": __version__}
+    return own | found | {"system": f"{platform.system()} {platform.machine()}"}
 
 
 def _machine() -> dict[str, str]:
-    """Processor, cores that this process may use, and compiled code on disk."""
-    folders = _code_folders()
+    """Cores that this process may use, and compiled code on disk or beside the sources."""
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parents[1])
+    folders = sorted({file.parent for file in root.rglob("*.nbc")})
     code = [file for folder in folders for file in folder.glob("*.nbc")]
     found = "no compiled functions yet"
     if folders:
         size = sum(file.stat().st_size for file in code) / 1e6
         place = os.path.commonpath(folders)
         found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
-    return {
-        "system": _system(),
-        "cores": str(available_cores()),
-        "cache": found,
-    }
-
-
-def _code_folders() -> list[Path]:
-    """The folders with compiled code: those that NUMBA_CACHE_DIR says, or beside the sources."""
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parent)
-    return sorted({file.parent for file in root.rglob("*.nbc")})
+    return {"cores": str(available_cores()), "cache": found}
 
 
 def _known_run() -> tuple[bool, str]:

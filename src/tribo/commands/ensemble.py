@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.commands.scene_options import as_number, load
+from tribo.commands.scene_options import as_number, check_files, load, numerics_of, split
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
-from tribo.files import netcdf_target, strict_json
+from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
@@ -121,22 +121,20 @@ def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int
 
 def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
     """The arguments of ensembles and sweeps that the options give.  Raises InputError."""
-    if options.resume and options.out is None:
-        raise InputError("--resume", "needs --out FILE")
-    if options.out is not None:
-        netcdf_target("--out", options.out)
+    check_files(options)
     vary, sampler = varied(options.vary), None
     if options.sampler is not None:
         sampler = sampler_named(options.sampler, scene, vary, options.seed)
-    names = ("members", "at", "statistics", "out", "resume", "method", "threads", "seed")
-    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    names = ("members", "at", "statistics", "out", "resume", "threads", "seed")
+    widths = (split("--half-width", text) for text in options.half_width)
+    half_width = {name: as_number(f"--half-width {name}", size) for name, size in widths}
     return {
         **{name: getattr(options, name) for name in names},
+        **numerics_of(options),
         "vary": vary,
         "keep": options.keep and [name.strip() for name in options.keep.split(",")],
+        "half_width": half_width or None,
         "sampler": sampler,
-        "accuracy": accuracy,
-        "step": step,
     }
 
 
@@ -155,7 +153,7 @@ def run_ensemble(options: argparse.Namespace) -> int:
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
     found = summary(data, options.out)
-    print(as_json(found) if options.json else in_words(found))
+    print(strict_json(found) if options.json else in_words(found))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 
@@ -183,11 +181,6 @@ def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
     status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
     head = {"status": status, "n": wanted, "members": counts, "quantities": table}
     return {**head, "notes": notes, **rest}
-
-
-def as_json(found: Mapping[str, Any]) -> str:
-    """A summary as one JSON object."""
-    return strict_json(dict(found))
 
 
 def in_words(found: Mapping[str, Any]) -> str:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import warnings
 from pathlib import Path
 
 from tribo.commands.bundle import add_bundle
-from tribo.commands.doctor import add_doctor
+from tribo.commands.doctor import run_doctor
 from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.scene_options import (
+    add_figure,
+    add_json,
     add_many_runs,
     add_scene,
     add_set,
@@ -23,7 +24,7 @@ from tribo.commands.scene_options import (
     split,
 )
 from tribo.commands.view import add_play, add_view
-from tribo.files import checked_target
+from tribo.files import checked_target, strict_json
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
@@ -67,7 +68,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
     add_bundle(command("bundle", "pack scenes and results in one archive with checksums"))
     add_new(command("new", "print or write a commented scene file to start from"))
-    add_doctor(command("doctor", "print versions, cores, cache and speed"))
+    doctor = command("doctor", "print versions, cores, cache and speed")
+    doctor.set_defaults(command=run_doctor)
     completion = command("completion", "print a script that completes commands")
     add_completion(completion, parser, commands.choices.values())
     return parser
@@ -84,12 +86,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         "combination is run",
     )
     add_many_runs(sweep, "number of runs at each point (default: one run of the scene itself)")
-    sweep.add_argument(
-        "--figure",
-        type=Path,
-        metavar="FILE",
-        help="draw the first quantity against the first key of --set",
-    )
+    add_figure(sweep, "draw the first quantity against the first key of --set")
     sweep.set_defaults(command=_sweep)
 
 
@@ -100,95 +97,64 @@ def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
 
 
 def _add_paper(paper: argparse.ArgumentParser) -> None:
-    paper.add_argument(
-        "case", nargs="?", choices=list("ABCDE"), help="case of the paper (default: all)"
-    )
-    paper.add_argument("--json", action="store_true", help="print the comparison as JSON")
-    paper.add_argument(
-        "--figures", type=Path, metavar="DIR", help="write the paper's figures to this folder"
-    )
+    cases = "case of the paper (default: all)"
+    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
+    add_json(paper, "the comparison")
+    figures = "write the paper's figures to this folder"
+    paper.add_argument("--figures", type=Path, metavar="DIR", help=figures)
     paper.set_defaults(command=_paper)
 
 
 def _add_explain(explain: argparse.ArgumentParser) -> None:
     add_scene(explain)
     add_set(explain)
-    explain.add_argument("--json", action="store_true", help="print the explanation as JSON")
+    add_json(explain, "the explanation")
     explain.set_defaults(command=_explain)
 
 
 def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
     add_scene(accuracy)
     add_set(accuracy)
-    accuracy.add_argument("--json", action="store_true", help="print the rows as JSON")
-    accuracy.add_argument(
-        "--figure",
-        type=Path,
-        metavar="FILE",
-        help="write a figure of error against time and evaluations",
-    )
-    accuracy.add_argument(
-        "--methods", nargs="+", metavar="NAME", help="methods to compare (default: all)"
-    )
-    accuracy.add_argument(
-        "--observables",
-        nargs="+",
-        metavar="NAME",
-        help='observables whose errors count, as "upper.W" (default: all)',
-    )
-    accuracy.add_argument(
-        "--seconds",
-        type=float,
-        default=30.0,
-        help="limit of the time of all runs together (default: 30)",
-    )
+    add_json(accuracy, "the rows")
+    add_figure(accuracy, "write a figure of error against time and evaluations")
+    methods = "methods to compare (default: all)"
+    accuracy.add_argument("--methods", nargs="+", metavar="NAME", help=methods)
+    observables = 'observables whose errors count, as "upper.W" (default: all)'
+    accuracy.add_argument("--observables", nargs="+", metavar="NAME", help=observables)
+    seconds = "limit of the time of all runs together (default: 30)"
+    accuracy.add_argument("--seconds", type=float, default=30.0, help=seconds)
     accuracy.set_defaults(command=_accuracy)
 
 
 def _add_plot(plot: argparse.ArgumentParser) -> None:
     plot.add_argument("file", type=Path, metavar="FILE.nc", help="the file of a run")
-    plot.add_argument(
-        "-o", "--out", type=Path, metavar="FIGURE", help="the figure to write (default: FILE.png)"
-    )
+    figure = "the figure to write (default: FILE.png)"
+    plot.add_argument("-o", "--out", type=Path, metavar="FIGURE", help=figure)
     plot.set_defaults(command=_plot)
 
 
 def _add_check(check: argparse.ArgumentParser) -> None:
-    check.add_argument(
-        "potential",
-        metavar="POTENTIAL",
-        help="name of a built-in potential, file.py:Class, or an expression in r",
-    )
-    check.add_argument(
-        "parameters",
-        nargs="*",
-        metavar="NAME=VALUE",
-        help="parameters, and cutoff, at_cutoff and switch_from as in [interaction]",
-    )
-    check.add_argument("--json", action="store_true", help="print the report card as JSON")
-    check.add_argument(
-        "--figure",
-        type=Path,
-        metavar="FILE",
-        help="write a figure of energy, force, and the error of the force",
-    )
+    potential = "name of a built-in potential, file.py:Class, or an expression in r"
+    check.add_argument("potential", metavar="POTENTIAL", help=potential)
+    parameters = "parameters, and cutoff, at_cutoff and switch_from as in [interaction]"
+    check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help=parameters)
+    add_json(check, "the report card")
+    add_figure(check, "write a figure of energy, force, and the error of the force")
     check.set_defaults(command=_check)
 
 
 def _add_atlas(atlas: argparse.ArgumentParser) -> None:
-    atlas.add_argument(
-        "names", nargs="*", metavar="NAME", help="scenes of the atlas (default: all)"
-    )
-    atlas.add_argument("--json", action="store_true", help="print the table as JSON")
+    scenes = "scenes of the atlas (default: all)"
+    atlas.add_argument("names", nargs="*", metavar="NAME", help=scenes)
+    add_json(atlas, "the table")
     atlas.set_defaults(command=_atlas)
 
 
 def _add_export_lammps(export: argparse.ArgumentParser) -> None:
     add_scene(export)
     add_set(export)
-    export.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="DIR", help="the folder to write to"
-    )
+    folder = "the folder to write to"
+    export.add_argument("-o", "--out", type=Path, required=True, metavar="DIR", help=folder)
     export.set_defaults(command=_export_lammps)
 
 
@@ -215,11 +181,8 @@ def _paper(options: argparse.Namespace) -> int:
         for path in paper_figures.draw(options.figures, cases):
             print(path, file=sys.stderr)
     if options.json:
-        print(
-            json.dumps(
-                {case: [row.as_json() for row in rows] for case, rows in tables.items()}, indent=1
-            )
-        )
+        rows = {case: [row.as_json() for row in table] for case, table in tables.items()}
+        print(strict_json(rows))
     else:
         print(paper.report(tables))
     return COMPLETED
@@ -235,9 +198,10 @@ def _explain(options: argparse.Namespace) -> int:
 
 def _plot(options: argparse.Namespace) -> int:
     from tribo import plotting
+    from tribo.plotting.style import figure_path
     from tribo.result import load_result
 
-    path = plotting.figure_path("--out", options.out or options.file.with_suffix(".png"))
+    path = figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)
     print(plotting.save(plotting.overview(load_result(options.file)), path))
     return COMPLETED
@@ -264,7 +228,8 @@ def _check(options: argparse.Namespace) -> int:
     from tribo.report_card import check
 
     check_figure(options.figure)
-    table = {"potential": options.potential} | dict(map(_parameter, options.parameters))
+    pairs = (split("parameter", text) for text in options.parameters)
+    table = {"potential": options.potential} | {name: parsed(value) for name, value in pairs}
     report = check(from_table(table, Path.cwd()))
     if options.figure is not None:
         report.save_figure(options.figure)
@@ -276,9 +241,3 @@ def _atlas(options: argparse.Namespace) -> int:
     from tribo.commands.atlas import run_atlas
 
     return run_atlas(options)
-
-
-def _parameter(text: str) -> tuple[str, object]:
-    """A name and its value."""
-    name, value = split("parameter", text)
-    return name, parsed(value)

@@ -10,58 +10,30 @@ import numpy as np
 from tribo.model.identity import plain_table
 from tribo.model.scene_file import scene_from
 from tribo.plugins.unloaded import Code, code
-from tribo.progress import Shown
 from tribo.result import Result
 from tribo.simulation import simulate
 from tribo.validation import InputError
 
 
 class Difference(NamedTuple):
-    """A series of two runs that is not the same bit for bit.
+    """A series of two runs that is not the same bit for bit."""
 
-    Attributes
-    ----------
-    name : str
-        The series, as "upper.w1"; "status", if the runs ended differently.
-    size : float
-        The largest difference of its values, in the unit of the series; inf if the series have
-        different times, and nan where values are nan.
-    """
-
-    name: str
+    name: str  # as "upper.w1"; "status" if the runs ended differently
+    # largest difference in the unit of the series; inf where times differ, nan where values are
     size: float
 
 
 def repeat(
     result: Result,
     plugins: bool = True,
-    progress: Shown = None,
     out: str | Path | None = None,
     resume: bool = False,
     threads: int | None = None,
 ) -> Result:
-    """Run the scene of a result again with its settings.
+    """Run the scene of a result again with its settings; without `plugins` it may name no code.
 
-    Code that the scene names is loaded from where the scene says, beside the file of the result,
-    and must be what it was.
-
-    Parameters
-    ----------
-    result : Result
-        As :func:`tribo.load_result` returns it.
-    plugins : bool
-        Whether the scene may name code.
-    progress, out, resume, threads
-        As for :func:`tribo.simulate`.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    InputError
-        The code has changed or is refused, or the run began from the state of another run.
+    Code that the scene names is loaded from where the scene says, beside the file of the result.
+    Raises InputError if the code has changed, or if the run began from the state of another run.
     """
     settings = result.settings
     if settings["start"] is not None:
@@ -79,7 +51,6 @@ def repeat(
         accuracy=result.accuracy,
         method=result.method,
         step=step if isinstance(step, float) else None,
-        progress=progress,
         out=out,
         resume=resume,
         threads=threads,
@@ -87,17 +58,7 @@ def repeat(
 
 
 def differences(before: Result, after: Result) -> list[Difference]:
-    """The series and error estimates that differ in any bit, the largest difference first.
-
-    Parameters
-    ----------
-    before, after : Result
-
-    Returns
-    -------
-    list of Difference
-        Empty if all bits are the same.
-    """
+    """The series and error estimates that differ in any bit, the largest difference first."""
     if before.status != after.status:
         return [Difference("status", np.inf)]
     one, other, none = _series(before), _series(after), np.empty(0)

@@ -8,16 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tribo.commands.scene_options import (
+    add_figure,
+    add_files,
+    add_json,
     add_numerics,
     add_scene,
     add_set,
-    as_number,
     check_figure,
+    check_files,
     load_with_values,
+    numerics_of,
     parsed,
     with_samples,
 )
-from tribo.files import netcdf_target
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.validation import InputError, integer
 
@@ -25,26 +28,15 @@ if TYPE_CHECKING:
     from tribo.result import Result
 
 # Options that change a scene or its numerics, which a repeated run takes from its file.
-CHANGES = ("set", "accuracy", "method", "step", "samples")
+CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 
 
 def add_run(run: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo run`."""
     add_scene(run, "SCENE.toml|FILE.nc")
-    run.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="write all time series as NetCDF; during the run and after an interruption, FILE.part "
-        "has the samples so far",
-    )
-    run.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue from FILE.part, with the same bits as without a stop; print the result if "
-        "FILE is complete",
-    )
-    run.add_argument("--json", action="store_true", help="print only the end state, as JSON")
+    out = "write all time series as NetCDF; until the run is complete, FILE.part has its samples"
+    add_files(run, out, "print the result if FILE is complete")
+    add_json(run, "only the end state")
     add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
     run.add_argument(
@@ -54,20 +46,12 @@ def add_run(run: argparse.ArgumentParser) -> None:
         "(default: TRIBO_THREADS, or the number of cores)",
     )
     add_set(run)
-    run.add_argument(
-        "--figure",
-        type=Path,
-        metavar="FILE",
-        help="write a figure of the works on the first asperite",
-    )
+    add_figure(run, "write a figure of the works on the first asperite")
     run.set_defaults(command=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
-    if options.resume and options.out is None:
-        raise InputError("--resume", "needs --out FILE")
-    if options.out is not None:
-        netcdf_target("--out", options.out)
+    check_files(options)
     check_figure(options.figure)
     if options.scene.suffix == ".nc":
         result, same = _repeated(options)
@@ -83,12 +67,10 @@ def _simulated(options: argparse.Namespace) -> Result:
     """The result of a scene file."""
     from tribo.simulation import simulate
 
-    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
-    threads = _threads(options)
+    threads, settings = _threads(options), numerics_of(options)
     scene = with_samples(load_with_values(options), options.samples)
-    numerics = (accuracy, options.method, step)
     files = {"out": options.out, "resume": options.resume}
-    return also_in_part(simulate, scene, *numerics, **files, threads=threads)
+    return also_in_part(simulate, scene, **settings, **files, threads=threads)
 
 
 def _threads(options: argparse.Namespace) -> int | None:
@@ -105,7 +87,8 @@ def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
 
     for name in CHANGES:
         if getattr(options, name):
-            raise InputError(f"--{name}", "cannot go with the file of a run; give a scene file")
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(option, "cannot go with the file of a run; give a scene file")
     before = load_result(options.scene)
     result = also_in_part(
         repeat,

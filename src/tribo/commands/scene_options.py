@@ -7,26 +7,46 @@ import math
 import tomllib
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from tribo.files import checked_target
+from tribo.files import checked_target, netcdf_target
 from tribo.validation import LARGEST_COUNT, InputError, integer, must_be
 
 if TYPE_CHECKING:
     from tribo.model.scene import Scene
 
 
+def add_json(command: argparse.ArgumentParser, what: str) -> None:
+    """Add the output as JSON."""
+    command.add_argument("--json", action="store_true", help=f"print {what} as JSON")
+
+
+def add_figure(command: argparse.ArgumentParser, meaning: str) -> None:
+    """Add the file of a figure."""
+    command.add_argument("--figure", type=Path, metavar="FILE", help=meaning)
+
+
+def add_files(command: argparse.ArgumentParser, out: str, otherwise: str) -> None:
+    """Add the file that a computation writes, and whether it continues."""
+    resume = f"continue from FILE.part, with the same bits as without a stop; {otherwise}"
+    command.add_argument("--out", type=Path, metavar="FILE", help=out)
+    command.add_argument("--resume", action="store_true", help=resume)
+
+
+def check_files(options: argparse.Namespace) -> None:
+    """Raise InputError where --out cannot be written, or --resume has nothing to continue."""
+    if options.resume and options.out is None:
+        raise InputError("--resume", "needs --out FILE")
+    if options.out is not None:
+        netcdf_target("--out", options.out)
+
+
 def add_scene(command: argparse.ArgumentParser, files: str = "SCENE.toml") -> None:
     """Add the scene file, and the refusal of code that it names."""
-    command.add_argument(
-        "scene",
-        type=Path,
-        metavar=files,
-        help="the file; code of a plug-in that it names is executed",
-    )
-    command.add_argument(
-        "--no-plugins", action="store_true", help="refuse a scene file that names code"
-    )
+    meaning = "the file; code of a plug-in that it names is executed"
+    command.add_argument("scene", type=Path, metavar=files, help=meaning)
+    meaning = "refuse a scene file that names code"
+    command.add_argument("--no-plugins", action="store_true", help=meaning)
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
@@ -43,13 +63,20 @@ def add_set(command: argparse.ArgumentParser) -> None:
 
 def add_numerics(command: argparse.ArgumentParser) -> None:
     """Add an accuracy, a method and a step."""
-    command.add_argument(
-        "--accuracy", metavar="A", help="largest relative error, as 1e-6 (default: the file's)"
-    )
-    command.add_argument(
-        "--method", metavar="M", help="integration method (default: the file's, or the fastest)"
-    )
+    accuracy = "largest relative error, as 1e-6 (default: the file's)"
+    command.add_argument("--accuracy", metavar="A", help=accuracy)
+    method = "integration method (default: the file's, or the fastest)"
+    command.add_argument("--method", metavar="M", help=method)
     command.add_argument("--step", metavar="H", help="time step, instead of an accuracy")
+    unresolved = "let the step of a splitting method be too long to resolve the fastest oscillation"
+    command.add_argument("--allow-unresolved", action="store_true", help=unresolved)
+
+
+def numerics_of(options: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of runs that :func:`add_numerics` lets a user give.  Raises InputError."""
+    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
+    rest = {"method": options.method, "allow_unresolved": options.allow_unresolved}
+    return {"accuracy": accuracy, "step": step, **rest}
 
 
 def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
@@ -69,12 +96,8 @@ def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
         help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
         "file's, or those of whole surfaces and of the system)",
     )
-    command.add_argument(
-        "--at",
-        choices=["end", "samples"],
-        default="end",
-        help="keep them at the end, or at all times of the scene's output (default: end)",
-    )
+    at = "keep them at the end, or at all times of the scene's output (default: end)"
+    command.add_argument("--at", choices=["end", "samples"], default="end", help=at)
     command.add_argument(
         "--statistics",
         action="store_true",
@@ -82,35 +105,24 @@ def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
         "members",
     )
     command.add_argument(
-        "--sampler",
-        choices=["sobol", "latin-hypercube"],
-        help="draw quasi-random instead of random numbers; for sobol, N should be a power of 2",
+        "--half-width",
+        action="append",
+        default=[],
+        metavar="NAME=SIZE",
+        help="run as many members as make the half-width of the 95 %% interval of a mean, as "
+        "upper.W, at most SIZE, in units of the largest work or change of energy; may be repeated",
     )
+    sampler = "draw quasi-random instead of random numbers; for sobol, N should be a power of 2"
+    command.add_argument("--sampler", choices=["sobol", "latin-hypercube"], help=sampler)
     command.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
     add_numerics(command)
-    command.add_argument(
-        "--threads", type=int, metavar="N", help="threads of this process (default: all cores)"
-    )
-    command.add_argument(
-        "--processes",
-        type=int,
-        default=1,
-        metavar="N",
-        help="processes that run members or points at the same time (default: 1)",
-    )
-    command.add_argument(
-        "--out",
-        type=Path,
-        metavar="FILE",
-        help="write the data set as NetCDF; FILE.part has the finished runs until all are",
-    )
-    command.add_argument(
-        "--resume",
-        action="store_true",
-        help="continue from FILE.part, with the same bits as without a stop; read FILE if that is "
-        "complete",
-    )
-    command.add_argument("--json", action="store_true", help="print a summary as JSON")
+    threads = "threads of this process (default: all cores)"
+    command.add_argument("--threads", type=int, metavar="N", help=threads)
+    processes = "processes that run members or points at the same time (default: 1)"
+    command.add_argument("--processes", type=int, default=1, metavar="N", help=processes)
+    out = "write the data set as NetCDF; FILE.part has the finished runs until all are"
+    add_files(command, out, "read FILE if that is complete")
+    add_json(command, "a summary")
 
 
 def load(options: argparse.Namespace) -> Scene:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.commands.scene_options import check_figure, load, parsed_list, split
+from tribo.ensembles.dataset import COUNTS
+from tribo.ensembles.kept_values import NOT_RUN
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.sweeps.grid import Keys
@@ -29,12 +31,12 @@ def run_sweep(options: argparse.Namespace) -> int:
     if options.figure is not None:
         _draw(data, options.figure)
     print(as_json(data) if options.json else summary(data, options.out))
-    return COMPLETED if _all_completed(data) else STOPPED
+    return COMPLETED if set(_ends(data).values.flat) == {"completed"} else STOPPED
 
 
-def _all_completed(data: xarray.Dataset) -> bool:
-    ends = data["status" if "status" in data else "point_status"].values
-    return set(ends.flat) == {"completed"}
+def _ends(data: xarray.Dataset) -> xarray.DataArray:
+    """The statuses of the runs, or else of the points."""
+    return data["status" if "status" in data else "point_status"]
 
 
 def values_of(texts: list[str]) -> dict[Keys, list[object]]:
@@ -107,20 +109,22 @@ def _layout(data: xarray.Dataset) -> tuple[list[str], list[str], list[str]]:
 
 
 def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
-    """How many members of a point have each status."""
+    """How many members of a point have each status; points may have different numbers of them."""
     if "status" not in data:
         return {}
     names, counts = np.unique(data["status"].isel(places).values, return_counts=True)
-    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+    found = dict(zip(names.tolist(), counts.tolist(), strict=True))
+    return {name: n for name, n in found.items() if name != NOT_RUN or "point_status" not in data}
 
 
 def summary(data: xarray.Dataset, out: Path | None) -> str:
     """The statuses of the runs, and some values of the points."""
-    ends = data["status" if "status" in data else "point_status"]
+    ends = _ends(data)
     statuses, counts = np.unique(ends.values, return_counts=True)
     lines = [", ".join(f"{n} {status}" for status, n in zip(statuses, counts, strict=True))]
     dimensions, keys, scalars = _layout(data)
-    names = [name for name in scalars if _is_shown(name)]
+    hidden = (*COUNTS, "status", "point_status")
+    names = [n for n in scalars if n not in hidden and not n.endswith(("_error", "_half_width"))]
     shown = names[:COLUMNS]
     lines.append("  ".join(f"{name:>18}" for name in [*keys, *shown]) + "  status")
     points = list(np.ndindex(tuple(data.sizes[name] for name in dimensions)))
@@ -138,9 +142,3 @@ def summary(data: xarray.Dataset, out: Path | None) -> str:
         lines.append(f"the finished points are in {out}.part; --resume goes on")
     lines.append(f"{data.attrs['seconds']:.2f} s")
     return "\n".join(lines)
-
-
-def _is_shown(name: str) -> bool:
-    """Whether a variable is a quantity, not a count or an error."""
-    counts = ("steps", "force_evaluations", "level", "error", "status", "point_status")
-    return name not in counts and not name.endswith(("_error", "_half_width"))

@@ -28,17 +28,12 @@ if TYPE_CHECKING:
 def add_view(view: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo view`."""
     add_scene(view, "SCENE.toml|FILE.nc")
-    view.add_argument(
-        "beside", type=Path, nargs="?", metavar="OTHER", help="a second run, shown beside the first"
-    )
-    view.add_argument(
-        "-o", "--out", type=Path, metavar="PAGE.html", help="the page (default: SCENE.html)"
-    )
-    view.add_argument(
-        "--bath",
-        action="store_true",
-        help='draw bath oscillators; the file of a run must have the series "oscillators"',
-    )
+    beside = "a second run, shown beside the first"
+    view.add_argument("beside", type=Path, nargs="?", metavar="OTHER", help=beside)
+    page = "the page (default: SCENE.html)"
+    view.add_argument("-o", "--out", type=Path, metavar="PAGE.html", help=page)
+    bath = 'draw bath oscillators; the file of a run must have the series "oscillators"'
+    view.add_argument("--bath", action="store_true", help=bath)
     add_set(view)
     _add_slider(view, "the page has the runs of 41 values, or of all combinations of 11 or 5")
     view.set_defaults(command=_view)
@@ -49,9 +44,8 @@ def add_play(play: argparse.ArgumentParser) -> None:
     add_scene(play)
     add_set(play)
     _add_slider(play, "each move simulates the scene again")
-    play.add_argument(
-        "--no-browser", action="store_true", help="print the address, but open no browser"
-    )
+    quiet = "print the address, but open no browser"
+    play.add_argument("--no-browser", action="store_true", help=quiet)
     play.set_defaults(command=_play)
 
 

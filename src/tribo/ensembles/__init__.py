@@ -71,11 +71,11 @@ def ensemble(
     Parameters
     ----------
     scene : Scene
-        The scene.  All members share its heights; each has a seed of its own for noise and thermal
+        The scene.  All members share its heights; each uses a separate seed for noise and thermal
         starts.
     members : int, optional
-        Their number, at least 2.  With `half_width`, the largest number.  By default that of the
-        arrays in `vary`.
+        Number of members, at least 2. With `half_width`, the largest number. By default the
+        length of the arrays in `vary`.
     vary : mapping, optional
         Quantities that differ between members: "surface.theta" (or another initial value),
         "surface.velocity", or a number of the scene as "surface.asperite.kappa",
@@ -85,7 +85,7 @@ def ensemble(
         asperite of each member draws. ``"*.theta"`` stands for that key of every surface: arrays
         give all the same values, and each surface draws its own from a distribution.
     keep : sequence of str, optional
-        Quantities of each member that are kept, and nothing else: "upper.w1" or "contact_energy".
+        The only quantities of each member to keep, as "upper.w1" or "contact_energy".
         Forces and energies as series need no ``output.series`` here.  At the end,
         "upper.friction_force" is the average over time of each member, and
         ``upper.friction_force_time_half_width`` that of its 95 % interval, as of
@@ -94,33 +94,27 @@ def ensemble(
     at : {"end", "samples"}
         Whether quantities are kept at the end of each run or at all times of the scene's output.
     statistics : bool
-        Return statistics of the kept quantities in place of the members, for more members than
-        memory holds.
+        Return statistics of the kept quantities instead of the members, for more members than fit
+        into memory.
     half_width : mapping, optional
         Quantity of a surface as a whole or of the system, as "upper.W" -> the largest half-width
         of the 95 % interval of its mean, at any recorded time, in units of the largest work or
         change of energy of a surface or of the system.  It determines the number of members.
     sampler : scipy.stats.qmc.QMCEngine, optional
-        Its points take the place of random numbers in all distributions of `vary`, which need
-        ``ppf``; one dimension for each number that a member draws.
+        Its points replace random numbers in all distributions of `vary`, which need ``ppf``. It
+        needs one dimension for each number that a member draws.
     engine : executor, optional
         Runs the members in other processes: it has ``submit`` or ``map`` as concurrent.futures
         defines them, or is a client of dask.distributed.
-    out : str or Path, optional
-        A NetCDF file for the data set.  Until it is complete, ``out`` with ``.part`` behind its
-        name has the members so far, or with `statistics` their sums, also if the ensemble is
-        interrupted.  With `keep`, values of the data set are read from the file when used.
-    resume : bool
-        Continue ``out.part``, to the bits of an ensemble without a pause; begin if there is no such
-        file, and only read ``out`` if that is complete.
+    out, resume
+        As for :func:`simulate`.  With `keep`, values are read from ``out`` when used.
     accuracy, method, step, allow_unresolved
         As for :func:`prepare`.  A step is required where no accuracy of single runs can be kept.
     threads : int, optional
         Threads that run members in batches; by default one for each core.  Values do not depend on
         it.
     progress : callable or bool, optional
-        Called with the number of members that have been run; or whether a bar is shown: by default
-        on a terminal and in a notebook, after a second.
+        As for :func:`simulate`, with the number of members that have been run.
     seed : int
         The seed of the ensemble.  A member depends on it and on the member's number.
 
@@ -149,19 +143,20 @@ def ensemble(
         An argument cannot be used, the half-width takes too many members, fewer than two members
         reach the end, or the file is of another ensemble.
     KeyboardInterrupt
-        The ensemble was interrupted, as by Ctrl-C.  If enough members were complete, the attribute
-        ``result`` of the exception has their data set, whose attribute ``status`` is "Interrupted".
+        The ensemble was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has
+        the data set of the complete members, if enough were, with the status "Interrupted".
     """
     began = time.perf_counter()
     scene = checked_scene(scene).with_heights()
     vary = of_surfaces(scene, vary)
     if keep is None and half_width is None:
         keep = scene.output.keep
+    for name, other in (("sampler", sampler), ("keep", keep)):
+        if other is not None and half_width is not None:
+            raise InputError("half_width", f"cannot go with {name}; give one or the other")
     if sampler is not None:
-        _check_alone("half_width", half_width, "sampler")
         vary = sampled(sampler, members, scene, vary)
     if keep is not None:
-        _check_alone("half_width", half_width, "keep")
         keep = checked_names(keep)
     elif checked_time(at) != END or boolean("statistics", statistics):
         raise InputError("at" if at != END else "statistics", 'needs keep, as keep=["upper.w1"]')
@@ -178,7 +173,10 @@ def ensemble(
         kept = request.kept(simulation.layout)
         if wanted is not None:
             check_series(kept, wanted)
-        policy, own = planned(simulation, kept, variation, most, how.threads), how.told(progress)
+        policy, own = (
+            planned(simulation, kept, variation, most, how.threads),
+            how._replace(progress=progress),
+        )
         if statistics:
             return _statistics(policy, variation, most, target, own, began)
         if keep is not None:
@@ -223,26 +221,23 @@ def _statistics(
     store = StatisticsStore(kept, level, target.frames)
     chunks = run_members(policy, variation, range(store.done, count), how)
     interrupted = collect(chunks, store, how.progress)
-    whole = store.whole()
-    if whole.moments is None:
+    store.flush()
+    moments = store.moments()
+    if moments is None:
         if interrupted:
             raise KeyboardInterrupt
         raise InputError("scene", "is completed by no member")
     seconds = time.perf_counter() - began
     data = xarray.Dataset(
-        statistics_variables(kept, whole.moments),
+        statistics_variables(kept, moments),
         times_of(kept, policy.simulation.scene) | statistics_coordinates(kept),
-        at_end(attributes, whole.tally, interrupted, seconds),
+        at_end(attributes, store.tally, interrupted, seconds),
     )
     return saved(data, target)
 
 
 def _means(
-    runs: MeanRuns,
-    half_width: Mapping[str, float] | None,
-    most: int,
-    target: Target,
-    began: float,
+    runs: MeanRuns, half_width: Mapping[str, float] | None, most: int, target: Target, began: float
 ) -> xarray.Dataset:
     """The data set of means."""
     import xarray
@@ -250,11 +245,6 @@ def _means(
     variables, coordinates, attributes = means(runs, half_width, most)
     attributes["seconds"] = time.perf_counter() - began
     return saved(xarray.Dataset(variables, coordinates, attributes), target)
-
-
-def _check_alone(field: str, value: object, other: str) -> None:
-    if value is not None:
-        raise InputError(field, f"cannot go with {other}; give one or the other")
 
 
 def _most_members(

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.members import Members, values_at_start
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
+from tribo.layout.initial_state import InitialState
+from tribo.layout.member_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.ledger.passing import passed_through
 from tribo.ledger.runaway import grows
 from tribo.ledger.separation import PART, parted
-from tribo.loops.batch import MemberRuns, padded
+from tribo.loops.batch import MemberRuns, MemberStarts, padded
 from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
 
@@ -26,20 +31,26 @@ MOST_SAMPLES = 2**17
 MOST_NUMBERS = 2**21
 
 
-def chunk_of(simulation: Simulation, evaluations: float) -> int:
-    """Members that are run in one call, if each takes so many evaluations of all forces."""
+def starts_of(
+    simulation: Simulation, initial: InitialState, members: Members, own_numbers: Sequence[str]
+) -> MemberStarts:
+    """Some members before their runs, with the numbers in which they differ beside their starts."""
+    y = initial.of_members(values_at_start(members.values), members.seeds)
+    numbers = member_numbers(simulation.layout, len(y), members.values) if own_numbers else None
+    return MemberStarts(y, members.seeds, numbers)
+
+
+def chunk_of(simulation: Simulation, evaluations: float | None) -> int:
+    """Members that are run in one call, by a member's evaluations of all forces; None of a pair."""
     layout = simulation.layout
+    if evaluations is None:
+        return max(1, min(CHUNK, MOST_SAMPLES // layout.times.size))
     numbers = layout.times.size * (2 * layout.core + layout.accounts)
     in_lanes = fit_lanes(layout, simulation.method)
     work = CHUNK_WORK_IN_LANES if in_lanes else CHUNK_WORK
     quick = work / (evaluations * layout.asperites.size)
     members = max(1, int(min(CHUNK, quick, MOST_NUMBERS / numbers)))
     return padded(members) if in_lanes else members
-
-
-def chunk_of_pair(simulation: Simulation) -> int:
-    """Members of a pair that are run in one call."""
-    return max(1, min(CHUNK, MOST_SAMPLES // simulation.layout.times.size))
 
 
 def kept_series(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:

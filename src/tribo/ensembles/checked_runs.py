@@ -27,15 +27,15 @@ from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
-from tribo.ensembles.batches import chunk_of, chunk_of_pair, delivered, kept_series
+from tribo.ensembles.batches import chunk_of, delivered, kept_series, starts_of
 from tribo.ensembles.kept_values import UNKNOWN, Kept, KeptValues
-from tribo.ensembles.members import Members, values_at_start
+from tribo.ensembles.members import Members
 from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import LayoutOfMembers, member_numbers
+from tribo.layout.member_numbers import LayoutOfMembers
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
@@ -79,43 +79,21 @@ REFINEMENTS = 3
 
 
 class Stepper(NamedTuple):
-    """A loop that runs members, and its cost.
-
-    Attributes
-    ----------
-    batch : Batch
-        Runs them.
-    near : float
-        The longest step, as a fraction of the time to the next encounter.
-    cost : float
-        Time of an evaluation, relative to that of the collocation.
-    """
+    """A loop that runs members, and its cost."""
 
     batch: Batch
-    near: float
-    cost: float
+    near: float  # longest step, as a fraction of the time to the next encounter
+    cost: float  # time of an evaluation, relative to that of the collocation
 
 
 class CheckedPlan(NamedTuple):
-    """How all members are run.
-
-    Attributes
-    ----------
-    method : str
-        The way to run them.
-    level : float
-        Of their tolerances.
-    most_evaluations : int
-        Members that take more are checked; -1 where they have numbers of their own, and are all
-        compared with rougher runs.
-    scales : tuple of float
-        Of the tolerances: fields of :class:`tribo.accuracy.tolerance_scales.ToleranceScales`.
-    """
+    """How all members are run: by which method and tolerances, and which members are checked."""
 
     method: str
     level: float
+    # members that take more are checked; -1 where members have numbers of their own
     most_evaluations: int
-    scales: tuple[float, ...]
+    scales: tuple[float, ...]  # fields of tribo.accuracy.tolerance_scales.ToleranceScales
 
     @property
     def attributes(self) -> dict[str, str | float]:
@@ -136,31 +114,12 @@ class CheckedPlan(NamedTuple):
 
 
 class CheckedRuns:
-    """Runs members of an ensemble in batches.
+    """Runs members of an ensemble in batches, by a `plan` that has to be set.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Of the ensemble's scene, with an adaptive method and an accuracy.
-    kept : Kept
-        What is kept.
-    own_numbers : sequence of str
-        Keys of what members differ in beside their starts.
-
-    Attributes
-    ----------
-    plan : CheckedPlan
-        How all members are run; it has to be set.
-    own_numbers
-        As given.
-    steppers : dict
-        The ways to run members, by method; the first is that of single runs.
-    exact : str
-        The first of them.
-    pilot : int
-        Members by which it is found whom to check.
-    finest : float
-        The finest level by which the setting is chosen.
+    The simulation has an adaptive method and an accuracy.  Members differ in their starts, and in
+    numbers with the keys `own_numbers`.  The first of the `steppers`, `exact`, is that of single
+    runs.  `pilot` is the number of members by which it is found whom to check, `finest` the finest
+    level that is tried.
     """
 
     plan: CheckedPlan
@@ -171,6 +130,7 @@ class CheckedRuns:
         self.kept = kept
         asked = simulation.accuracy
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
+        self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name
         self.own_numbers = own_numbers
         self.steppers = _steppers(simulation, bool(own_numbers))
@@ -182,14 +142,8 @@ class CheckedRuns:
     @property
     def chunk(self) -> int:
         """Members that are run in one call."""
-        if self._pair:
-            return chunk_of_pair(self.simulation)
-        return chunk_of(self.simulation, self.simulation.finest.evaluations)
-
-    @property
-    def strictest(self) -> float:
-        """The smallest accuracy that is asked for."""
-        return strictest(self._accuracy)
+        evaluations = None if self._pair else self.simulation.finest.evaluations
+        return chunk_of(self.simulation, evaluations)
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members, check and refine them.
@@ -210,11 +164,7 @@ class CheckedRuns:
 
     def begin(self, members: Members) -> MemberStarts:
         """Some members before their runs."""
-        y = self._initial.of_members(values_at_start(members.values), members.seeds)
-        numbers = None
-        if self.own_numbers:
-            numbers = member_numbers(self.simulation.layout, len(y), members.values)
-        return MemberStarts(y, members.seeds, numbers)
+        return starts_of(self.simulation, self._initial, members, self.own_numbers)
 
     def _doubtful(self, runs: MemberRuns, starts: MemberStarts) -> np.ndarray:
         """Whether runs by the plan may miss their accuracy, (members,)."""
@@ -244,14 +194,14 @@ class CheckedRuns:
 
         Infinite where either run did not complete.
         """
-        return self._excess(self._fine_members(fine), fine, runs)
+        return self._compared(fine, runs)[1]
 
-    def _fine_members(self, fine: MemberRuns) -> FineMembers:
-        return FineMembers(fine.layout, compared(fine), self._accuracy)
-
-    def _excess(self, exact: FineMembers, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
+    def _compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
+        """Members of finer runs, with the scales of their errors, and :meth:`excess` from these."""
+        exact = FineMembers(fine.layout, compared(fine), self._accuracy)
         excess = exact.excess(compared(runs))
-        return np.where(runs.complete & fine.complete & np.isfinite(excess), excess, np.inf)
+        complete = runs.complete & fine.complete & np.isfinite(excess)
+        return exact, np.where(complete, excess, np.inf)
 
     def _bounds(self, exact: FineMembers, name: str, excess: np.ndarray) -> np.ndarray:
         """Bounds on the errors of a quantity in each member, as its worst quantity has them."""
@@ -272,8 +222,7 @@ class CheckedRuns:
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
-            exact = self._fine_members(fine)
-            excess = self._excess(exact, fine, coarse)
+            exact, excess = self._compared(fine, coarse)
             known = np.isfinite(excess)
             for name, bounds in found.errors.items():
                 bounds[now] = self._bounds(exact, name, excess)

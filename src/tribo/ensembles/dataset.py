@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,16 +16,17 @@ from tribo.ensembles.kept_values import STATUS_TYPE, Kept, KeptValues, Tally
 from tribo.ensembles.members import VELOCITY, Members, Variation
 from tribo.ensembles.runner import Policy
 from tribo.ensembles.stores import MemberStore, Target
-from tribo.files import NEW, not_written, replace_file
+from tribo.files import NEW, netcdf_target, not_written, replace_file
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
+from tribo.loops.frames import PART, Frames
 from tribo.model.identity import Identity, refuse_other
 from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene import Scene
-from tribo.progress import Reported, Shown
+from tribo.progress import Shown, reported
 from tribo.results.dataset import Variable
-from tribo.validation import InputError
+from tribo.validation import InputError, as_path, boolean
 
 if TYPE_CHECKING:
     import h5netcdf
@@ -108,15 +110,18 @@ def kept_dataset(
     return xarray.Dataset(variables_of(runs.kept, members, found), coordinates, attributes)
 
 
-def attributes_of(runs: Policy, variation: Variation) -> Attributes:
-    """Properties of the whole ensemble; text is JSON where it is no word."""
+def common_attributes(scene: Scene) -> Attributes:
+    """Attributes of ensembles and sweeps."""
     from tribo import __version__
 
+    versions: Attributes = {"tribo_version": __version__, "numpy_version": np.__version__}
+    return versions | {"scene": scene.to_toml()}
+
+
+def attributes_of(runs: Policy, variation: Variation) -> Attributes:
+    """Properties of the whole ensemble; text is JSON where it is no word."""
     plan = runs.simulation.plan
-    return {
-        "tribo_version": __version__,
-        "numpy_version": np.__version__,
-        "scene": runs.simulation.scene.to_toml(),
+    return common_attributes(runs.simulation.scene) | {
         "method": plan.method,
         "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),
@@ -226,13 +231,20 @@ def in_file(
 ) -> xarray.Dataset:
     """The data set of many runs from their file, if that is complete; else it is computed.
 
-    Raises KeyboardInterrupt, with the data set so far, if that was interrupted.
+    Raises KeyboardInterrupt, with the data set so far, if that was interrupted, and InputError if
+    the file cannot be used, is of other runs, or is written by another process.
     """
-    with Target(out, resume, identity) as target, Reported(progress, total, unit) as report:
-        if target.complete:
-            assert target.path is not None
-            return opened(target.path, identity)
-        data = compute(target, report)
+    path = None if out is None else netcdf_target("out", as_path(out))
+    if boolean("resume", resume) and path is None:
+        raise InputError("resume", "needs out, the file to continue")
+    with ExitStack() as stack, reported(progress, total, unit) as report:
+        frames = None
+        if path is not None:
+            part = path.with_name(path.name + PART)
+            if resume and path.exists() and not part.exists():
+                return opened(path, identity)
+            frames = stack.enter_context(Frames(part, identity, resume))
+        data = compute(Target(path, identity, frames), report)
     if data.attrs["status"] == Status.INTERRUPTED:
         raise Interrupted(data)
     return data

@@ -7,8 +7,6 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from itertools import islice
 from typing import Any, Protocol, TypeVar
 
-from tribo.validation import InputError, short_repr
-
 Job = TypeVar("Job")
 Found = TypeVar("Found")
 
@@ -44,14 +42,6 @@ class Submitter(Protocol):
 
 
 Engine = Executor | Submitter | Mapper
-
-
-def check_engine(engine: Engine | None) -> None:
-    """Refuse an engine that takes no jobs; None runs the members in this process."""
-    if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
-        raise InputError(
-            "engine", f"must have submit or map, as an executor has, got {short_repr(engine)}"
-        )
 
 
 def run_jobs(

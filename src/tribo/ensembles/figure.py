@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.intervals import Interval, interval
-from tribo.plotting import INK, WIDE, drawing_on
-from tribo.validation import InputError
+from tribo.plotting.style import INK, WIDE, drawing_on
+from tribo.results.intervals import Interval, interval
+from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -29,9 +29,9 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.ensemble` returns it.
+        The data set that :func:`tribo.ensemble` returns.
     name : str
-        A quantity that has a mean, as "upper.W", or one that was kept at all times, with
+        A quantity with a mean, as "upper.W", or one that was kept at all times, with
         ``at="samples"``, as "upper.friction_force".
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
@@ -39,15 +39,10 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the quantity is not of the members over time, or fewer than two completed.
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:
-        raise InputError("name", f"must be one of {', '.join(known)}, got {name!r}")
+        raise must_be_one_of("name", known, name)
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]

@@ -28,7 +28,6 @@ from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.frames import Arrays
 from tribo.loops.state import below
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 from tribo.result import Result
 from tribo.results.force_averages import force_average
 from tribo.validation import InputError
@@ -53,36 +52,17 @@ STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
 @dataclass(eq=False)
 class KeptValues:
-    """Kept quantities of some members, and how their runs went.
+    """Kept quantities of some members, and how their runs went; all but `values` are (members,)."""
 
-    Attributes
-    ----------
-    values : dict
-        Name -> (members, [times,] [asperites]); NaN of members that have none.
-    errors : dict
-        Name -> bounds on the errors of these values (members,), NaN where there is none; of all
-        quantities if `Kept.with_errors`.
-    status : ndarray, (members,), of str
-        How each run ended.
-    steps, evaluations : ndarray, (members,)
-        Steps and evaluations of all forces of each run.
-    level : ndarray, (members,)
-        Of the tolerances of each run; NaN of members that had a run of their own, or a given step.
-    error : ndarray, (members,)
-        The largest difference of a member from a finer run, relative to its scales; NaN of members
-        that were not checked.
-    note : ndarray, (members,), of str
-        Limitations of each run, a line each.
-    """
-
-    values: dict[str, np.ndarray]
+    values: dict[str, np.ndarray]  # name -> (members, [times,] [asperites]); NaN of members without
+    # name -> bounds on errors, NaN where unknown; of all quantities if Kept.with_errors
     errors: dict[str, np.ndarray]
     status: np.ndarray
     steps: np.ndarray
     evaluations: np.ndarray
-    level: np.ndarray
-    error: np.ndarray
-    note: np.ndarray
+    level: np.ndarray  # of the tolerances; NaN of members with a run of their own, or a given step
+    error: np.ndarray  # largest difference from a finer run, in scales; NaN of members not checked
+    note: np.ndarray  # limitations of each run, a line each
 
     @classmethod
     def without_runs(cls, kept: Kept, members: int, status: str = UNKNOWN, note: str = "") -> Self:
@@ -149,26 +129,14 @@ class KeptValues:
 
 @dataclass(frozen=True)
 class Kept:
-    """What is kept of each member.
+    """What is kept of each member."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "upper.w1".
-    at_samples : bool
-        Whether they are kept at all times of the scene, or at the end alone.
-    shapes : tuple of tuples
-        Of each quantity in one member.
-    with_errors : bool
-        Whether each value has an error estimate; then values that miss the accuracy are kept too.
-    counts : dict
-        The asperites of each surface, if quantities are sums over these; else empty.
-    """
-
-    names: tuple[str, ...]
-    at_samples: bool
-    shapes: tuple[tuple[int, ...], ...] = field(repr=False)
+    names: tuple[str, ...]  # "upper.w1"
+    at_samples: bool  # at all times of the scene, or at the end alone
+    shapes: tuple[tuple[int, ...], ...] = field(repr=False)  # of each quantity in one member
+    # each value has an error estimate; values that miss the accuracy are kept too
     with_errors: bool = False
+    # asperites of each surface, over which quantities are summed; else empty
     counts: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
@@ -232,7 +200,12 @@ class Kept:
 
     def about(self, name: str) -> dict[str, str]:
         """The units and the meaning of a quantity."""
-        return about_kept(name, not self.at_samples)
+        kind = name.rpartition(".")[2].removesuffix(INTERVAL)
+        quantity = EVERY_QUANTITY[kind]
+        when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
+        meaning = quantity.long_name + when * (not self.at_samples)
+        before = "half-width of the 95 % interval of: " * is_interval(name)
+        return {"units": quantity.units, "long_name": before + meaning}
 
     def terms(self, name: str) -> int:
         """The number of values of asperites that a kept value is the sum of."""
@@ -268,7 +241,8 @@ def total_names(scene: Scene) -> list[str]:
     blocks = [
         f"{surface.name}.{name}"
         for surface in scene.surfaces
-        for name in (*BLOCK_QUANTITIES, *_further(scene, surface))
+        for name in (*BLOCK_QUANTITIES, *FURTHER_OF_SURFACES)
+        if name in BLOCK_QUANTITIES or name in further_series(scene, surface)
     ]
     return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
 
@@ -283,12 +257,6 @@ def sum_names(scene: Scene) -> list[str]:
     return _without_accounts(scene, names)
 
 
-def _further(scene: Scene, surface: Surface) -> list[str]:
-    """Names of the series of a surface as a whole that the scene's output asks for."""
-    asked = further_series(scene, surface)
-    return [name for name in FURTHER_OF_SURFACES if name in asked]
-
-
 def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
     """The names that do not need a ledger which the scene does without."""
     none = scene.output.ledger == "none"
@@ -298,15 +266,6 @@ def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
 def is_interval(name: str) -> bool:
     """Whether a name, as "upper.friction_force_time_half_width", is that of an interval."""
     return name.endswith(INTERVAL) and name.removesuffix(INTERVAL).rpartition(".")[2] in AVERAGED
-
-
-def about_kept(name: str, at_end: bool) -> dict[str, str]:
-    """The units and the meaning of a kept quantity of single runs."""
-    kind = name.rpartition(".")[2].removesuffix(INTERVAL)
-    quantity = EVERY_QUANTITY[kind]
-    when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
-    before = "half-width of the 95 % interval of: " * is_interval(name)
-    return {"units": quantity.units, "long_name": f"{before}{quantity.long_name}{when * at_end}"}
 
 
 def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
@@ -334,21 +293,11 @@ def _check_averaged(scene: Scene) -> None:
 
 @dataclass
 class Tally:
-    """Counts of members, for the notes of an ensemble.
-
-    Attributes
-    ----------
-    status : dict
-        Members by status.
-    checked : int
-        Members that were run again with finer settings.
-    refined : int
-        Members that needed finer settings.
-    """
+    """Counts of members, for the notes of an ensemble."""
 
     status: dict[str, int] = field(default_factory=dict)
-    checked: int = 0
-    refined: int = 0
+    checked: int = 0  # run again with finer settings
+    refined: int = 0  # needed these
 
     def add(
         self, status: np.ndarray, level: np.ndarray, error: np.ndarray, common_level: float

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,23 +18,21 @@ from tribo.ensembles.dataset import (
     counts_of,
     times_of,
 )
-from tribo.ensembles.intervals import Interval, interval, members_needed
 from tribo.ensembles.kept_values import MISSED, Kept, KeptValues, sum_names, total_names
 from tribo.ensembles.members import Variation
-from tribo.ensembles.runner import Execution, Policy, alone, collect, policy_of, run_members
+from tribo.ensembles.runner import Execution, Policy, collect, policy_of, run_members
+from tribo.ensembles.single_runs import SingleRuns
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
+from tribo.prepared import Simulation
 from tribo.results.dataset import Variable
-from tribo.results.intervals import CONFIDENCE
+from tribo.results.intervals import CONFIDENCE, Interval, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
-from tribo.validation import POSITIVE, InputError, inside, number, short_repr
-
-if TYPE_CHECKING:
-    pass
+from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr
 
 # Members whose spread determines the number of all, and which are run again to check the settings:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
@@ -46,19 +43,7 @@ HalfWidths = Mapping[str, float]
 
 @dataclass
 class MeanRuns:
-    """Runs of the members whose means are computed.
-
-    Attributes
-    ----------
-    runs : Policy
-        Runs them.
-    variation : Variation
-        The differences between them.
-    store : MemberStore
-        Takes them.
-    how : Execution
-        What runs them.
-    """
+    """Runs of the members whose means are computed."""
 
     runs: Policy
     variation: Variation
@@ -101,7 +86,7 @@ class MeanRuns:
                 half = from_settings(simulation.scene, simulation.settings.at_half_step())
                 runs = policy_of(half, kept, own)
             else:
-                runs = alone(simulation, replace(kept, with_errors=True), own)
+                runs = SingleRuns(simulation, replace(kept, with_errors=True), own)
             chunks = run_members(runs, self.variation, numbers, self.how)
             return numbers, KeptValues.joined(list(chunks))
         except KeyboardInterrupt:
@@ -132,8 +117,9 @@ def means(
             found = runs.up_to(min(runs.store.done + missing, most))
     numbers, check = (np.empty(0, int), None) if runs.interrupted else runs.again(found)
     members = runs.variation.members(np.arange(found.status.size))
-    whole = _Means(runs, found, numbers, check, first_stage)
-    coordinates = coordinates_of(members, found) | times_of(runs.runs.kept, whole.scene)
+    simulation, kept = runs.runs.simulation, runs.runs.kept
+    whole = _Means(simulation, kept, found, numbers, check, first_stage)
+    coordinates = coordinates_of(members, found) | times_of(kept, simulation.scene)
     status = Status.INTERRUPTED if runs.interrupted else Status.COMPLETED
     attributes = attributes_of(runs.runs, runs.variation) | {
         "status": str(status),
@@ -154,7 +140,7 @@ def checked_half_width(scene: Scene, half_width: HalfWidths) -> dict[str, float]
     known = total_names(scene) + sum_names(scene)
     for name in half_width:
         if name not in known:
-            raise InputError(f"half_width.{name}", f"must be one of {', '.join(known)}")
+            raise must_be_one_of("half_width", known, name)
     with inside("half_width"):
         return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
 
@@ -192,44 +178,43 @@ def _completed(found: KeptValues) -> np.ndarray:
     return np.asarray(found.status == str(Status.COMPLETED))
 
 
+@dataclass
 class _Means:
     """The means of members, and how far they depend on the settings of the runs."""
 
-    def __init__(
-        self,
-        runs: MeanRuns,
-        found: KeptValues,
-        numbers: np.ndarray,
-        check: KeptValues | None,
-        first_stage: int | None,
-    ) -> None:
-        self._runs, self._found, self._first_stage = runs, found, first_stage
-        self._kept = runs.runs.kept
-        self._complete = _completed(found)
-        self._numbers, self._check = numbers, check
-        self.scene = runs.runs.simulation.scene
+    simulation: Simulation
+    kept: Kept
+    found: KeptValues
+    numbers: np.ndarray  # of the members of `check`
+    check: KeptValues | None
+    first_stage: int | None
+
+    @property
+    def complete(self) -> np.ndarray:
+        """Which members completed, (members,)."""
+        return _completed(self.found)
 
     def variables(self) -> dict[str, Variable]:
         """The series of all members, their means, and numbers of each run."""
         variables: dict[str, Variable] = {}
-        for name in self._kept.names:
+        for name in self.kept.names:
             variables |= self._series(name)
-        for name, values in counts_of(self._found).items():
+        for name, values in counts_of(self.found).items():
             variables[name] = ("member",), values, {"long_name": COUNTS[name]}
         return variables
 
     def _series(self, name: str) -> dict[str, Variable]:
         quantity = EVERY_QUANTITY[name.rpartition(".")[2]]
-        summed = name in sum_names(self.scene)
+        summed = name in sum_names(self.simulation.scene)
         meaning = quantity.long_name + ", summed over asperites" * summed
 
         def variable(values: np.ndarray | float, *dimensions: str, of: str = "") -> Variable:
             return dimensions, values, {"units": quantity.units, "long_name": of + meaning}
 
         half = "half-width of the 95 % interval of the "
-        mean = interval(self._found.values[name][self._complete], self._first_stage)
+        mean = interval(self.found.values[name][self.complete], self.first_stage)
         variables = {
-            name: variable(self._found.values[name], "member", "time"),
+            name: variable(self.found.values[name], "member", "time"),
             f"{name}_mean": variable(mean.mean, "time", of="mean of: "),
             f"{name}_half_width": variable(mean.half_width, "time", of=f"{half}mean of: "),
         }
@@ -245,42 +230,42 @@ class _Means:
     @property
     def _halved(self) -> KeptValues | None:
         """The runs at half the step that reached their end; None of fewer than two."""
-        estimated = self._runs.runs.simulation.accuracy is not None
-        if self._check is None or estimated or np.count_nonzero(_completed(self._check)) < 2:
+        estimated = self.simulation.accuracy is not None
+        if self.check is None or estimated or np.count_nonzero(_completed(self.check)) < 2:
             return None
-        return self._check
+        return self.check
 
     def _bias(self, name: str) -> Interval | None:
         """The mean at the step less that at half of it, of the same members."""
         halved = self._halved
         if halved is None:
             return None
-        off = self._found.values[name][self._numbers] - halved.values[name]
+        off = self.found.values[name][self.numbers] - halved.values[name]
         return interval(off[_completed(halved)])
 
     def _error(self, name: str) -> float | None:
         """The largest error of a member that was run again with an error estimate."""
-        if self._check is None or name not in self._check.errors:
+        if self.check is None or name not in self.check.errors:
             return None
-        off = np.abs(self._found.values[name][self._numbers] - self._check.values[name])
-        bounds = off.max(axis=1) + self._check.errors[name]
+        off = np.abs(self.found.values[name][self.numbers] - self.check.values[name])
+        bounds = off.max(axis=1) + self.check.errors[name]
         known = np.isfinite(bounds)
         return float(bounds[known].max()) if known.any() else None
 
     def notes(self, needed: float) -> list[str]:
         """Limitations of the means."""
-        simulation, total = self._runs.runs.simulation, self._complete.size
+        simulation, total = self.simulation, self.complete.size
         step = simulation.plan.setting if simulation.accuracy is None else None
         assert step is None or isinstance(step, float)
-        first = str(self._found.note[0]).splitlines()
-        parted = [note for note in self._found.note[self._complete].tolist() if PART in note]
+        first = str(self.found.note[0]).splitlines()
+        parted = [note for note in self.found.note[self.complete].tolist() if PART in note]
         of_first = [note for note in first if PART not in note]
         notes = list(
             dict.fromkeys([*run_notes(simulation.layout, simulation.method, step), *of_first])
         )
-        complete = np.count_nonzero(self._complete)
+        complete = np.count_nonzero(self.complete)
         if complete < total:
-            stopped = sorted({*self._found.status[~self._complete].tolist()})
+            stopped = sorted({*self.found.status[~self.complete].tolist()})
             notes.append(
                 f"{total - complete} of {total} members stopped early ({', '.join(stopped)}); "
                 "means are over the others"
@@ -293,16 +278,16 @@ class _Means:
         if complete < needed:
             notes.append(f"the half-width takes {needed:.0f} complete members, got {complete}")
         rule = "Student's rule"
-        if self._first_stage is not None:
-            rule = f"Stein's rule, from the spread of the first {self._first_stage}"
+        if self.first_stage is not None:
+            rule = f"Stein's rule, from the spread of the first {self.first_stage}"
         notes.append(f"half-widths are by {rule}, for {complete} members, at each time separately")
         return notes + self._notes_on_settings()
 
     def _notes_on_settings(self) -> list[str]:
         """The effect of the step or of the tolerances on the means."""
-        if self._check is not None and self._check.errors:
-            missed = np.count_nonzero(self._check.status == MISSED)
-            first = f"{missed} of the first {self._numbers.size} members"
+        if self.check is not None and self.check.errors:
+            missed = np.count_nonzero(self.check.status == MISSED)
+            first = f"{missed} of the first {self.numbers.size} members"
             return [f"{first} miss their accuracy"] if missed else []
         if self._halved is None:
             return ["the effect of the step or of the tolerances on the means was not measured"]

@@ -9,9 +9,9 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,34 +41,17 @@ Source = Distribution | SwingStates | ArrayLike
 
 
 class Members(NamedTuple):
-    """Some members; it can be pickled.
+    """Some members; it can be pickled."""
 
-    Attributes
-    ----------
-    numbers : ndarray, (members,)
-        From 0 on.
-    seeds : ndarray, (members,)
-        Of their scenes.
-    values : dict
-        "surface.theta" -> (members, asperites); "surface.velocity" -> (members, 2); a number of
-        the scene -> (members, 1).
-    """
-
-    numbers: np.ndarray
-    seeds: np.ndarray
+    numbers: np.ndarray  # (members,), from 0 on
+    seeds: np.ndarray  # of their scenes, (members,)
+    # "surface.theta" -> (members, asperites); velocities (members, 2), numbers (members, 1)
     values: dict[str, np.ndarray]
 
     def member(self, index: int) -> Member:
         """One of them, by its place among these."""
         values = {key: rows[index] for key, rows in self.values.items()}
         return Member(int(self.numbers[index]), int(self.seeds[index]), values)
-
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """Members one after another."""
-        numbers, seeds, values = zip(*parts, strict=True)
-        both = {key: np.concatenate([each[key] for each in values]) for key in values[0]}
-        return cls(np.concatenate(numbers), np.concatenate(seeds), both)
 
 
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -83,94 +66,43 @@ def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One member.
-
-    Attributes
-    ----------
-    number
-        from 0 on
-    seed
-        of its scene, for thermal starts and noise
-    values
-        "surface.theta" -> (1,) or (asperites,); "surface.velocity" -> (2,)
-    """
+    """One member; its values are rows of those of :class:`Members`."""
 
     number: int
     seed: int
     values: dict[str, np.ndarray]
 
-    def scene(self, scene: Scene) -> Scene:
-        """The scene with the member's seed, velocities and numbers, but its own start."""
-        surfaces = [
-            replace(s, velocity=tuple(self.values.get(f"{s.name}.{VELOCITY}", s.velocity)))
-            for s in scene.surfaces
-        ]
-        own: dict[str, float | np.ndarray] = {}
-        for key, v in self.values.items():
-            if is_parameter(scene, key):
-                own[key] = float(v[0])
-            elif _is_of_scene(scene, key):
-                own[key] = v if v.size > 1 else float(v[0])
-        moved = replace(scene, surfaces=tuple(surfaces), seed=self.seed)
-        return with_values(moved, own) if own else moved
-
-    def scene_with_start(self, scene: Scene) -> Scene:
-        """The scene with all values of the member."""
-        moved, surfaces = self.scene(scene), []
-        for surface in moved.surfaces:
-            own: dict[str, Any] = {
-                name: self.values[key]
-                for name in UNITS
-                if (key := f"{surface.name}.{name}") in self.values
-            }
-            if "theta" in own or "swing" in own:  # one replaces the other
-                own = {"theta": None, "swing": None, **own}
-            surfaces.append(replace(surface, initial=replace(surface.initial, **own)))
-        return replace(moved, surfaces=tuple(surfaces))
+    def scene(self, scene: Scene, with_start: bool = False) -> Scene:
+        """The scene with the member's seed and values, with or without initial angles and rates."""
+        own = self.values
+        if not with_start:
+            own = {key: v for key, v in own.items() if key not in values_at_start(own)}
+        moved = replace(scene, seed=self.seed)
+        return with_values(moved, _plain(own)) if own else moved
 
     @property
     def start(self) -> dict[str, float | np.ndarray]:
         """Initial angles and rates, as ``Simulation.run`` takes them."""
-        initial = values_at_start(self.values)
-        return {key: v if v.size > 1 else float(v[0]) for key, v in initial.items()}
+        return _plain(values_at_start(self.values))
+
+
+def _plain(values: Mapping[str, np.ndarray]) -> dict[str, float | np.ndarray]:
+    return {key: v if v.size > 1 else float(v[0]) for key, v in values.items()}
 
 
 class Variation:
     """The differences between the members of an ensemble.
 
-    Parameters
-    ----------
-    scene
-        of the ensemble
-    vary
-        "surface.theta" (or another initial value) or "surface.velocity" -> an array with a row for
-        each member, or a distribution; "surface.swing_state" -> one of swings and rates together
-    seed
-        of the ensemble
-    seeds
-        of the members' scenes, (members,); by default they are drawn
-
-    Attributes
-    ----------
-    sizes
-        quantity -> the length of its rows
-    own_numbers
-        keys of what members differ in beside initial angles and rates, and seeds
-    own_scenes
-        whether they differ in more than initial angles and rates
-
-    Raises
-    ------
-    InputError
-        if a name, an array or a distribution cannot be used
+    `vary` maps "surface.theta" (or another initial value), "surface.velocity" or a number of the
+    scene to an array with a row for each member, or to a distribution; "surface.swing_state" to one
+    of swings and rates together.  The seeds of the members' scenes, (members,), are drawn if they
+    are not given.  `sizes` has the length of each quantity's rows, `own_numbers` the keys of what
+    members differ in beside initial angles and rates, and seeds.  Raises InputError if a name, an
+    array or a distribution cannot be used.
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        vary: Mapping[str, Source],
-        seed: int,
-        seeds: np.ndarray | None = None,
+        self, scene: Scene, vary: Mapping[str, Source], seed: int, seeds: np.ndarray | None = None
     ) -> None:
         self.seed = seed
         self._seeds = seeds
@@ -194,7 +126,6 @@ class Variation:
         self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
         of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
         self.own_numbers = tuple(key for key in self.sizes if key not in of_start)
-        self.own_scenes = bool(self.own_numbers) or is_random(scene)
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -307,9 +238,8 @@ def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
     if not (is_random(scene) or vary):
         raise InputError(
             "vary",
-            "is empty, and nothing in the scene is drawn: all members would be the same; vary "
-            'an initial value, as "surface.theta", or give a reservoir, a bath or a start a '
-            "temperature; random heights follow the scene's seed, which a sweep can vary",
+            "is empty, and the scene draws nothing: all members would be the same; vary a start, "
+            "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
         )
 
 

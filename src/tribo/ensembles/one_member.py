@@ -27,7 +27,7 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.ensemble` returns it with `keep`, or from its file.
+        The data set that :func:`tribo.ensemble` returns with `keep`, or that of its file.
     number : int
         The number of the member, from 0.
 
@@ -39,7 +39,7 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     Raises
     ------
     InputError
-        The data set has no members with kept quantities, or not that member.
+        If the data set contains no members with kept quantities, or not that member.
     """
     attributes = dict(data.attrs)
     if "keep" not in attributes or "member" not in data.coords:

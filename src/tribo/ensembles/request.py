@@ -29,23 +29,12 @@ END, SAMPLES = "end", "samples"
 
 
 class Request(NamedTuple):
-    """What is asked of each member; it can be pickled.
+    """What is asked of each member; it can be pickled."""
 
-    Attributes
-    ----------
-    keep : tuple of str, or None
-        Names of quantities; without them, the series of all sums over asperites.
-    at : str
-        When they are kept.
-    with_errors : bool
-        Whether each value has an error estimate.
-    accuracy, method, step, allow_unresolved
-        As of :func:`tribo.prepare`.
-    """
-
+    # names of quantities; without them, the series of all sums over asperites
     keep: tuple[str, ...] | None
     at: str
-    with_errors: bool
+    with_errors: bool  # each value has an error estimate
     accuracy: Accuracy | None
     method: str | None
     step: float | None

@@ -18,24 +18,10 @@ from tribo.loops.batch import MemberRuns
 def rough_differences(
     runs: MemberRuns, rough: MemberRuns, numbers: MemberNumbers, accuracy: Mapping[str, float]
 ) -> np.ndarray:
-    """The largest difference of each member from a rougher run.
+    """The largest difference of each member from a rougher run (members,), in accuracies.
 
-    The scales of errors are not computed, which would take longer than both runs, but lower bounds
-    on them.
-
-    Parameters
-    ----------
-    runs, rough : MemberRuns
-        The same members.
-    numbers : MemberNumbers
-        Of the members.
-    accuracy : mapping
-        The relative error wanted, by quantity.
-
-    Returns
-    -------
-    ndarray, (members,)
-        In units of the accuracy, or above it; infinite where a run did not complete.
+    Infinite where a run did not complete.  The scales of errors would take longer to compute than
+    both runs; lower bounds on them stand in their place, which make differences larger.
     """
     members, scales = len(runs.counts), _least_scales(runs, numbers)
     own, other = (assemble(each.layout, each.samples) for each in (runs, rough))

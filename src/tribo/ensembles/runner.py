@@ -21,12 +21,13 @@ from tribo.accuracy.levels import work
 from tribo.accuracy.plan import Plan
 from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
-from tribo.ensembles.engines import Engine, check_engine, in_threads, run_jobs
+from tribo.ensembles.engines import Engine, in_threads, run_jobs
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import Members, Variation, is_random
+from tribo.ensembles.members import Members, Variation
 from tribo.ensembles.single_runs import SingleRuns, run_alone
+from tribo.ensembles.statistics_store import StatisticsStore
 from tribo.ensembles.step_runs import StepRuns
-from tribo.ensembles.stores import Store
+from tribo.ensembles.stores import MemberStore
 from tribo.layout.member_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.batch_general import has_batches
@@ -34,7 +35,7 @@ from tribo.loops.lane_loop import fit_lanes
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.simulation import from_settings
-from tribo.validation import integer
+from tribo.validation import integer, must_be
 
 Policy = CheckedRuns | StepRuns | SingleRuns
 
@@ -47,30 +48,18 @@ MOST_READY = 4
 
 
 class Execution(NamedTuple):
-    """What runs the members, and what is told.
+    """What runs the members, and what is told."""
 
-    Attributes
-    ----------
-    engine : executor, optional
-        Runs them in other processes.
-    threads : int
-        Of this process, which run them without an engine.
-    progress : callable, optional
-        Called with the number of members that have been run.
-    """
-
-    engine: Engine | None = None
-    threads: int = 1
+    engine: Engine | None = None  # runs them in other processes
+    threads: int = 1  # of this process, without an engine
+    # called with the number of members that have been run
     progress: Callable[[int], None] | None = None
-
-    def told(self, progress: Callable[[int], None] | None) -> Execution:
-        """The same, which calls `progress`."""
-        return self._replace(progress=progress)
 
 
 def execution(engine: Engine | None, threads: int | None) -> Execution:
     """What runs members, with a thread for each core by default.  Raises InputError."""
-    check_engine(engine)
+    if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
+        raise must_be("engine", "an executor, with submit or map", engine)
     return Execution(
         engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
     )
@@ -88,28 +77,20 @@ class Setup(NamedTuple):
 
 
 def policy_of(
-    simulation: Simulation,
-    kept: Kept,
-    own_numbers: Sequence[str],
-    plan: CheckedPlan | None = None,
+    simulation: Simulation, kept: Kept, own_numbers: Sequence[str], plan: CheckedPlan | None = None
 ) -> Policy:
     """The fastest way to run members of a scene, with the plan of all if that is known.
 
     They differ in starts and seeds, and in numbers with the keys `own_numbers`.
     """
     if plan is None and not in_batches(simulation, own_numbers):
-        return alone(simulation, kept, own_numbers)
+        return SingleRuns(simulation, kept, own_numbers)
     if simulation.accuracy is None:
         return StepRuns(simulation, kept, own_numbers)
     runs = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
         runs.plan = plan
     return runs
-
-
-def alone(simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> SingleRuns:
-    """Runs of members one by one."""
-    return SingleRuns(simulation, kept, bool(own_numbers) or is_random(simulation.scene))
 
 
 def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
@@ -142,10 +123,7 @@ def planned(
 
 
 def run_members(
-    runs: Policy,
-    variation: Variation,
-    numbers: range | np.ndarray,
-    how: Execution,
+    runs: Policy, variation: Variation, numbers: range | np.ndarray, how: Execution
 ) -> Iterator[KeptValues]:
     """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
     firsts = range(0, len(numbers), runs.chunk)
@@ -175,7 +153,9 @@ def run_members(
 
 
 def collect(
-    chunks: Iterable[KeptValues], store: Store, progress: Callable[[int], None] | None
+    chunks: Iterable[KeptValues],
+    store: MemberStore | StatisticsStore,
+    progress: Callable[[int], None] | None,
 ) -> bool:
     """Take in the next members, in order, and tell how many the store has.
 
@@ -194,8 +174,7 @@ def collect(
 
 def _run_job(job: tuple[bytes, Members]) -> KeptValues:
     """Run some members, in a process that may not have the scene yet."""
-    setup, members = job
-    return complete(_ready(setup), members)
+    return complete(_ready(job[0]), job[1])
 
 
 def complete(runs: Policy, members: Members) -> KeptValues:
@@ -210,5 +189,5 @@ def _ready(setup: bytes) -> Policy:
     scene, plan, kept, own_numbers, checked, is_alone = pickle.loads(setup)
     simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
     if is_alone:
-        return alone(simulation, kept, own_numbers)
+        return SingleRuns(simulation, kept, own_numbers)
     return policy_of(simulation, kept, own_numbers, checked)

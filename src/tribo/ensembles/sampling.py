@@ -26,17 +26,11 @@ class Sampler(Protocol):
 def sampled(
     sampler: Sampler, members: int | None, scene: Scene, vary: Mapping[str, Source]
 ) -> dict[str, Source]:
-    """`vary` with the points of a sampler in place of random numbers.
+    """`vary` with the points of a sampler in place of random numbers. Raises InputError.
 
     Each distribution becomes an array (members, numbers of a member): its inverse cumulative
     function ``ppf`` of as many coordinates of the points, in the order of `vary`.  The sampler is
     copied, so that it draws the same points in a later call.
-
-    Raises
-    ------
-    InputError
-        The sampler has another number of dimensions than `vary` has numbers to draw, a distribution
-        has no ``ppf``, or `members` is missing.
     """
     if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
         raise InputError("sampler", f"must be one of scipy.stats.qmc, got {short_repr(sampler)}")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tribo.accuracy.choose_method import check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues
-from tribo.ensembles.members import Member, Members
+from tribo.ensembles.members import Member, Members, is_random
 from tribo.kernels.status import Status
-from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.result import Result
 from tribo.simulation import from_settings, prepare
@@ -16,32 +17,19 @@ from tribo.validation import InputError
 
 
 class SingleRuns:
-    """Runs members of an ensemble one by one.
+    """Runs members of an ensemble one by one, first by the settings of its simulation.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Of the ensemble's scene; its settings are tried first for every member.
-    kept : Kept
-        What is kept.
-    own_scenes : bool
-        Whether members differ in more than initial angles and rates.
-
-    Attributes
-    ----------
-    chunk : int
-        Members that are run in one call.
-    plan : None
-        There is none beside that of the simulation.
+    `own_numbers` are keys of what members differ in beside initial angles and rates.  There is no
+    plan beside that of the simulation.
     """
 
     chunk = 1
     plan = None
 
-    def __init__(self, simulation: Simulation, kept: Kept, own_scenes: bool) -> None:
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
         self.simulation = simulation
         self.kept = kept
-        self._own_scenes = own_scenes
+        self._own_scenes = bool(own_numbers) or is_random(simulation.scene)
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members by the settings of all.
@@ -81,11 +69,15 @@ def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptV
 
     The settings are searched for, for each member.
     """
+    asked = simulation.accuracy
     for index in np.flatnonzero(found.status == UNKNOWN):
-        scene = members.member(int(index)).scene_with_start(simulation.scene)
+        scene = members.member(int(index)).scene(simulation.scene, with_start=True)
         found.level[index] = found.error[index] = np.nan
         try:
-            own = _alone(simulation, scene)
+            if asked is None:
+                own = from_settings(scene, simulation.settings)
+            else:
+                own = prepare(scene, asked, simulation.method.name, threads=1)
         except InputError as error:  # the accuracy is out of reach
             found.status[index] = REFUSED if kept.with_errors else MISSED
             found.note = found.note.astype(object)
@@ -95,9 +87,3 @@ def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptV
                 values[index] = np.nan
         else:
             found.set_alone(int(index), own.compute_first(), kept)
-
-
-def _alone(simulation: Simulation, scene: Scene) -> Simulation:
-    if simulation.accuracy is None:
-        return from_settings(scene, simulation.settings)
-    return prepare(scene, simulation.accuracy, simulation.method.name, threads=1)

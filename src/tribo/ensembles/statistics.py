@@ -17,18 +17,14 @@ sums do not depend on any order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 
 import numpy as np
-
-from tribo.ensembles.kept_values import Kept, Tally
 
 # Bins for a unit of asinh: a bin near the centre is 1/256 of a standard deviation wide.
 FINE = 256
 # Fine bins in one of a histogram: 1/16 of a standard deviation.
 COARSE = 16
-# Members that are merged at once, at least: the merge of one costs as much as that of some 1000.
-BLOCK = 1024
 # Numbers of a column's bins in the keys of all columns: asinh of the largest double is 710.
 BINS = 2**20
 # Probabilities of the quantiles that are reported; 0 and 1 are the smallest and largest value.
@@ -39,21 +35,11 @@ PROBABILITIES = np.array([0.0, 1e-3, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.
 class Moments:
     """Sums over the complete members, of columns at each time.
 
-    A column is a quantity of the system, of a surface, or of one asperite.
-
-    Attributes
-    ----------
-    count : ndarray, ()
-        Of members.
-    mean, lowest, highest : ndarray, (times, columns)
-        Of the members.
-    products : ndarray, (times, columns, columns)
-        Sums of products of deviations from the means.
-    centre, unit : ndarray, (times, columns)
-        Of the bins.
-    keys, counts : ndarray, (bins,)
-        The occupied bins, ascending, and the members in each; the key is the index of the time and
-        column times `BINS`, plus that of the bin, which begins at -BINS / 2.
+    A column is a quantity of the system, of a surface, or of one asperite.  Arrays are (times,
+    columns); `products` are sums of products of deviations from the means, (times, columns,
+    columns).  `keys` and `counts` are the occupied bins, ascending, and the members in each: the
+    key is the index of the time and column times `BINS`, plus that of the bin, which begins at
+    -BINS / 2.
     """
 
     count: np.ndarray
@@ -140,55 +126,3 @@ class Moments:
         found = np.clip(found.reshape(shape), self.lowest, self.highest)
         found[0], found[-1] = self.lowest, self.highest
         return found
-
-
-@dataclass(eq=False)
-class Statistics:
-    """Statistics of members that arrive in order.
-
-    Attributes
-    ----------
-    kept : Kept
-        What is kept of each member.
-    moments : Moments or None
-        Of the blocks that are merged.
-    waiting : list of ndarray
-        Values (members, times, columns) that will be merged with the next block.
-    tally : Tally
-        Counts of the members.
-    """
-
-    kept: Kept
-    moments: Moments | None = None
-    waiting: list[np.ndarray] = field(default_factory=list)
-    tally: Tally = field(default_factory=Tally)
-
-    def add(self, values: dict[str, np.ndarray], complete: np.ndarray) -> None:
-        """Take in the complete ones of some members."""
-        size = int(complete.sum())
-        times = self.kept.times
-        parts = [values[name][complete].reshape(size, times, -1) for name in self.kept.names]
-        self.waiting.append(np.concatenate(parts, axis=2))
-        if sum(map(len, self.waiting)) >= BLOCK:
-            self.merge()
-
-    def merge(self) -> None:
-        """Merge the members that wait."""
-        values = np.concatenate(self.waiting) if self.waiting else np.empty(0)
-        self.waiting.clear()
-        if len(values):
-            block = Moments.of(values, self.moments)
-            self.moments = block if self.moments is None else self.moments.merged(block)
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """All sums, for a file."""
-        found = {"waiting": np.concatenate(self.waiting)} if self.waiting else {}
-        if self.moments is not None:
-            found |= {each.name: getattr(self.moments, each.name) for each in fields(Moments)}
-        return found
-
-    def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from the sums in a file."""
-        self.waiting = [arrays["waiting"]] if "waiting" in arrays else []
-        if "mean" in arrays:
-            self.moments = Moments(*(arrays[each.name] for each in fields(Moments)))

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import time
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 import numpy as np
 
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally
-from tribo.ensembles.statistics import COARSE, PROBABILITIES, Moments, Statistics
+from tribo.ensembles.statistics import COARSE, PROBABILITIES, Moments
 from tribo.kernels.status import Status
 from tribo.loops.frames import INTERVAL, RELATIVE_INTERVAL, Frames, as_bytes
 from tribo.results.dataset import Variable
@@ -20,14 +19,14 @@ from tribo.validation import InputError
 # Bytes of all covariances, above which statistics are refused: their sums and those of a block are
 # in memory together.
 MOST_BYTES = 2**29
-
-
+# Members that are merged at once, at least: the merge of one costs as much as that of some 1000.
+BLOCK = 1024
 # The frame of all sums.
 SUMS = "sums"
 
 
 class StatisticsStore:
-    """A store of statistics of `done` members; see :class:`tribo.ensembles.stores.Store`.
+    """Accumulates statistics of members, which arrive in order; `done` is their number.
 
     `common_level` is the level of most members; NaN where each has its own settings.  Frames take
     the sums once a second, or less often where that takes long, and have those of an earlier call.
@@ -35,11 +34,12 @@ class StatisticsStore:
     """
 
     def __init__(self, kept: Kept, common_level: float, frames: Frames | None) -> None:
-        self._level = common_level
-        self._frames = frames
-        self._statistics = Statistics(kept)
+        self._kept, self._level, self._frames = kept, common_level, frames
+        self._merged: Moments | None = None
+        self._waiting: list[np.ndarray] = []  # (members, times, columns), for the next block
         self._written = time.perf_counter()
         self._took = 0.0  # to write all sums, which may be hundreds of megabytes
+        self.tally = Tally()
         self.done = 0
         columns = sum(map(kept.columns, kept.names))
         if 8 * kept.times * columns**2 > MOST_BYTES:
@@ -52,14 +52,20 @@ class StatisticsStore:
             assert frames is not None
             frames.name_last(SUMS)
             known = json.loads(arrays.pop("known").tobytes())
-            self.done = known["done"]
-            self._statistics.tally = Tally(**known["tally"])
-            self._statistics.restore(arrays)
+            self.done, self.tally = known["done"], Tally(**known["tally"])
+            self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
+            if "mean" in arrays:
+                self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
 
     def add(self, found: KeptValues) -> None:
         """Take in the next members."""
-        self._statistics.add(found.values, found.status == Status.COMPLETED)
-        self._statistics.tally.add(found.status, found.level, found.error, self._level)
+        complete = found.status == Status.COMPLETED
+        shape = (np.count_nonzero(complete), self._kept.times, -1)
+        parts = [found.values[name][complete].reshape(shape) for name in self._kept.names]
+        self._waiting.append(np.concatenate(parts, axis=2))
+        if sum(map(len, self._waiting)) >= BLOCK:
+            self._merged, self._waiting = self.moments(), []
+        self.tally.add(found.status, found.level, found.error, self._level)
         self.done += found.status.size
         waited = time.perf_counter() - self._written
         if waited > max(INTERVAL, RELATIVE_INTERVAL * self._took):
@@ -70,36 +76,35 @@ class StatisticsStore:
         if self._frames is None:
             return
         began = time.perf_counter()
-        known = {"done": self.done, "tally": asdict(self._statistics.tally)}
-        arrays = {"known": as_bytes(json.dumps(known)), **self._statistics.arrays()}
+        known = {"done": self.done, "tally": asdict(self.tally)}
+        arrays = {"known": as_bytes(json.dumps(known))}
+        if self._waiting:
+            arrays["waiting"] = np.concatenate(self._waiting)
+        if self._merged is not None:
+            arrays |= {each.name: getattr(self._merged, each.name) for each in fields(Moments)}
         self._frames.append(SUMS, arrays)
         self._written = time.perf_counter()
         self._took = self._written - began
 
-    def whole(self) -> Statistics:
-        """The statistics of all members so far."""
-        self.flush()
-        whole = copy.copy(self._statistics)
-        whole.waiting = list(whole.waiting)
-        whole.merge()
-        return whole
+    def moments(self) -> Moments | None:
+        """Those of all complete members so far; None without any."""
+        values = np.concatenate(self._waiting) if self._waiting else np.empty(0)
+        if not len(values):
+            return self._merged
+        block = Moments.of(values, self._merged)
+        return block if self._merged is None else self._merged.merged(block)
 
 
 def statistics_coordinates(kept: Kept) -> dict[str, Variable]:
     """The probabilities of quantiles, and the names of values in covariances."""
-    return {
-        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
-        "value": (("value",), np.array(_labels(kept)), {"long_name": "kept value"}),
-    }
-
-
-def _labels(kept: Kept) -> list[str]:
-    """The name of each column, "upper.w1[0]" for one asperite."""
     labels = []
-    for name in kept.names:
+    for name in kept.names:  # "upper.w1[0]" for one asperite
         one_each = f"{name.rpartition('.')[0]}_asperite" in kept.dimensions(name)
         labels += [f"{name}[{k}]" if one_each else name for k in range(kept.columns(name))]
-    return labels
+    return {
+        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
+        "value": (("value",), np.array(labels), {"long_name": "kept value"}),
+    }
 
 
 def statistics_variables(kept: Kept, moments: Moments) -> dict[str, Variable]:

@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 
 from tribo.accuracy.choose_method import check_damped_step, check_resolved
-from tribo.ensembles.batches import chunk_of, delivered
+from tribo.ensembles.batches import chunk_of, delivered, starts_of
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import Members, values_at_start
+from tribo.ensembles.members import Members
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import MemberNumbers, member_numbers
-from tribo.loops.batch import MemberStarts
+from tribo.layout.member_numbers import MemberNumbers
 from tribo.loops.choose_batch import choose_batch
 from tribo.loops.resolution import longest_damped_step
 from tribo.prepared import Simulation
@@ -45,13 +44,9 @@ class StepRuns:
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members.  Those that do not complete have the status UNKNOWN."""
-        layout = self.simulation.layout
-        y = self._initial.of_members(values_at_start(members.values), members.seeds)
-        own: MemberNumbers | None = None
-        if self._own_numbers:
-            own = member_numbers(layout, len(y), members.values)
-            self._check_step(own)
-        starts = MemberStarts(y, members.seeds, own)
+        starts = starts_of(self.simulation, self._initial, members, self._own_numbers)
+        if starts.numbers is not None:
+            self._check_step(starts.numbers)
         runs = self._batch.run(self.simulation.plan.setting, starts)
         return delivered(self.kept, runs, math.nan, guarded=True)
 

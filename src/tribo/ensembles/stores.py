@@ -4,84 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
-from typing import Protocol, Self
+from typing import NamedTuple
 
 from tribo.ensembles.kept_values import KeptValues, Tally
-from tribo.files import netcdf_target
-from tribo.loops.frames import INTERVAL, PART, Frames
+from tribo.loops.frames import INTERVAL, Frames
 from tribo.model.identity import Identity
-from tribo.validation import InputError, as_path, boolean
 
 # A frame of members, by the number of the first.
 CHUNK = "members"
 
 
-class Target:
-    """The file of many runs, and the frames beside it while they go on; a context manager.
+class Target(NamedTuple):
+    """The file of many runs, what it is of, and the frames beside it; None without a file."""
 
-    Parameters
-    ----------
-    out : str, Path or None
-        The file.
-    resume : bool
-        Whether to continue.
-    identity : dict
-        What is computed.
-
-    Attributes
-    ----------
-    path : Path or None
-        The file.
-    identity : dict
-        As given.
-    complete : bool
-        Whether the file is there, and only has to be read.
-    frames : Frames or None
-        What has been computed; None without a file.
-
-    Raises
-    ------
-    InputError
-        An argument cannot be used, the frames are of other runs, or another process writes them.
-    """
-
-    def __init__(self, out: str | Path | None, resume: bool, identity: Identity) -> None:
-        resume = boolean("resume", resume)
-        if out is None and resume:
-            raise InputError("resume", "needs out, the file to continue")
-        self.path = None if out is None else netcdf_target("out", as_path(out))
-        self.identity = identity
-        self.frames: Frames | None = None
-        self.complete = False
-        self._open = ExitStack()
-        if self.path is not None:
-            part = self.path.with_name(self.path.name + PART)
-            self.complete = resume and self.path.exists() and not part.exists()
-            if not self.complete:
-                self.frames = self._open.enter_context(Frames(part, identity, resume))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._open.close()
-
-
-class Store(Protocol):
-    """Takes members in the order of their numbers.
-
-    Attributes
-    ----------
-    done : int
-        Members that it has, from 0 on.
-    """
-
-    done: int
-
-    def add(self, found: KeptValues) -> None:
-        """Take in the next members."""
+    path: Path | None
+    identity: Identity
+    frames: Frames | None
 
 
 class MemberStore:

@@ -54,7 +54,7 @@ class Canonical(SwingStates):
     Raises
     ------
     InputError
-        It is negative.
+        If the temperature is negative.
     """
 
     temperature: float
@@ -74,12 +74,12 @@ class Canonical(SwingStates):
 
 @dataclass(frozen=True)
 class Microcanonical(SwingStates):
-    """Pendulums whose energies have one sum, and are uniform among all such energies.
+    """Pendulums with a given total energy, which is shared uniformly.
 
     Attributes
     ----------
     energy : float
-        The sum, or the energy of a single pendulum [energy].
+        Total energy, or that of a single pendulum [energy].
 
     Raises
     ------
@@ -103,14 +103,14 @@ class Microcanonical(SwingStates):
 
 @dataclass(frozen=True)
 class EnergyBall(SwingStates):
-    """Pendulums whose energies have at most some sum, uniform in the space of angles and rates.
+    """Pendulums whose total energy has an upper limit, uniform in the space of angles and rates.
 
-    The probability of a sum of at most e is (e / energy)^N, for N pendulums.
+    For N pendulums, the probability of a total energy of at most e is (e / energy)^N.
 
     Attributes
     ----------
     energy : float
-        The largest sum [energy].
+        Upper limit of the total energy [energy].
 
     Raises
     ------
@@ -143,25 +143,9 @@ def _shares(uniforms: np.ndarray) -> np.ndarray:
 class JointStart:
     """The starts of all pendulums of some surfaces, drawn together.
 
-    Parameters
-    ----------
-    name : str
-        Their key, "surface.swing_state" or "*.swing_state".
-    states : SwingStates
-        The distribution of their energies.
-    surfaces : list of Surface
-        The surfaces.
-
-    Attributes
-    ----------
-    name
-        As given.
-    keys : tuple of str
-        "surface.swing" and "surface.omega" of each.
-    dimensions : int
-        The numbers that a member draws.
-    block : int
-        Members that are drawn at once.
+    `name` is their key, "surface.swing_state" or "*.swing_state", `keys` are "surface.swing" and
+    "surface.omega" of each.  A member draws `dimensions` numbers, and `block` members are drawn at
+    once.
     """
 
     def __init__(self, name: str, states: SwingStates, surfaces: list[Surface]) -> None:
@@ -170,7 +154,9 @@ class JointStart:
         self._stops = np.cumsum([surface.count for surface in surfaces])
         self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
         self._inertia = np.concatenate([swing_inertia(surface) for surface in surfaces])
-        self._phi = np.concatenate([_bar_angles(surface) for surface in surfaces])
+        phi = [surface.initial.for_each(surface.count)["phi"] for surface in surfaces]
+        zero = [np.zeros(surface.count) for surface in surfaces]
+        self._phi = np.concatenate([z if p is None else p for p, z in zip(phi, zero, strict=True)])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         self.dimensions = states.uniforms(self._phi.size) + self._phi.size
         self.block = max(1, BLOCK // self.dimensions)
@@ -195,11 +181,6 @@ class JointStart:
         return dict(zip(self.keys, both, strict=True))
 
 
-def _bar_angles(surface: Surface) -> np.ndarray:
-    phi = surface.initial.for_each(surface.count)["phi"]
-    return np.zeros(surface.count) if phi is None else phi
-
-
 def swing_inertia(surface: Surface) -> np.ndarray:
     """The inertia J in the energy that belongs to the drive, of each asperite."""
     each = surface.each
@@ -209,13 +190,7 @@ def swing_inertia(surface: Surface) -> np.ndarray:
 
 
 def joint_starts(scene: Scene, vary: Mapping[str, Any]) -> dict[str, JointStart]:
-    """The starts that are drawn together, by the keys of all that they draw.
-
-    Raises
-    ------
-    InputError
-        A key or its value cannot be used, or a pendulum has no such energy.
-    """
+    """The starts that are drawn together, by the keys of all that they draw. Raises InputError."""
     found: dict[str, JointStart] = {}
     for name, source in vary.items():
         if (name.rpartition(".")[2] == SWING_STATE) != isinstance(source, SwingStates):

@@ -39,7 +39,7 @@ RESOLVED = 0.1
 
 @dataclass(frozen=True)
 class Predicted:
-    """What a run will take.
+    """Predicted cost of a run.
 
     Attributes
     ----------
@@ -50,8 +50,8 @@ class Predicted:
     memory_bytes : int
         Bytes of the arrays that are held at once.
     basis : str
-        How the evaluations are known: "counted" from a given step, "searched" by the runs that find
-        the settings, or "extrapolated" from the first of these.
+        Source of the number of evaluations: "counted" from a given step, "searched" by the runs
+        that find the settings, or "extrapolated" from the first of these.
     met : bool or None
         Whether the run will meet its accuracy, as far as the search shows; None where it was not
         completed, or with a given step.
@@ -96,30 +96,31 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """What a run of a scene will do and cost; :func:`explain` makes one.
+    """Prediction of what a run of a scene does and costs; :func:`explain` makes one.
 
     Attributes
     ----------
     scene : Scene
         The scene to explain.
     effects : dict
-        Each effect that is present -> the keys of the scene that call for it.
+        Each effect that is present -> the keys of the scene that require it.
     absent : dict
-        Each other effect -> why it is absent.
+        Each other effect -> the reason for its absence.
     coordinates : dict
-        Kind of coordinate ("swings", "bars", "x", "y", "baths") -> how many are integrated.
+        Kind of coordinate ("swings", "bars", "x", "y", "baths") -> number of integrated ones.
     contact : Contact
         How contact is computed.
     method : str
         The integration method.
     why : str
-        Why it was chosen; empty where it was given.
+        Reason for the choice; empty where the method was given.
     threads : Threads
-        How many threads share each step, and why so many.
+        Number of threads that share each step, and the reason.
     accuracy : float, dict or None
-        The accuracy that was asked for; None with a given step.
+        The requested accuracy; None with a given step.
     step : float or None
-        The step [time]; None where the method chooses its steps, or where it is not known yet.
+        The step [time]; None where the method chooses its steps, or where the step is not known
+        yet.
     compiled : bool
         Whether the time loop had been compiled before.
     predicted : Predicted
@@ -127,8 +128,8 @@ class Explanation:
     evaluations_used : int
         Evaluations of all forces that the prediction itself took.
     slow : str
-        Of a run of LONG or more: which motion bounds its steps, and what would slow that; else
-        empty.
+        For a run of 45 minutes or more, the motion that limits its steps, and a way to slow that
+        motion; else empty.
     """
 
     scene: Scene
@@ -267,11 +268,10 @@ class Explanation:
 
 
 def explain(scene: Scene) -> Explanation:
-    """What a run of a scene will do and cost, by its own numerics.
+    """Predict what a run of a scene does and costs, with the scene's own numerics.
 
-    The time loop is compiled.  With an accuracy, the search for settings with which every run
-    begins is made too, for at most two seconds by the model of costs; see
-    :mod:`tribo.explanation.prediction`.
+    This compiles the time loop. With an accuracy, it also makes the search for settings with
+    which every run begins, for at most two seconds by the model of costs.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from ase.data import atomic_numbers
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be
+from tribo.validation import InputError, must_be, must_be_one_of
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
 PLACEHOLDER = "X"
@@ -25,34 +25,7 @@ POINTS = {"bob": "m1", "bar": "m2"}
 
 
 def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[Atoms]:
-    """A run as one Atoms for each sample: the bobs of all surfaces, then the bars.
-
-    Numbers are those of the scene: its unit of length is read as Angstrom, its unit of energy as
-    eV, its unit of mass as u.  ASE's unit of time, A sqrt(u/eV), follows from these and is then the
-    scene's.
-
-    Parameters
-    ----------
-    result : RunResult
-    symbols : mapping of str to str, optional
-        Elements of the bobs by surface.  Without it a bob's species, if that is an element, else
-        "X", as for bars.
-
-    Returns
-    -------
-    list of ase.Atoms
-        Each has positions, masses, velocities, charges (`get_initial_charges`), the contact energy
-        (`get_potential_energy`) and contact forces f1 (`get_forces`; none act on bars).  Tags
-        number the surfaces; the array "is_bar" tells bars from bobs; "theta" and "phi" are the
-        angles of the asperite [rad]; a .traj file drops these
-        three.  `info` has the time and the series of the system.
-
-    Raises
-    ------
-    InputError
-        If a symbol is no element, a surface does not exist, a calculator of the scene fails, or the
-        run was too large to keep the places of single asperites.
-    """
+    """The Atoms of each sample; see :meth:`tribo.Result.to_ase`."""
     surfaces = result.scene.surfaces
     elements = _elements(surfaces, dict(symbols or {}))
     parts = {point: [_motion(result, s, point) for s in surfaces] for point in POINTS}
@@ -76,7 +49,7 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
             charges=np.concatenate([charges, np.zeros(len(tags))]),
             tags=np.tile(tags, 2),
             cell=_cell(result),
-            pbc=_periodic(result),
+            pbc=np.array(_cell(result)) > 0.0,
             info={"time": float(t)} | {name: float(v[k]) for name, v in result.system.items()},
         )
         atoms.set_array("is_bar", np.repeat([False, True], len(tags)))
@@ -93,7 +66,7 @@ def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[st
     names = [surface.name for surface in surfaces]
     for name, symbol in symbols.items():
         if name not in names:
-            raise must_be("symbols", f"of the surfaces {', '.join(names)}", name)
+            raise must_be_one_of("symbols", names, name)
         if symbol not in atomic_numbers:
             raise must_be(f"symbols[{name!r}]", "the symbol of an element", symbol)
     bobs = [
@@ -137,8 +110,3 @@ def _cell(result: RunResult) -> tuple[float, float, float]:
     """Lengths of the cell: the periods of the scene, and zero where there is none."""
     periodic = result.scene.periodic
     return (periodic.x or 0.0, 0.0, periodic.z or 0.0) if periodic else (0.0, 0.0, 0.0)
-
-
-def _periodic(result: RunResult) -> tuple[bool, bool, bool]:
-    x, y, z = _cell(result)
-    return (x > 0.0, y > 0.0, z > 0.0)

@@ -26,32 +26,16 @@ CONSTANT_FORCES = "ConstantForces"
 
 @dataclass(frozen=True)
 class Atoms:
-    """All atoms, surface after surface, and the bonds between them.
+    """All n atoms, surface after surface, and the m bonds between them."""
 
-    Attributes
-    ----------
-    kinds : tuple of Kind
-        The types of atoms, those of a surface side by side.
-    kind_of_each : (n,) array of int
-        Index of each atom's type.
-    positions, velocities : (n, 3) arrays
-    charges : (n,) array
-    bonds : (m, 2) array of int
-        Indices of the two atoms of each bond.
-    stiffness : (m,) array
-        Stiffness of each bond [force / length].
-    constant_forces : (n, 2) array
-        Forces that do not change, along x and y.
-    """
-
-    kinds: tuple[Kind, ...]
-    kind_of_each: np.ndarray
-    positions: np.ndarray
+    kinds: tuple[Kind, ...]  # those of a surface side by side
+    kind_of_each: np.ndarray  # (n,)
+    positions: np.ndarray  # (n, 3)
     velocities: np.ndarray
     charges: np.ndarray
-    bonds: np.ndarray
-    stiffness: np.ndarray
-    constant_forces: np.ndarray
+    bonds: np.ndarray  # (m, 2) indices of atoms
+    stiffness: np.ndarray  # (m,) [force / length]
+    constant_forces: np.ndarray  # (n, 2) along x and y
 
     def types_of(self, surface: int) -> list[int]:
         """The numbers of a surface's types, from 1."""
@@ -102,7 +86,7 @@ def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray
 def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
-    each, bobs = surface.each, _resting(scene, index)
+    each, bobs = surface.each, surface.resting_bobs(seed=[scene.seed, index, 0])
     phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
     if swing is None:
         swing = np.zeros(surface.count) if phi is None else phi
@@ -120,10 +104,6 @@ def _given(surface: Surface, *names: str) -> np.ndarray:
     return np.column_stack(
         [np.zeros(surface.count) if (v := each[name]) is None else v for name in names]
     )
-
-
-def _resting(scene: Scene, index: int) -> np.ndarray:
-    return scene.surfaces[index].resting_bobs(seed=[scene.seed, index, 0])
 
 
 def _springs(scene: Scene, surface: Surface) -> tuple[np.ndarray, np.ndarray]:

@@ -57,7 +57,9 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         "the user's own forces on the ends of bars": isinstance(surface.bars, Ends),
         "the user's own drive": isinstance(surface.drive, Custom),
         "the unequal masses of a rigid body, whose forces are shared equally": (
-            isinstance(surface.drive, Free) and surface.drive.rigid and _has_unequal_masses(surface)
+            isinstance(surface.drive, Free)
+            and surface.drive.rigid
+            and bool(np.ptp(surface.each["mass"]) > 0.0)
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.swing_reservoir is not None,
@@ -72,10 +74,6 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         if surface.springs and not surface.springs.turned and "x" in axes:
             omitted.append(f"lattice springs along {axes}, cancelled with contact")
     return omitted
-
-
-def _has_unequal_masses(surface: Surface) -> bool:
-    return bool(np.ptp(surface.each["mass"]) > 0.0)
 
 
 def omitted_fields(scene: Scene) -> list[str]:

@@ -44,40 +44,18 @@ class Kind(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """A potential as LAMMPS has it.
-
-    Attributes
-    ----------
-    style : str
-        Name of the pair style.
-    coefficients : str
-        Its coefficients but for the cutoff.
-    cutoff : float
-        Distance from which it is zero [length].
-    shifted : bool
-        Whether a constant makes the energy zero at the cutoff.
-    """
+    """A potential as LAMMPS has it."""
 
     style: str
-    coefficients: str
-    cutoff: float
-    shifted: bool = False
+    coefficients: str  # but for the cutoff
+    cutoff: float  # distance from which it is zero [length]
+    shifted: bool = False  # a constant makes the energy zero at the cutoff
 
 
 def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[list[str], list[str]]:
     """The commands of all interactions, and what is omitted.
 
-    Parameters
-    ----------
-    scene : Scene
-    kinds : sequence of Kind
-        The types of atoms.
-    farthest : float
-        Distance of no pair, the cutoff of potentials without one [length].
-
-    Returns
-    -------
-    lines, omitted : list of str
+    `farthest` is a distance of no pair, the cutoff of potentials without one [length].
     """
     strengths = {p.strength for p in map(_uncut, scene.interactions) if type(p) is Coulomb}
     strength = strengths.pop() if len(strengths) == 1 else 0.0

@@ -49,15 +49,7 @@ def _refuse(formula: Formula, *_: object) -> Any:
 
 
 class Formula(np.lib.mixins.NDArrayOperatorsMixin):
-    """A quantity as the text of its formula.
-
-    Parameters
-    ----------
-    text : str
-        The formula, as the name of a variable.
-    condition : bool
-        Whether it is a comparison, of value 0 or 1.
-    """
+    """A quantity as the text of its formula; a `condition` is a comparison, of value 0 or 1."""
 
     def __init__(self, text: str, condition: bool = False) -> None:
         self.text = text
@@ -99,18 +91,7 @@ def _text(value: object) -> str:
 def energy_text(potential: Potential) -> str:
     """U as a formula of the distance r and the charges qi and qj of a pair.
 
-    Parameters
-    ----------
-    potential : NamedTuple
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    NoFormulaError
-        If the energy is computed otherwise, as from a table.
+    Raises NoFormulaError if the energy is computed otherwise, as from a table.
     """
     try:
         energy = potential.energy_between(Formula("r"), Formula("qi"), Formula("qj"))

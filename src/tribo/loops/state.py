@@ -43,7 +43,7 @@ class State:
         ``omega`` and ``nu``, the displacement ``x``, ``y`` of each centre of mass from its uniform
         motion with the surface's initial velocity, and its rate ``vx``, ``vy``.
     y : ndarray, (2 coordinates,)
-        The same and the baths, as the time loops order them.
+        The same coordinates and those of baths, in the order of the time loops.
     s : ndarray, (accounts,)
         The accounts of work and pseudowork.
     first : Samples
@@ -54,7 +54,7 @@ class State:
     phases : ndarray, (surfaces + fields, 2)
         Displacement of each pulling stage and of each field at `t`.
     memory : dict
-        What the method needs to continue bit for bit, and the random generator.
+        Data that the method needs to continue bit for bit, and the random generator.
     method : str
         The method's name; empty where nothing has run.
     scene : Scene

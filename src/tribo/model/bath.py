@@ -7,6 +7,7 @@ and zero rest length.  A torsional one is a moment of inertia tied to the bar's 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -28,12 +29,12 @@ from tribo.validation import (
 
 # Keys that the table of a bath needs together with `spectrum`.
 SPECTRAL_KEYS = ("gamma", "cutoff", "n")
+KEYS = ("oscillators", "torsional", "temperature", "spectrum", *SPECTRAL_KEYS)
 # Units of the keys of a listed oscillator.
 UNITS = {"mass": "mass", "inertia": "mass length^2", "frequency": "rad / time"}
 
 
-def _none() -> np.ndarray:
-    return np.empty(0)
+_none = partial(np.empty, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,11 +108,6 @@ class Bath(ComparedByValue):
         """(n,) stiffness of the springs to the bar's centre [force / length]."""
         return self.masses * self.frequencies**2
 
-    @property
-    def torsional_stiffnesses(self) -> np.ndarray:
-        """(k,) stiffness of the torsion springs to the bar [torque / rad]."""
-        return self.inertias * self.torsional_frequencies**2
-
 
 def as_bath(value: object) -> Bath:
     """A bath from a table of a scene file, None (no bath), or a Bath unchanged."""
@@ -119,9 +115,7 @@ def as_bath(value: object) -> Bath:
         return Bath()
     if isinstance(value, Bath):
         return value
-    table = known_keys(
-        value, ["oscillators", "torsional", "temperature", "spectrum", *SPECTRAL_KEYS]
-    )
+    table = known_keys(value, KEYS)
     settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
     if "spectrum" in table:
         settings["spectrum"] = _spectrum(table)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Self
 
 from tribo.plugins import classes as plugins
-from tribo.plugins.unloaded import left
 from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number, vector
 
 # Signatures of the methods that plug-ins need, as messages quote them.
@@ -59,16 +58,16 @@ class Forced(Drive):
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Drive):
-    """f2_x = 0: each asperite slides on its own, or all of them as one rigid body.
+    """f2_x = 0: each asperite slides on its own, or all of them together as one block.
 
-    As a rigid body, f2_x = -f1_x + (M_i / M_surface) sum_j f1_x,j.  Takes keywords only.
+    As one block, f2_x = -f1_x + (M_i / M_surface) sum_j f1_x,j.  Takes keywords only.
 
     Attributes
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     rigid : bool
-        Whether all asperites share the acceleration of the surface along x.
+        Whether all asperites form one block, and share the acceleration of the surface along x.
     """
 
     rigid: bool = False
@@ -109,7 +108,7 @@ class Pulled(Drive):
 class Pushed(Drive):
     """f2 = force + rate t: a force on each bar that is constant, or grows at a rate.
 
-    With it the force at which a surface comes off is found.  Takes keywords only.
+    It finds the force at which a surface starts to slide.  Takes keywords only.
 
     Attributes
     ----------
@@ -118,7 +117,7 @@ class Pushed(Drive):
     force : (float, float)
         Force on each bar at t = 0, x and y [force].
     rate : (float, float)
-        Its growth [force / time].
+        Growth of that force, x and y [force / time].
     """
 
     force: tuple[float, float] = (0.0, 0.0)
@@ -138,9 +137,9 @@ class DrivenBars(Drive):
     """The centres of the bars move uniformly with the surface's initial velocity, or stand.
 
     f2 is the reaction of the constraint.  Its work is the integral of f2 . V, with V that velocity:
-    none on a surface that stands.  Each asperite is a pendulum about its bar's centre.  A bar
-    begins a rod's length from the surface's `bob`, whatever the initial angle of its pendulum, so
-    that m2 has no influence on the motion.
+    zero on a surface that stands.  Each asperite is a pendulum about its bar's centre.  A bar
+    begins a rod's length from the surface's `bob`, for any initial angle of its pendulum, so that
+    m2 does not influence the motion.
 
     Attributes
     ----------
@@ -155,7 +154,7 @@ class DrivenBars(Drive):
 
 @dataclass(frozen=True, kw_only=True)
 class Custom(Drive):
-    """f2 by a plug-in: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
+    """A user-defined drive: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
 
     x, y, vx, vy are the bar's position and velocity in the laboratory, fx, fy the contact force on
     the bob.  Takes keywords only.
@@ -178,7 +177,7 @@ class Custom(Drive):
 
 @dataclass(frozen=True)
 class Ends:
-    """Bars with a user's forces on their ends, by a plug-in.
+    """Bars with user-defined forces on their ends.
 
     ``end_forces(self, t, phi, nu, twist) -> (fL_x, fL_y, fR_x, fR_y)``, where twist is
     theta - phi - rest.
@@ -215,12 +214,8 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
-        stand_in = left(name, parameters)
-        if stand_in is not None:
-            return Custom(load=load, force=stand_in)
-        cls = plugins.class_named("kind", name, folder)
-        plugins.check_class(cls, "kind", FORCE_ON_BAR)
-        return Custom(load=load, force=plugins.instance(cls, parameters))
+        force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
+        return Custom(load=load, force=force)
     table = known_keys(value, SETTINGS, ["kind"])
     kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
     if kind is DrivenBars and "rigid" in table:
@@ -249,12 +244,7 @@ def as_bars(value: object, folder: Path = Path()) -> str | Ends:
         if not isinstance(parameters.get("ends"), str):
             raise InputError("ends", 'is missing; give "yourfile.py:YourClass"')
         name = parameters.pop("ends")
-        stand_in = left(name, parameters)
-        if stand_in is not None:
-            return Ends(stand_in)
-        cls = plugins.class_named("ends", name, folder)
-        plugins.check_class(cls, "ends", END_FORCES)
-        return Ends(plugins.instance(cls, parameters))
+        return Ends(plugins.from_file("ends", name, parameters, folder, END_FORCES))
     return choice("", value, ["clamped", "free"])
 
 

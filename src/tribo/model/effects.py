@@ -15,7 +15,7 @@ class Effect(StrEnum):
     SLIDING = "sliding", "centres of mass that can leave their uniform motion"
     RIGID = "rigid asperites", "asperites whose pendulums are fixed to clamped bars"
     DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
-    TURNING_BARS = "turning bars", "bars that are free to turn"
+    TURNING_BARS = "turning bars", "bars that rotate freely"
     CLAMPED_ENDS = (
         "clamped ends",
         "forces on the ends of clamped bars that have a torsion spring to hold",

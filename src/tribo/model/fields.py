@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import classes as plugins
-from tribo.plugins.unloaded import Unloaded, left
+from tribo.plugins.unloaded import Unloaded
 from tribo.validation import InputError, choice, is_list, must_be, vector
 
 # Signature of the method that a plug-in needs, as messages quote it.
@@ -118,14 +118,9 @@ def from_table(table: object, folder: Path) -> Field:
             raise InputError(key, "is missing")
     settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
-    stand_in = left(kind, parameters)
-    if stand_in is not None:
-        return Field(stand_in, **settings)
     if plugins.is_named(kind):
-        cls = plugins.class_named("kind", kind, folder)
-        plugins.check_class(cls, "kind", ENERGY_AT)
-    else:
-        cls = BUILT_IN[choice("kind", kind, BUILT_IN)]
+        return Field(plugins.from_file("kind", kind, parameters, folder, ENERGY_AT), **settings)
+    cls = BUILT_IN[choice("kind", kind, BUILT_IN)]
     return Field(plugins.instance(cls, parameters), **settings)
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tribo.model.roughness import Roughness, as_roughness
+from tribo.model.roughness import Roughness
+from tribo.model.tables import from_table
 from tribo.model.topography import Grid, Topography, as_topography, is_topography
 from tribo.validation import inside, vector
 
@@ -26,7 +27,7 @@ def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography
         return topography if isinstance(topography.topography, str) else topography.heights
     if isinstance(value, (Roughness, Mapping)):
         with inside("heights"):
-            roughness = as_roughness(value)
+            roughness = from_table(Roughness, value, ["rms"])
             roughness.check(shape, spacing)
         return roughness
     return vector("heights", value, size=shape[0] * shape[1], unit="length")

@@ -20,10 +20,7 @@ Identity = dict[str, object]  # as JSON
 
 
 def settings_of(
-    method: str,
-    accuracy: float | Mapping[str, float] | None,
-    step: float | None,
-    start: str | None,
+    method: str, accuracy: float | Mapping[str, float] | None, step: float | None, start: str | None
 ) -> Identity:
     """The settings of a run; `start` is the digest of the state where it begins."""
     accuracy = dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
@@ -55,7 +52,11 @@ def plain_table(scene: Scene) -> dict[str, Any]:
 
 def plugin_stamps(scene: Scene) -> dict[str, str | None]:
     """The hash of the sources of each plug-in that is not this package's, by its field."""
-    return {place: stamp for place, item in _plugins(scene) if (stamp := _stamp(item)) != ""}
+    stamps = {
+        place: item.stamp if isinstance(item, Unloaded) else source_stamp([item])
+        for place, item in _plugins(scene)
+    }
+    return {place: stamp for place, stamp in stamps.items() if stamp != ""}
 
 
 def _plugins(scene: Scene) -> list[tuple[str, NamedTuple | Unloaded]]:
@@ -70,10 +71,6 @@ def _plugins(scene: Scene) -> list[tuple[str, NamedTuple | Unloaded]]:
         if isinstance(surface.bars, Ends):
             places.append((f"surface[{i}].bars", surface.bars.force))
     return [item for item in places if isinstance(item[1], (tuple, Unloaded))]
-
-
-def _stamp(plugin: NamedTuple | Unloaded) -> str | None:
-    return plugin.stamp if isinstance(plugin, Unloaded) else source_stamp([plugin])
 
 
 def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path) -> Scene:

@@ -11,13 +11,7 @@ from tribo.model.comparison import ComparedByValue
 from tribo.validation import NOT_NEGATIVE, InputError, number, number_or_array
 
 # Units of the initial angles and their rates.
-UNITS = {
-    "theta": "rad",
-    "phi": "rad",
-    "omega": "rad / time",
-    "nu": "rad / time",
-    "swing": "rad",
-}
+UNITS = {"theta": "rad", "phi": "rad", "omega": "rad / time", "nu": "rad / time", "swing": "rad"}
 # Units of the initial displacements of centres of mass and their rates.
 UNITS_OF_DISPLACEMENTS = {
     "x": "length",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from tribo.model.tables import from_table
 from tribo.potentials.from_ase import Live
 from tribo.potentials.registry import as_potential
-from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, must_be, number
+from tribo.validation import POSITIVE, InputError, inside, is_list, must_be, number
 
 
 @dataclass(frozen=True)
@@ -25,10 +26,9 @@ class Periodic:
 
     def __post_init__(self) -> None:
         for name in ("x", "z"):
-            if getattr(self, name) is not None:
-                object.__setattr__(
-                    self, name, number(name, getattr(self, name), POSITIVE, "length")
-                )
+            period = getattr(self, name)
+            if period is not None:
+                object.__setattr__(self, name, number(name, period, POSITIVE, "length"))
 
     def __bool__(self) -> bool:
         return self.x is not None or self.z is not None
@@ -36,10 +36,8 @@ class Periodic:
 
 def as_periodic(value: object) -> Periodic:
     """Periods from their table in a scene file, or a Periodic unchanged."""
-    if isinstance(value, Periodic):
-        return value
     with inside("periodic"):
-        return Periodic(**known_keys(value, ["x", "z"]))
+        return from_table(Periodic, value)
 
 
 @dataclass(frozen=True)
@@ -51,8 +49,8 @@ class Interaction:
     potential : NamedTuple
         A potential of :mod:`tribo.potentials`, or a user's own.
     between : (str, str), optional
-        Names of the two surfaces; None for every two.  The same name twice stands for contact among
-        the bobs of one surface, which is internal to it.
+        Names of the two surfaces; None for all pairs. The same name twice means contact among the
+        bobs of one surface, which is internal to it.
     species : (str, str), optional
         The two species of bobs between which the potential acts; None for all.
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
+from tribo.model.tables import from_table
 from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -14,7 +12,6 @@ from tribo.validation import (
     choice,
     inside,
     is_list,
-    known_keys,
     number,
     vector,
 )
@@ -78,26 +75,15 @@ def as_langevin(value: object) -> Langevin | tuple[Langevin, Langevin] | None:
 
     Each is a table of a scene file or a Langevin.
     """
-    if is_list(value):
-        return _listed(value)
-    return None if value is None else _one(value)
-
-
-def _one(value: object) -> Langevin:
-    if isinstance(value, Langevin):
-        return value
-    return Langevin(**known_keys(value, Langevin.__dataclass_fields__, ["gamma"]))
-
-
-def _listed(values: Sequence[object] | np.ndarray) -> Langevin | tuple[Langevin, Langevin] | None:
-    """Those of a list, the one on the bars first."""
+    if value is None or not is_list(value):
+        return None if value is None else from_table(Langevin, value, ["gamma"])
     found: dict[str, Langevin] = {}
-    for i, value in enumerate(values):
+    for i, each in enumerate(value):
         with inside(f"[{i}]"):
-            item = _one(value)
+            item = from_table(Langevin, each, ["gamma"])
             if item.on in found:
                 raise InputError("on", f'cannot be "{item.on}" twice; one reservoir acts there')
-            if len(values) > 1:
+            if len(value) > 1:
                 number("gamma", item.gamma, POSITIVE, PLACES[item.on])
             found[item.on] = item
     if len(found) == 2:

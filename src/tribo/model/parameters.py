@@ -26,11 +26,11 @@ from tribo.model.drives import Custom, Drive, as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.fields import Field
 from tribo.model.initial import Initial
-from tribo.model.interaction import Interaction
 from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
 from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
+from tribo.model.tables import changed, table_of
 from tribo.plugins.classes import instance
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.registry import with_cutoff
@@ -72,23 +72,9 @@ def is_parameter(scene: Scene, key: str) -> bool:
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values.
+    """The scene with other values, by keys, as in a scene file. Raises InputError.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene to change.
-    values : mapping
-        Key -> value, as in a scene file.  A number for a velocity is its x component.
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    InputError
-        A key is unknown, or a value cannot be used.
+    A number for a velocity is its x component.
     """
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
@@ -104,9 +90,12 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
     interactions, fields = scene.interactions, scene.fields
     if INTERACTION in of_parts:
-        interactions = (_changed_interaction(interactions[0], of_parts[INTERACTION]),)
+        with inside(INTERACTION):
+            potential = _changed_potential(interactions[0].potential, of_parts[INTERACTION])
+        interactions = (replace(interactions[0], potential=potential),)
     if FIELD in of_parts:
-        fields = (_changed_field(fields[0], of_parts[FIELD]),)
+        with inside(FIELD):
+            fields = (_changed_field(fields[0], of_parts[FIELD]),)
     return replace(scene, surfaces=surfaces, interactions=interactions, fields=fields, **own)
 
 
@@ -122,19 +111,9 @@ def parts_of(surface: Surface) -> tuple[str, ...]:
 
 
 def value_of(scene: Scene, key: str) -> object:
-    """The value of a key in a scene: the number, word or list that its file has.
+    """The value of a key in a scene: the number, word or list that its file has; None without one.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    key : str
-        As for :func:`with_values`, of one surface.
-
-    Returns
-    -------
-    float, str, list or None
-        The x component of a velocity, the kind of a drive; None where nothing is given.
+    That of a velocity is its x component, that of a drive its kind.
     """
     part, _, name = key.rpartition(".")
     table = scene.to_table()
@@ -171,7 +150,7 @@ def _changed_settings(scene: Scene, part: str, own: dict[str, Any]) -> Any:
             own = {other: None} | own
     own = {key: value for key, value in own.items() if value is not None or hasattr(present, key)}
     with inside(part):
-        return replace(present, **known_keys(own, [each.name for each in fields_of(present)]))
+        return changed(present, own)
 
 
 def _parts_of(scene: Scene) -> list[str]:
@@ -245,22 +224,16 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
             name, _, on = part.partition(".")
             with inside(f"{surface.name}.{part}"):
                 whole = _made(name, changes.get(name, getattr(surface, name)))
-                changed = _changed_part(whole[list(PLACES).index(on)] if on else whole, name, own)
-            changes[name] = (
-                [changed if each.on == on else each for each in whole] if on else changed
-            )
+                new = _changed_part(whole[list(PLACES).index(on)] if on else whole, name, own)
+            changes[name] = [new if each.on == on else each for each in whole] if on else new
     with inside(surface.name):
         return replace(surface, **changes) if changes else surface
 
 
 def _made(part: str, value: Any) -> Any:
     """A part of a surface, from its table or a word as in a scene file."""
-    made: dict[str, Any] = {
-        "drive": as_drive,
-        "bath": as_bath,
-        "langevin": as_langevin,
-        "springs": as_springs,
-    }
+    made: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
+    made |= {"langevin": as_langevin, "springs": as_springs}
     return made[part](value) if part in made else value
 
 
@@ -273,9 +246,8 @@ def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
         table = {key: value for key, value in bath_table(present).items() if value != []}
         return as_bath(table | own)
     if part == "langevin":
-        table = {} if present is None else _fields(present)
-        return as_langevin(table | own)
-    return replace(present, **known_keys(own, [each.name for each in fields_of(present)]))
+        return as_langevin(({} if present is None else table_of(present)) | own)
+    return changed(present, own)
 
 
 def _changed_drive(drive: Drive, own: dict[str, Any]) -> Drive:
@@ -285,11 +257,6 @@ def _changed_drive(drive: Drive, own: dict[str, Any]) -> Drive:
     load = own.pop("load", drive.load)
     force = instance(type(drive.force), drive.force._asdict() | own)
     return Custom(load=load, force=force)
-
-
-def _changed_interaction(interaction: Interaction, own: Mapping[str, Any]) -> Interaction:
-    with inside(INTERACTION):
-        return replace(interaction, potential=_changed_potential(interaction.potential, own))
 
 
 def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
@@ -326,14 +293,7 @@ def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
 
 
 def _changed_field(field: Field, own: Mapping[str, Any]) -> Field:
-    with inside(FIELD):
-        settings = {key: value for key, value in own.items() if key in OF_FIELD}
-        rest = {key: value for key, value in own.items() if key not in OF_FIELD}
-        potential = instance(type(field.potential), field.potential._asdict() | rest)
-        return replace(field, potential=potential, **settings)
-
-
-def _fields(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass that are not None."""
-    values = {each.name: getattr(item, each.name) for each in fields_of(item)}
-    return {name: value for name, value in values.items() if value is not None}
+    settings = {key: value for key, value in own.items() if key in OF_FIELD}
+    rest = {key: value for key, value in own.items() if key not in OF_FIELD}
+    potential = instance(type(field.potential), field.potential._asdict() | rest)
+    return replace(field, potential=potential, **settings)

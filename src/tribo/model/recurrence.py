@@ -34,7 +34,7 @@ DECAYED = 1e-12
 def normal_modes(
     masses: np.ndarray, frequencies: np.ndarray, mass: float, frequency: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Normal modes of a bar with oscillators.
+    """Normal modes of a bar with n oscillators, in a time that grows as n^3; n = 400 takes 0.1 s.
 
     The potential energy is half the square of B q, where q = (sqrt(m_j) x_j, ..., sqrt(M) x) are
     the mass-weighted coordinates of oscillators and bar.  The modes are the singular values of
@@ -48,14 +48,10 @@ def normal_modes(
 
     Parameters
     ----------
-    masses : (n,) array
-        Masses m_j of the oscillators [mass].
-    frequencies : (n,) array
-        Their angular frequencies w_j [rad / time].
-    mass : float
-        Mass M of the bar [mass].
-    frequency : float
-        Angular frequency w0 of the bar on its own spring [rad / time]; 0 for a free bar.
+    masses, frequencies : (n,) arrays
+        Masses m_j [mass] and angular frequencies w_j [rad / time] of the oscillators.
+    mass, frequency : float
+        Mass M of the bar [mass], and its angular frequency w0 on its own spring [rad / time].
 
     Returns
     -------
@@ -63,10 +59,6 @@ def normal_modes(
         Angular frequencies W in increasing order [rad / time], and weights a that add up to 1: a
         bar that starts with unit velocity has v(t) = sum a cos(W t).  k is n + 1, less the modes
         in which the bar stands still because oscillators share a frequency.
-
-    Notes
-    -----
-    The time grows as n^3; n = 400 takes 0.1 s.
     """
     from scipy.linalg import svd
 
@@ -82,17 +74,7 @@ def normal_modes(
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Velocity v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t).
-
-    Attributes
-    ----------
-    rates : (k,) complex array
-        Rates of the k exponentials [1 / time].
-    velocity : (k,) complex array
-        Their coefficients in v.
-    stretch : (k,) complex array
-        Their coefficients in w0 x [velocity].
-    """
+    """Velocity v = Re sum velocity exp(rates t) and w0 x = Re sum stretch exp(rates t)."""
 
     rates: np.ndarray
     velocity: np.ndarray

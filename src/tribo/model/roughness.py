@@ -13,21 +13,11 @@ T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 01
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Condition,
-    InputError,
-    integer,
-    known_keys,
-    must_be,
-    number,
-)
+from tribo.validation import NOT_NEGATIVE, POSITIVE, Condition, InputError, integer, must_be, number
 
 FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
 # Ratio up to which two wavelengths are the same, in spite of rounding.
@@ -150,16 +140,3 @@ def _amplitudes(
     amplitudes[wave_number * shortest > ROUNDING] = 0.0
     amplitudes[0, 0] = 0.0
     return amplitudes
-
-
-def as_roughness(value: object) -> Roughness:
-    """A roughness from its table in a scene file, or a Roughness unchanged."""
-    if isinstance(value, Roughness):
-        return value
-    return Roughness(**known_keys(value, [f.name for f in fields(Roughness)], ["rms"]))
-
-
-def as_table(roughness: Roughness) -> dict[str, Any]:
-    """The roughness's table in a scene file."""
-    settings = {f.name: getattr(roughness, f.name) for f in fields(Roughness)}
-    return {key: value for key, value in settings.items() if value is not None}

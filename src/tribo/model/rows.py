@@ -85,23 +85,14 @@ def incommensurate_rows(
 
     Parameters
     ----------
-    n : int
-        Number of upper asperites.
-    spacing : float
-        Distance between upper neighbours [length].
+    n, spacing, gap, slide, lower_n, upper, lower
+        As for :func:`commensurate_rows`; `spacing` is that of the upper row.
     ratio : float
         Upper spacing over lower spacing, by default the golden mean: the lower row is denser.
-    gap, slide, lower_n, upper, lower
-        As for :func:`commensurate_rows`.
 
     Returns
     -------
     upper, lower : Surface
-
-    Raises
-    ------
-    InputError
-        As for :func:`commensurate_rows`.
     """
     return _rows(n, spacing, ratio, gap, slide, lower_n, upper, lower)
 
@@ -123,12 +114,10 @@ def periodic_rows(
     ----------
     n : int
         Largest number of upper asperites.
-    spacing : float
-        Distance between upper neighbours [length].
     ratio : float
         Upper spacing over lower spacing, approximated by a fraction; 1 gives n asperites each.
-    gap, upper, lower
-        As for :func:`commensurate_rows`.
+    spacing, gap, upper, lower
+        As for :func:`incommensurate_rows`.
 
     Returns
     -------

@@ -19,9 +19,10 @@ from tribo.model.effects import Effect
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
-from tribo.model.scene_writer import output_table, surface_table, table_of, toml, without_defaults
+from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
+from tribo.model.tables import table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
@@ -35,6 +36,7 @@ from tribo.validation import (
     integer,
     must_be,
     number,
+    shortened,
 )
 
 
@@ -47,7 +49,8 @@ class Scene(ComparedByValue):
     surfaces : list of Surface
         At least one surface; each name once.
     interactions : list of Interaction
-        Also one interaction or potential, or a list of potentials.
+        Interactions between surfaces; also a single interaction or potential, or a list of
+        potentials.
     duration : float
         End of the run, which starts at t = 0 [time].
     title : str
@@ -59,7 +62,7 @@ class Scene(ComparedByValue):
     fields : list of Field
         External fields on bobs.
     output : Output
-        The times to record.  Like `numerics`, no part of the physics.
+        The times to record. Like `numerics`, it does not change the physics.
     numerics : Numerics
         Accuracy, method or step, unless the arguments of :func:`tribo.simulate` give them.
 
@@ -148,10 +151,12 @@ class Scene(ComparedByValue):
             with inside(f"interaction[{i}]"):
                 for name in interaction.between or ():
                     if name not in names:
-                        raise must_be("between", f"one of the surfaces {names}", name)
+                        raise must_be("between", f"one of the surfaces {shortened(names)}", name)
                 for name in interaction.species or ():
                     if name not in self.species:
-                        raise must_be("species", f"one of the species {self.species}", name)
+                        raise must_be(
+                            "species", f"one of the species {shortened(self.species)}", name
+                        )
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
@@ -165,7 +170,7 @@ class Scene(ComparedByValue):
                 raise must_be(f"field[{i}]", "a tribo.Field", item)
             for name in item.on:
                 if name not in names:
-                    raise must_be(f"field[{i}].on", f"one of the surfaces {names}", name)
+                    raise must_be(f"field[{i}].on", f"one of the surfaces {shortened(names)}", name)
         return tuple(value)
 
     def _check_period(self) -> None:
@@ -278,51 +283,42 @@ class Scene(ComparedByValue):
     @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        present = set()
         pairs = [pair for i in self.interactions for pair in self.pairs(i)]
-        if any(one != other for one, other in pairs):
-            present.add(Effect.CONTACT)
-        if any(one == other for one, other in pairs):
-            present.add(Effect.CONTACT_WITHIN)
-        if any(isinstance(i.potential, Live) for i in self.interactions):
-            present.add(Effect.CALCULATOR)
-        for s in self.surfaces:
-            present.add(Effect.RIGID if s.asperite.is_rigid else Effect.SWING)
-            if isinstance(s.drive, DrivenBars):
-                present.add(Effect.DRIVEN_BARS)
-            if self.slides_along_x(s) or self.slides_along_y(s):
-                present.add(Effect.SLIDING)
-            if isinstance(s.drive, Pulled):
-                present.add(Effect.PULL)
-            if isinstance(s.drive, Pushed):
-                present.add(Effect.PUSH)
-            if s.drive.load is not None:
-                present.add(Effect.LOAD)
-            if isinstance(s.drive, Custom):
-                present.add(Effect.OWN_DRIVE)
-            if isinstance(s.bars, Ends):
-                present.add(Effect.OWN_ENDS)
-            if s.springs:
-                present.add(Effect.SPRINGS)
-            if s.bath.masses.size:
-                present.add(Effect.BATH)
-            if s.bath.inertias.size:
-                present.add(Effect.TORSIONAL_BATH)
-            if s.bar_reservoir:
-                present.add(Effect.LANGEVIN)
-            if s.swing_reservoir:
-                present.add(Effect.SWING_LANGEVIN)
-            if s.bars != "clamped":
-                present.add(Effect.TURNING_BARS)
-            elif np.any(np.asarray(s.asperite.kappa) > 0.0):
-                present.add(Effect.CLAMPED_ENDS)
-        if self.fields:
-            present.add(Effect.FIELD)
-        if self.periodic:
-            present.add(Effect.PERIODIC)
-        if any(np.isfinite(i.potential.range()) for i in self.interactions):
-            present.add(Effect.CUTOFF)
-        return frozenset(present)
+        present = {
+            Effect.CONTACT: any(one != other for one, other in pairs),
+            Effect.CONTACT_WITHIN: any(one == other for one, other in pairs),
+            Effect.CALCULATOR: any(isinstance(i.potential, Live) for i in self.interactions),
+            Effect.FIELD: bool(self.fields),
+            Effect.PERIODIC: bool(self.periodic),
+            Effect.CUTOFF: any(np.isfinite(i.potential.range()) for i in self.interactions),
+        }
+        found = {effect for effect, here in present.items() if here}
+        for surface in self.surfaces:
+            found |= self._effects_of(surface)
+        return frozenset(found)
+
+    def _effects_of(self, s: Surface) -> set[Effect]:
+        """The effects on the asperites of a surface."""
+        turning = s.bars != "clamped"
+        present = {
+            Effect.RIGID: s.asperite.is_rigid,
+            Effect.SWING: not s.asperite.is_rigid,
+            Effect.DRIVEN_BARS: isinstance(s.drive, DrivenBars),
+            Effect.SLIDING: self.slides_along_x(s) or self.slides_along_y(s),
+            Effect.PULL: isinstance(s.drive, Pulled),
+            Effect.PUSH: isinstance(s.drive, Pushed),
+            Effect.LOAD: s.drive.load is not None,
+            Effect.OWN_DRIVE: isinstance(s.drive, Custom),
+            Effect.OWN_ENDS: isinstance(s.bars, Ends),
+            Effect.SPRINGS: bool(s.springs),
+            Effect.BATH: s.bath.masses.size > 0,
+            Effect.TORSIONAL_BATH: s.bath.inertias.size > 0,
+            Effect.LANGEVIN: bool(s.bar_reservoir),
+            Effect.SWING_LANGEVIN: bool(s.swing_reservoir),
+            Effect.TURNING_BARS: turning,
+            Effect.CLAMPED_ENDS: not turning and np.any(np.asarray(s.asperite.kappa) > 0.0),
+        }
+        return {effect for effect, here in present.items() if here}
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
@@ -367,9 +363,9 @@ class Scene(ComparedByValue):
         Parameters
         ----------
         path : str or path
-            The file; one that is there is replaced.
+            The file, which is replaced if it exists.
         defaults : bool
-            Whether values that a file need not give are written too.
+            Whether to write default values too.
 
         Raises
         ------
@@ -387,32 +383,16 @@ class Scene(ComparedByValue):
     def to_toml(self) -> str:
         """The text of a scene file that needs no files of topographies: heights are numbers.
 
-        Returns
-        -------
-        str
-
-        Raises
-        ------
-        InputError
-            The scene has no text, as with a class that is defined in a notebook.
+        Raises InputError if the scene has no text, as with a class that is defined in a notebook.
         """
         return toml(self.to_table()).decode("utf-8")
 
     def to_table(self) -> dict[str, Any]:
-        """The nested table of that file.
-
-        Returns
-        -------
-        dict
-        """
+        """The nested table of that file."""
         table: dict[str, Any] = {"title": self.title} if self.title else {}
         interactions = [
             potentials.as_table(i.potential)
-            | {
-                key: list(names)
-                for key, names in (("between", i.between), ("species", i.species))
-                if names
-            }
+            | {key: list(names) for key in ("between", "species") if (names := getattr(i, key))}
             for i in self.interactions
         ]
         return table | {

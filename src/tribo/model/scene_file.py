@@ -18,10 +18,15 @@ from tribo.model.interaction import Interaction, as_periodic
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
+from tribo.model.tables import from_table
 from tribo.model.topography import as_topography, is_topography
 from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path, inside, known_keys, must_be
 
+KEYS = (
+    *("title", "duration", "seed", "periodic"),
+    *("interaction", "field", "surface", "output", "numerics"),
+)
 SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 
 
@@ -59,22 +64,14 @@ def load_scene(path: object) -> Scene:
 
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     """The scene that the table of a file describes; `folder` is that of its plug-ins."""
-    table = known_keys(
-        table,
-        [
-            *("title", "duration", "seed", "periodic"),
-            *("interaction", "field", "surface", "output", "numerics"),
-        ],
-        ["duration", "surface"],
-    )
+    table = known_keys(table, KEYS, ["duration", "surface"])
     surfaces = table["surface"]
     if not isinstance(surfaces, list):
         raise must_be("surface", "[[surface]] tables, one for each surface", surfaces)
     with inside("output"):
-        output = Output(**known_keys(table.get("output", {}), [f.name for f in fields_of(Output)]))
+        output = from_table(Output, table.get("output", {}))
     with inside("numerics"):
-        keys = [item.name for item in fields_of(Numerics)]
-        numerics = Numerics(**known_keys(table.get("numerics", {}), keys))
+        numerics = from_table(Numerics, table.get("numerics", {}))
     return Scene(
         surfaces=tuple(_surface(i, item, folder) for i, item in enumerate(surfaces)),
         periodic=as_periodic(table.get("periodic", {})),
@@ -123,13 +120,9 @@ def _surface(index: int, table: object, folder: Path) -> Surface:
     with inside(f"surface[{index}]"):
         table = known_keys(table, SURFACE_KEYS, ["name"])
         with inside("asperite"):
-            parameters = known_keys(
-                table.get("asperite", {}), [f.name for f in fields_of(Asperite)]
-            )
-            table["asperite"] = Asperite(**parameters)
+            table["asperite"] = from_table(Asperite, table.get("asperite", {}))
         with inside("initial"):
-            start = known_keys(table.get("initial", {}), [f.name for f in fields_of(Initial)])
-            table["initial"] = Initial(**start)
+            table["initial"] = from_table(Initial, table.get("initial", {}))
         if is_topography(table.get("heights")):
             with inside("heights"):
                 table["heights"] = as_topography(table["heights"], folder)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields as fields_of
 from typing import Any
-
-import numpy as np
 
 from tribo.model import bath, drives
 from tribo.model.roughness import Roughness
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
+from tribo.model.tables import table_of
 from tribo.model.topography import Topography
 
 
@@ -81,17 +79,3 @@ def _others(table: dict[str, Any], usual: dict[str, Any]) -> dict[str, Any]:
         is_part = isinstance(value, dict) and isinstance(default, dict) and "kind" not in value
         found[key] = _others(value, default) if is_part and default else value
     return found
-
-
-def table_of(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass that are not None, as values of TOML."""
-    table = {}
-    for f in fields_of(item):
-        value = getattr(item, f.name)
-        if isinstance(value, np.ndarray):
-            value = value.tolist()
-        elif isinstance(value, tuple):
-            value = [list(item) if isinstance(item, tuple) else item for item in value]
-        if value is not None:
-            table[f.name] = value
-    return table

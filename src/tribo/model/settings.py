@@ -34,7 +34,7 @@ SERIES = ("forces", "energies", "oscillators")
 
 @dataclass(frozen=True)
 class Output:
-    """The times to record, evenly spaced with both ends or listed, and the works that are kept.
+    """The times and quantities that a run records.
 
     Attributes
     ----------
@@ -43,15 +43,15 @@ class Output:
     times : list of float, optional
         Increasing times instead of `samples` [time]; start and end of the run are always added.
     ledger : str
-        Works and pseudoworks of each asperite, "asperites", their sums over each surface,
-        "surfaces", or none of them, "none".  A run does not compute what is not kept.
+        "asperites" keeps works and pseudoworks of each asperite, "surfaces" their sums over each
+        surface, and "none" none of them. A run does not compute works that it does not keep.
     series : tuple of str
         Further series: "forces" on every asperite, "energies" of every kind, and displacements of
         all bath "oscillators".
     keep : tuple of str, optional
-        The only quantities that are recorded, as "upper.W" or "contact_energy"; all without it.
+        The only quantities to record, as "upper.W" or "contact_energy"; None for all.
     run_in : float
-        When averages over time begin, as that of the friction force [time].
+        Time at which averages over time begin, such as that of the friction force [time].
 
     Raises
     ------

@@ -73,9 +73,10 @@ class Spectrum:
                 w_j = w_c x_j                       k_j = (2/pi) gamma w_c / n
 
     Drude and debye oscillators have equal stiffnesses, Gamma(0)/n, at the quantiles of J(w)/w.
-    The ohmic ones are at the quantiles of its square root: equal stiffnesses leave so few of them
-    above the cutoff that strong damping (gamma = 10 M w_c) is valid 2 to 10 times less long; the
-    price is up to half of the time where damping is weak and w0 far below the cutoff.
+    Ohmic oscillators are at the quantiles of its square root. With equal stiffnesses too few
+    would lie above the cutoff, and strong damping (gamma = 10 M w_c) would be valid for a time 2
+    to 10 times shorter. In return, weak damping with w0 far below the cutoff is valid for down to
+    half the time.
 
     Attributes
     ----------
@@ -128,18 +129,7 @@ class Spectrum:
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
-        """The memory kernel Gamma(t) of the continuum.
-
-        Parameters
-        ----------
-        t : array_like
-            Times [time].
-
-        Returns
-        -------
-        numpy.ndarray
-            [mass / time^2], in the shape of `t`.
-        """
+        """The memory kernel Gamma(t) of the continuum [mass / time^2], as an array like `t`."""
         wt = self.cutoff * np.abs(np.asarray(t, dtype=float))
         strength = self.gamma * self.cutoff
         if self.kind == "drude":
@@ -152,19 +142,15 @@ class Spectrum:
 
 
 def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray) -> np.ndarray:
-    """Energy of a bar coupled to the continuum of a spectrum.
+    """Energy of a bar coupled to the continuum of a spectrum, which starts with unit velocity.
 
-    The bar starts with unit velocity.  Each exponential in the kernel is one more variable of a
-    linear system without memory, which is solved by its eigenvalues.
+    Each exponential in the kernel is one more variable of a linear system without memory, which is
+    solved by its eigenvalues.
 
     Parameters
     ----------
-    spectrum : Spectrum
-        The kernel; its number of oscillators is not used.
-    mass : float
-        Mass of the bar [mass].
-    frequency : float
-        Angular frequency w0 of the bar on its spring [rad / time]; 0 for a free bar.
+    spectrum, mass, frequency
+        As for :func:`valid_until`; the number of oscillators is not used.
     t : (m,) array
         Times, not negative [time].
 
@@ -173,11 +159,6 @@ def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray
     (m,) array
         mass/2 (v^2 + w0^2 x^2) [mass velocity^2]; mass/2 at t = 0.  Its error is 1e-10 of that;
         for debye, where an oscillation beyond the cutoff remains, it grows as 1e-12 w_c t.
-
-    Raises
-    ------
-    InputError
-        If mass, frequency or a time is out of range.
     """
     mass, frequency, t = _checked(mass, frequency, t)
     friction = spectrum.gamma / (mass * spectrum.cutoff)
@@ -202,12 +183,7 @@ def discrete_decay(
     Returns
     -------
     (m,) array
-        mass/2 (v^2 + w0^2 x^2) [mass velocity^2].
-
-    Raises
-    ------
-    InputError
-        If a value is out of range, or the two lists differ in size.
+        As of :func:`exact_decay`.
     """
     mass, frequency, t = _checked(mass, frequency, t)
     masses = vector("masses", masses, POSITIVE, unit="mass")
@@ -216,24 +192,21 @@ def discrete_decay(
 
 
 def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
-    """The time up to which a spectrum's n oscillators damp a bar as the continuum would.
+    """The time up to which a spectrum's n oscillators damp a bar as the continuum would [time].
 
     Until then the bar's energy, starting with unit velocity, is that of :func:`exact_decay`
     within 1 % of the initial energy.  For up to 400 oscillators both energies are compared from
     sample to sample; where they agree over two recurrences at least, the time covered is returned.
-    For more, the time is proportional to n: it is that of 400 oscillators times n / 400, which is
-    at most 3 % too long (measured up to n = 2000 for gamma up to 10 M w_c and w0 up to 2 w_c) and
-    too short where the first recurrence of more oscillators is harmless.
+    For more, it is the time of 400 oscillators times n / 400, at most 3 % too long (measured up to
+    n = 2000 for gamma up to 10 M w_c and w0 up to 2 w_c).
 
     As a rule the time is 2 pi over the spacing of the oscillators at the frequency w,
-    w^2 = w0^2 + Gamma(0)/M:
+    w^2 = w0^2 + Gamma(0)/M, 0.7 to 1.1 times this, or several times where the first recurrence is
+    harmless (n of 100 or more; for n = 10 it may be a fifth of it):
 
         drude   4 n w_c / (w_c^2 + w^2)                 w^2 = w0^2 + gamma w_c / M
         ohmic   (pi n / w_c) exp(-w / (2 w_c))          w^2 = w0^2 + (2/pi) gamma w_c / M
         debye   2 pi n / w_c
-
-    For gamma up to 10 M w_c, w0 up to 2 w_c and n of 100 or more it is 0.7 to 1.1 times that, or
-    several times where the first recurrence is harmless; for n = 10 it may be a fifth of it.
 
     Parameters
     ----------
@@ -247,12 +220,6 @@ def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
     Returns
     -------
     float
-        The time [time].
-
-    Raises
-    ------
-    InputError
-        If mass or frequency is out of range.
     """
     mass, frequency, _ = _checked(mass, frequency, np.zeros(1))
     friction = spectrum.gamma / (mass * spectrum.cutoff)

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.model.tables import from_table
 from tribo.validation import (
     NOT_NEGATIVE,
     InputError,
     boolean,
     integer,
     is_list,
-    known_keys,
     must_be,
     number,
     vector,
@@ -104,10 +104,8 @@ class Springs:
             for i, pair in enumerate(self.pairs):
                 if max(pair) >= count:
                     raise must_be(f"pairs[{i}]", f"indices from 0 to {count - 1}", pair)
-            listed = self.pairs if self else ()
-            return np.array(listed, dtype=np.int64).reshape(-1, 2), np.full(
-                len(listed), self._both[0]
-            )
+            listed = np.array(self.pairs if self else (), dtype=np.int64).reshape(-1, 2)
+            return listed, np.full(len(listed), self._both[0])
         index = np.arange(shape[0] * shape[1]).reshape(shape[1], shape[0])
         ends, stiffnesses = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
         for along, (axis, stiffness) in enumerate(zip((1, 0), self._both, strict=True)):
@@ -124,8 +122,4 @@ class Springs:
 
 def as_springs(value: object) -> Springs:
     """Springs from a table of a scene file, None (no springs), or Springs unchanged."""
-    if value is None:
-        return Springs()
-    if isinstance(value, Springs):
-        return value
-    return Springs(**known_keys(value, Springs.__dataclass_fields__))
+    return Springs() if value is None else from_table(Springs, value)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 class Surface(ComparedByValue):
     """One asperite, a row, a grid or a list of asperites.
 
-    Positions are those of the bobs with theta at rest and phi = 0, whatever `initial` says.
+    Positions are those of the bobs with theta at rest and phi = 0, for any `initial`.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Surface(ComparedByValue):
     langevin : Langevin or dict or list of them, optional
         A thermal reservoir at every bar, or on every swing; or a list of one each.
     species : str or tuple of str
-        Species of the bobs, one for all or one each; interactions may tell species apart.
+        Species of the bobs, one for all or one each, by which interactions distinguish bobs.
     asperite : Asperite
         Masses, lengths, stiffness and charge of the asperites.
     initial : Initial
@@ -160,7 +160,8 @@ class Surface(ComparedByValue):
                 value.for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
-        self._check_heat()
+        if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):
+            raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
     def __repr__(self) -> str:
         size = f"{self.count} asperite{'s' * (self.count > 1)}"
@@ -189,12 +190,6 @@ class Surface(ComparedByValue):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.swing_reservoir is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
-
-    def _check_heat(self) -> None:
-        """Refuse a thermal start of swings that no torsion spring holds."""
-        kappa = np.asarray(self.asperite.kappa)
-        if self.initial.temperature and not np.all(kappa > 0.0):
-            raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
     @property
     def moves_as_one(self) -> bool:
@@ -342,8 +337,7 @@ class Surface(ComparedByValue):
         return self.bob[0], self.bob[1], self.depth
 
 
-def _is_name(value: object) -> bool:
+def _is_name(name: object) -> bool:
     """Whether the value can name a surface in files: printable, without a point or a slash."""
-    if not isinstance(value, str) or not value.isprintable() or value.strip() == "":
-        return False
-    return not {".", "/"} & set(value)
+    printable = isinstance(name, str) and name.isprintable() and bool(name.strip())
+    return printable and not {".", "/"} & set(str(name))

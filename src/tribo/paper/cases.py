@@ -48,7 +48,7 @@ SPACING = 0.05
 
 
 def scene(case: str, attractive: bool = False) -> Scene:
-    """A case of the paper.
+    """A case of the paper, up to its end.
 
     Parameters
     ----------
@@ -60,7 +60,6 @@ def scene(case: str, attractive: bool = False) -> Scene:
     Returns
     -------
     Scene
-        Its duration is the end of the case.
     """
     forced = case in "AB"
     pulls = case in "BD" or (case == "E" and attractive)
@@ -92,11 +91,8 @@ def scene(case: str, attractive: bool = False) -> Scene:
 class Run:
     """A case and its densely sampled result, from which numbers at any time are taken.
 
-    Parameters
-    ----------
-    case : str
-        "A" to "E".
-    result : Result
+    Quantities are named as in the paper's table: "Theta" is the theta of the lower asperite, "wL +
+    wR" the sum of the works on the ends, and all others are of the upper asperite.
     """
 
     def __init__(self, case: str, result: Result) -> None:
@@ -120,18 +116,7 @@ class Run:
         return cls(case, simulate(short, method="midpoint", step=step))
 
     def series(self, quantity: str) -> np.ndarray:
-        """A printed quantity at all recorded times.
-
-        Parameters
-        ----------
-        quantity : str
-            As in the paper's table: "Theta" is the theta of the lower asperite, "wL + wR" the sum
-            of the works on the ends, and all others are of the upper asperite.
-
-        Returns
-        -------
-        ndarray, (times,)
-        """
+        """A printed quantity at all recorded times, (times,)."""
         upper = self.result["upper"]
         if quantity == "Theta":
             return self.result["lower"].theta[:, 0]
@@ -142,18 +127,7 @@ class Run:
         return upper[_name(quantity)][:, 0]
 
     def error(self, quantity: str) -> float:
-        """The error estimate of a printed quantity: the sum of those of its parts.
-
-        Parameters
-        ----------
-        quantity : str
-            As in the paper's table.
-
-        Returns
-        -------
-        float
-            In the unit of the quantity.
-        """
+        """The error estimate of a printed quantity, in its unit: the sum of those of its parts."""
         bounds = self.result.error_estimate
         parts = {"Theta": ["theta"], "wL + wR": ["wL", "wR"], "w - w_ps": ["w", "w_ps"]}
         names = parts.get(quantity, [_name(quantity)])
@@ -161,20 +135,7 @@ class Run:
         return twice * sum(bounds[name] or 0.0 for name in names)
 
     def at(self, quantity: str, t: float | np.ndarray) -> np.ndarray:
-        """A printed quantity at any times, by a spline that is accurate to 1e-9.
-
-        Parameters
-        ----------
-        quantity : str
-            As in the paper's table.
-        t : float or ndarray
-            Times [time].
-
-        Returns
-        -------
-        ndarray
-            In the shape of `t`.
-        """
+        """A printed quantity at any times, by a spline that is accurate to 1e-9."""
         from scipy.interpolate import make_interp_spline
 
         if quantity not in self._splines:
@@ -182,20 +143,7 @@ class Run:
         return np.asarray(self._splines[quantity](t))
 
     def root(self, values: np.ndarray, near: float) -> float:
-        """The time at which a series changes sign.
-
-        Parameters
-        ----------
-        values : ndarray, (times,)
-            The series.
-        near : float
-            Of several changes the nearest to this time is taken [time].
-
-        Returns
-        -------
-        float
-            [time].
-        """
+        """The time at which a series (times,) changes sign: that nearest to `near`, if several."""
         from scipy.interpolate import make_interp_spline
         from scipy.optimize import brentq
 
@@ -206,36 +154,12 @@ class Run:
         return float(brentq(spline, t[k], t[k + 1], xtol=1e-12))
 
     def derivative(self, quantity: str) -> np.ndarray:
-        """The time derivative of a printed quantity.
-
-        Parameters
-        ----------
-        quantity : str
-            As in the paper's table.
-
-        Returns
-        -------
-        ndarray, (times,)
-            In the unit of the quantity over time.
-        """
+        """The time derivative of a printed quantity, (times,)."""
         self.at(quantity, 0.0)
         return np.asarray(self._splines[quantity].derivative()(self.result.t))
 
     def event(self, name: str, near: float) -> float:
-        """The computed time of an event for which the paper prints a time.
-
-        Parameters
-        ----------
-        name : str
-            As in the paper's table, such as "time the bobs pass".
-        near : float
-            The printed time [time].
-
-        Returns
-        -------
-        float
-            [time].
-        """
+        """The computed time of an event, as "time the bobs pass"; the paper prints `near`."""
         upper, lower = self.result["upper"], self.result["lower"]
         if name == "time the bobs pass":
             return self.root((upper.x_bob - lower.x_bob)[:, 0], near)

@@ -41,9 +41,8 @@ class Row:
         Figure, table or section of the paper.
     t : str
         Time as printed: a time, two times with ".." between them, "end", or empty.
-    quantity : str
-    printed : str
-        The number as printed.
+    quantity, printed : str
+        What the number is of, and the number, as printed.
     computed : float or str or None
         The computed number, or the sign as "+" or "-".
     error : float or None
@@ -231,17 +230,7 @@ def _sign_row(run: Run, row: dict[str, str]) -> Row:
 
 
 def boost_error(moving: Run, still: Run) -> float:
-    """Largest difference of any quantity of case E from case C or D in a moving frame.
-
-    Parameters
-    ----------
-    moving, still : Run
-        Case E, and case C or D.
-
-    Returns
-    -------
-    float
-    """
+    """Largest difference of any quantity of case E from case C or D in a moving frame."""
     u = moving.result.scene.surfaces[0].velocity[0] - still.result.scene.surfaces[0].velocity[0]
     largest = 0.0
     mass = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0]

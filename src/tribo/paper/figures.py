@@ -15,16 +15,9 @@ import numpy as np
 
 from tribo import plotting
 from tribo.paper.cases import END, Run
-from tribo.plotting import (
-    COLUMN,
-    INK,
-    WIDE,
-    AsperiteGeometry,
-    SceneGeometry,
-    arrow,
-    note,
-    scene_geometry,
-)
+from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
+from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent
+from tribo.plotting.style import COLUMN, INK, WIDE, arrow, drawing_on, frame, note, time_labels
 from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
@@ -42,25 +35,15 @@ SUFFIXES = (".pdf", ".png")
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of the paper.
+    """One figure of the paper."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the file, without suffix; "fig03" is figure 3 of the paper.
-    case : str
-        "A" to "E"; empty for the drawing of the model.
-    draw : callable
-        Draws the figure and returns its Axes.
-    """
-
-    name: str
-    case: str
+    name: str  # of the file, without suffix; "fig03" is figure 3 of the paper
+    case: str  # "A" to "E"; empty for the drawing of the model
     draw: Callable[[], Axes]
 
 
 def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
-    """Draw the model and the figures of the given cases.
+    """Draw the model and the figures of some cases, each as PDF and as PNG.
 
     Parameters
     ----------
@@ -72,12 +55,7 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
     Returns
     -------
     list of Path
-        The files: each figure as PDF and as PNG.
-
-    Raises
-    ------
-    InputError
-        If nothing can be written to the folder.
+        The files.
     """
     folder = as_path(folder)
     wanted = {"", *cases}
@@ -112,18 +90,18 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     right = 0.0
     for t in times:
         geometry = scene_geometry(result, t)
-        left = plotting.extent(geometry)[0]
-        drawn.append(plotting.shifted(geometry, (right - left, 0.0)))
-        right = plotting.extent(drawn[-1])[1] + SNAPSHOT_GAP
-    box = plotting.extent(*drawn)
-    with plotting.drawing_on(None, WIDE) as ax:
-        for geometry, label in zip(drawn, plotting.time_labels(times), strict=True):
-            plotting.draw_asperites(ax, geometry)
-            left, right, *_ = plotting.extent(geometry)
+        left = extent(geometry)[0]
+        drawn.append(shifted(geometry, (right - left, 0.0)))
+        right = extent(drawn[-1])[1] + SNAPSHOT_GAP
+    box = extent(*drawn)
+    with drawing_on(None, WIDE) as ax:
+        for geometry, label in zip(drawn, time_labels(times), strict=True):
+            draw_asperites(ax, geometry)
+            left, right, *_ = extent(geometry)
             note(ax, (0.5 * (left + right), box[2]), label, (0.0, -8.0))
             (lower,) = geometry["lower"]
             ax.plot(2 * [lower.cm[0]], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
-        plotting.frame(ax, box, bottom=18.0)
+        frame(ax, box, bottom=18.0)
     return ax
 
 
@@ -148,13 +126,13 @@ def _model() -> Axes:
         phi=np.pi / 12,
         bar_length=5.0,
     )
-    with plotting.drawing_on(None, COLUMN) as ax:
-        plotting.draw_asperite(ax, asperite)
+    with drawing_on(None, COLUMN) as ax:
+        draw_asperite(ax, asperite)
         _model_lengths(ax, asperite)
         _model_angles(ax, asperite)
         _model_positions(ax, asperite)
         _model_forces(ax, asperite)
-        plotting.frame(ax, (-3.05, 3.2, -3.6, 1.8))
+        frame(ax, (-3.05, 3.2, -3.6, 1.8))
     return ax
 
 
@@ -224,33 +202,13 @@ SLIDING_FREELY = ("cm", "bob")
 FIGURES = (
     Figure("fig01_model", "", _model),
     Figure("fig02_A_angle", "A", partial(_angle, "A")),
-    Figure(
-        "fig03_A_snapshots",
-        "A",
-        partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0)),
-    ),
+    Figure("fig03_A_snapshots", "A", partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0))),
     Figure("fig04_A_work", "A", partial(_works, "A")),
-    Figure(
-        "fig05_A_sequence",
-        "A",
-        partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE),
-    ),
+    Figure("fig05_A_sequence", "A", partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE)),
     Figure("fig06_B_work", "B", partial(_works, "B")),
-    Figure(
-        "fig07_B_sequence",
-        "B",
-        partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE),
-    ),
+    Figure("fig07_B_sequence", "B", partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE)),
     Figure("fig08_C_work", "C", partial(_works, "C")),
-    Figure(
-        "fig09_C_sequence",
-        "C",
-        partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY),
-    ),
+    Figure("fig09_C_sequence", "C", partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY)),
     Figure("fig10_D_work", "D", partial(_works, "D")),
-    Figure(
-        "fig11_E_sequence",
-        "E",
-        partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY),
-    ),
+    Figure("fig11_E_sequence", "E", partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY)),
 )

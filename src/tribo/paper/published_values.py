@@ -32,18 +32,7 @@ def place(where: str) -> str:
 
 
 def published(case: str) -> list[dict[str, str]]:
-    """The numbers that the paper prints for a case.
-
-    Parameters
-    ----------
-    case : str
-        "A" to "E".
-
-    Returns
-    -------
-    list of dict
-        One for each row of the CSV file.
-    """
+    """The numbers that the paper prints for a case: a dict for each row of the CSV file."""
     text = files("tribo.paper").joinpath("published_values.csv").read_text(encoding="utf-8")
     return [row for row in csv.DictReader(text.splitlines()) if row["case"] == case]
 

@@ -57,7 +57,7 @@ def animate(
     ----------
     result : RunResult
     path : str or Path
-        The file, which is replaced if it exists; its name ends on .gif or .mp4.
+        The file, which is replaced if it exists; its name ends in .gif or .mp4.
     frames : int
         Pictures, evenly spaced in time; at most one for each sample.
     rate : int

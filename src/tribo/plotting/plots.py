@@ -16,6 +16,7 @@ from tribo.plotting.series import MEANINGS, WORKS, work_curves
 from tribo.plotting.snapshots import sequence
 from tribo.plotting.style import (
     COLUMN,
+    CYCLE,
     EDGE,
     INK,
     POINTS_PER_INCH,
@@ -41,9 +42,6 @@ BAND = (5.0, 95.0)
 
 # Most paths of a phase plot: more cover one another.
 MOST_PATHS = 200
-
-# Colours of surfaces, and of the series of an energy budget, one after the other.
-CYCLE = ("#0b62a4", "#d55e00", "#2fae8c", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)
@@ -90,8 +88,8 @@ class Plots:
     def angles(self, ax: Axes | None = None) -> Axes:
         """Draw swings (angles of pendulums from rest) over time [rad].
 
-        A surface of more than 6 asperites has the median and a band from the 5th to the 95th
-        percentile.
+        For a surface of more than 6 asperites, draw the median and a band from the 5th to the
+        95th percentile.
 
         Parameters
         ----------
@@ -154,10 +152,10 @@ class Plots:
 
         The parts are bulk kinetic energy, contact, fields, internal energy and heat, of all
         surfaces together; the heat of baths is separate from internal energy if the scene's output
-        asks for the series "energies".  A part that is negative goes down from the edge before it.
-        The last edge is the sum, which equals the work that is put in; a text has the largest gap
+        asks for the series "energies".  A negative part goes down from the edge before it. The
+        last edge is the sum, which equals the work that is put in; a text gives the largest gap
         between the two.  The applied work of the ledger is net of the heat given to reservoirs.
-        Where there are some, heat is a part of the stack, and is added to the applied work.
+        With reservoirs, heat is a part of the stack, and is added to the applied work.
 
         Parameters
         ----------

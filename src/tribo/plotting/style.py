@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-# Widths of one and of one and a half columns of a journal [inch].
-COLUMN, WIDE = 3.375, 5.1
+# Widths of one and of one and a half columns of a journal, and of its page [inch].
+COLUMN, WIDE, PAGE = 3.375, 5.1, 6.2
 
 # Names of files that a figure can be written to end on one of these.
 FILES = (".png", ".pdf", ".svg")
@@ -37,6 +37,9 @@ SIDES = ("left", "right", "bottom", "top")
 # Colour of text, edges and arrows.
 INK = "#1a1a1a"
 
+# Colours of lines, in order; people with any colour vision can tell the first two apart.
+CYCLE = ("#0b62a4", "#d55e00", "#2fae8c", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
+
 STYLE: Any = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
@@ -45,6 +48,7 @@ STYLE: Any = {
     "xtick.labelsize": 8.0,
     "ytick.labelsize": 8.0,
     "axes.linewidth": 0.6,
+    "axes.prop_cycle": f"cycler('color', {CYCLE})",
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,
@@ -154,7 +158,7 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
     drawing : matplotlib.axes.Axes or matplotlib.figure.Figure
         The figure, or Axes in it.
     path : str or Path
-        Name of the file, which ends on .png, .pdf or .svg.
+        Name of the file, which ends in .png, .pdf or .svg.
 
     Returns
     -------

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import sources
-from tribo.plugins.unloaded import Unloaded, refuse_code
+from tribo.plugins.unloaded import Unloaded, left, refuse_code
 from tribo.validation import InputError, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
@@ -104,6 +104,19 @@ def class_named(field: str, name: str, folder: Path) -> type:
     return getattr(module, class_name)
 
 
+def from_file(field: str, name: str, parameters: dict[str, Any], folder: Path, method: str) -> Any:
+    """The plug-in that a table of a scene file names, which has `method`, or an Unloaded for it.
+
+    Raises InputError about `field`.
+    """
+    stand_in = left(name, parameters)
+    if stand_in is not None:
+        return stand_in
+    cls = class_named(field, name, folder)
+    check_class(cls, field, method)
+    return instance(cls, parameters)
+
+
 def name_of(plugin: NamedTuple | Unloaded, built_in: dict[str, type]) -> str:
     """The name of the plug-in's class in a scene file."""
     if isinstance(plugin, Unloaded):
@@ -134,17 +147,14 @@ def returned_numbers(plugin: object, field: str, method: str, *arguments: object
     value = call_method(plugin, field, method, *arguments)
     count = RETURN_COUNTS.get(method, 1)
     # np.where of numbers is an array without dimensions.
-    items = [x[()] if isinstance(x, np.ndarray) else x for x in _as_tuple(value)]
+    several = value if isinstance(value, tuple) else (value,)
+    items = [x[()] if isinstance(x, np.ndarray) else x for x in several]
     kinds = (int, float, np.integer, np.floating)
     if len(items) != count or not all(isinstance(item, kinds) for item in items):
         expected = "a number is" if count == 1 else f"{count} numbers are"
         reason = f"gives {short_repr(value)} where {expected} wanted"
         raise InputError(field, located(plugin, method, None, reason))
     return value
-
-
-def _as_tuple(value: object) -> tuple[object, ...]:
-    return value if isinstance(value, tuple) else (value,)
 
 
 def failure(plugin: object, method: str, error: Exception) -> str:

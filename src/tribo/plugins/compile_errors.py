@@ -25,17 +25,11 @@ COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)
 
 @contextmanager
 def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[None]:
-    """Raise InputError in place of the compiler's errors.
+    """Raise InputError in place of the compiler's errors, in a context that compiles a `loop`.
 
-    The methods of the user's plug-ins are compiled by themselves first, unless the loop has been
-    compiled before: a mistake is then found in a fraction of the time that the loop takes.
-
-    Parameters
-    ----------
-    loop : callable
-        A loop made by :func:`tribo.compiler.jit.time_loop`, which is compiled in the context.
-    placed : sequence of (str, NamedTuple)
-        The plug-ins of the scene, each with its field.
+    The methods of the user's plug-ins, each `placed` in a field of the scene, are compiled by
+    themselves first, unless the loop has been compiled before: a mistake is then found in a
+    fraction of the time that the loop takes.
     """
     try:
         if not is_compiled(loop):
@@ -74,16 +68,9 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
 
 
 def compile_error(placed: Iterable[tuple[str, NamedTuple]], error: Exception) -> InputError:
-    """The error to raise when the loop for a scene does not compile.
+    """The error to raise when the loop for a scene does not compile, by one of COMPILE_ERRORS.
 
     Each method of each plug-in is called and compiled by itself, to find the line that fails.
-
-    Parameters
-    ----------
-    placed : iterable of (str, NamedTuple)
-        The plug-ins of the scene, each with its field.
-    error : Exception
-        One of COMPILE_ERRORS, which the compiler raised.
     """
     foreign = _foreign(placed)
     for field, plugin in foreign:
@@ -120,9 +107,7 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
             raise InputError(
                 field,
                 f"{error.problem}; without a {derived}(self, ...) it is called with complex "
-                "numbers, which numpy's functions take; it is differentiated instead where it has "
-                "assignments, if and return only, with arithmetic, functions of numpy or math, "
-                "np.where, np.maximum, np.minimum, min and max",
+                "numbers, unless it has assignments, if and return alone",
             ) from None
 
 

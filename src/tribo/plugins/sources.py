@@ -46,12 +46,7 @@ def module_named(name: str) -> ModuleType:
 def load(source: bytes, place: str) -> ModuleType:
     """Load a module from its source, under a name that is a hash of it, for the disk cache.
 
-    Parameters
-    ----------
-    source : bytes
-        Its text.
-    place : str
-        Its file in messages, or a name in angle brackets if it has none.
+    `place` is its file in messages, or a name in angle brackets if it has none.
     """
     label = hashlib.blake2b(place.encode() + source, digest_size=8).hexdigest()
     name = f"tribo_plugin_{label}"
@@ -84,13 +79,10 @@ def place_of(cls: type) -> str:
 
 
 def source_stamp(plugins: list[NamedTuple]) -> str | None:
-    """Hash of the sources of plug-ins' classes.
+    """16 hex digits of a hash of the sources for each plug-in's class that is not this package's.
 
-    Returns
-    -------
-    str or None
-        16 hex digits for each class that is not this package's.  None if one has no source that a
-        later process could compare: it was typed in, is of a script, or was made by a function.
+    None if one has no source that a later process could compare: it was typed in, is of a script,
+    or was made by a function.
     """
     stamps = [_stamp_of(plugin) for plugin in plugins]
     return None if None in stamps else "".join(map(str, stamps))

@@ -26,17 +26,9 @@ _POLICY: ContextVar[Code] = ContextVar("code", default=Code.LOAD)
 class Unloaded:
     """A plug-in of a scene that was opened without loading its code; running the scene loads it.
 
-    Parameters
-    ----------
-    name : str
-        ``file.py:Class``, ``package.module:Class``, or a potential that is made of such.
-    parameters : dict
-        The other keys of its table in a scene file.
-
-    Attributes
-    ----------
-    stamp : str or None
-        Hash of its sources when they last ran; None if unknown.
+    `name` is ``file.py:Class``, ``package.module:Class``, or a potential that is made of such;
+    `parameters` are the other keys of its table in a scene file.  `stamp` is the hash of its
+    sources when they last ran, None if unknown.
     """
 
     def __init__(self, name: str, parameters: dict[str, Any]) -> None:

@@ -22,7 +22,7 @@ from tribo.potentials.registry import (
 )
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.potentials.sum import Scaled, Sum
-from tribo.validation import InputError, inside, is_list, known_keys, must_be
+from tribo.validation import InputError, inside, is_list, known_keys, must_be, shortened
 
 # Keys of a cutoff.
 CUTOFF_KEYS = ("cutoff", "at_cutoff", "switch_from")
@@ -87,9 +87,8 @@ def class_named(name: object, folder: Path) -> type:
         return BUILT_IN[name]
     if is_expression(name):
         return complete(class_of(name))
-    known = ", ".join(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
-    own = '"yourfile.py:YourClass", "package.module:YourClass"'
-    raise must_be("potential", f"{known}, {own} or an expression in r", name)
+    known = shortened(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
+    raise must_be("potential", f'{known}, "yourfile.py:YourClass" or an expression in r', name)
 
 
 def as_table(potential: Any) -> dict[str, Any]:

@@ -154,7 +154,7 @@ class Report:
         Parameters
         ----------
         path : str or Path
-            Name of the file, which ends on .png, .pdf or .svg.
+            Name of the file, which ends in .png, .pdf or .svg.
 
         Returns
         -------

@@ -55,15 +55,15 @@ class Average(NamedTuple):
     spread : float
         The standard deviation over time.
     correlation_time : float
-        An estimate, to a third or so, of the integral of the autocorrelation from zero on [time];
-        small where the motion is periodic.
+        Estimate, accurate to about a third, of the integral of the autocorrelation from zero on
+        [time]; small where the motion is periodic.
     effective_samples : float
-        The number of independent samples whose mean is as exact: the length of the series over
-        twice the correlation time.
+        Number of independent samples whose mean would be equally exact: the length of the series
+        over twice the correlation time.
     after : float
-        When the average begins [time].
+        Time at which the average begins [time].
     note : str
-        Why there is no interval, or that the series has a trend; else empty.
+        The reason for a missing interval, or a warning of a trend; else empty.
     """
 
     mean: float
@@ -93,19 +93,19 @@ def time_average(
     Parameters
     ----------
     t, values : array_like, (times,)
-        The series.  Times increase and need not be evenly spaced; between them the series is taken
-        as linear.
+        The series. Times increase and need not be evenly spaced; the series is linear between
+        them.
     after : float or "auto"
-        When the average begins, to leave out the run-in [time].  "auto" leaves out twice what
-        makes the standard error, as of independent samples, smallest (K. P. White, Simulation 69
+        Time at which the average begins, to omit the run-in [time]. "auto" omits twice the run-in
+        that minimises the standard error, as of independent samples (K. P. White, Simulation 69
         (1997) 323), at most half of the series, if that changes the average by more than its
         half-width.
 
     Returns
     -------
     Average
-        The integral over the time, unless incomplete periods at the ends matter: then the weights
-        vanish there.
+        The mean is the integral over the time. If incomplete periods at the ends matter, its
+        weights vanish there.
 
     Raises
     ------

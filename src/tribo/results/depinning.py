@@ -10,13 +10,13 @@ from tribo.layout.scene_records import resting_bobs
 from tribo.model.drives import Pulled, Pushed
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
-from tribo.results.intervals import student
+from tribo.results.intervals import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
 
 
 class Depinning(NamedTuple):
-    """The drive's force on an asperite along x at which it starts to slide.
+    """The drive's force along x at which an asperite starts to slide.
 
     Attributes
     ----------
@@ -26,10 +26,10 @@ class Depinning(NamedTuple):
         Half-width of its 95 % interval, as of independent asperites; NaN where fewer than two or
         not all started.  Bars that springs couple start together and count as one.
     each : ndarray, (asperites,)
-        Of each asperite; NaN where it did not start.  One number of bars that springs couple, for
-        each of them on average.
+        Force of each asperite; NaN where it did not start. Bars that springs couple share one
+        number, their average.
     times : ndarray, (asperites,)
-        When the force was largest [time].
+        Times at which the force was largest [time].
     """
 
     mean: float
@@ -61,9 +61,8 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
         )
     places = np.argmax(np.where(stuck, along * force, -np.inf), axis=0)
     each = np.where(starts, force[places, np.arange(starts.size)], np.nan)
-    count, half_width = int(np.count_nonzero(starts)), np.nan
-    if starts.all() and count > 1:
-        half_width = float(student(count - 1) * np.std(each, ddof=1) / np.sqrt(count))
+    known = starts.all() and starts.size > 1
+    half_width = float(interval(each).half_width) if known else np.nan
     return Depinning(float(np.nanmean(each)), half_width, each, result.t[places])
 
 

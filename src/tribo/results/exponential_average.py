@@ -41,14 +41,14 @@ class ExponentialAverage:
     Attributes
     ----------
     mean : float
-        Over all values.
+        Mean over all values.
     half_width : float
-        Of its 95 % interval: by the central limit theorem, and the part of larger values than any
-        drawn.  Infinite where the tail index is at most 1.
+        Half-width of the 95 % interval of the mean, from the central limit theorem and an
+        estimate for values larger than any drawn. Infinite where the tail index is at most 1.
     tail_index : float
-        Index a of the largest values: the probability to exceed z falls as z^-a.
+        Index a of the largest values: the probability of exceeding z falls as z^-a.
     carriers : int
-        How many of the largest values make half of the sum.
+        Number of the largest values that add up to half of the sum.
     trusted : bool
         Whether the interval can be trusted: the index is above 2.5 by two standard errors, and
         there are at least 100 carriers.  Values that are rarer than one in all drawn remain

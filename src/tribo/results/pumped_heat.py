@@ -17,7 +17,7 @@ import numpy as np
 
 from tribo.layout.layout import Layout
 from tribo.ledger.watched import Watched, levers
-from tribo.results.intervals import student
+from tribo.results.intervals import interval
 
 # Blocks of equal length whose rates give the interval: with fewer, Student's interval is wide.
 BLOCKS = 10
@@ -33,8 +33,8 @@ def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
     smallest = float(np.min(levers(scene)))
     edges = np.linspace(t[0], t[-1], BLOCKS + 1)
     excess = np.diff(np.interp(edges, t, work - friction / smallest))
-    half_width = student(BLOCKS - 1) * np.std(excess, ddof=1) / np.sqrt(BLOCKS)
-    if not np.mean(excess) > half_width:
+    mean, half_width = interval(excess)
+    if not mean > half_width:
         return ()
     return (
         f"the drives do {work[-1] - work[0]:.4g} of work, which exceeds friction times distance, "

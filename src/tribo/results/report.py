@@ -16,14 +16,13 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
 from tribo.results.averages import Average
-from tribo.results.cost import Cost
 from tribo.results.force_averages import (
     has_mean_friction,
     load_of,
     recorded_averages,
     shares_without_contact,
 )
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import Cost, RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
 WORKS = (
@@ -92,15 +91,15 @@ def text(result: RunResult) -> str:
             parts = ["works are not kept", *parts]
         if parts:
             lines.append(f"  {name:>10}: {', '.join(parts)}")
-    lines += [*_friction(result), *_without_contact(result)]
+    lines += _sliding(result)
     return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])
 
 
-def _without_contact(result: RunResult) -> list[str]:
-    """The share of time without contact, where it is recorded."""
+def _sliding(result: RunResult) -> list[str]:
+    """What is said of sliding, and the share of time without contact, where it is recorded."""
     shares = shares_without_contact(result).get("time_without_contact", {})
     each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
-    return [f"  time without contact: {each}"] * bool(shares)
+    return _friction(result) + [f"  time without contact: {each}"] * bool(shares)
 
 
 def _friction(result: RunResult) -> list[str]:
@@ -170,8 +169,7 @@ def html(result: RunResult) -> str:
     bounds = [result.error_estimate.get(name) for name in names]
     if any(bound is not None for bound in bounds):
         rows.append(_row(["error below", *("" if b is None else f"{b:.1e}" for b in bounds)]))
-    lines = [line.strip() for line in (*_friction(result), *_without_contact(result))]
-    lines += result.notes
+    lines = [*map(str.strip, _sliding(result)), *result.notes]
     notes = "".join(f"<li>{markup.escape(line)}</li>" for line in lines)
     after = f"<ul>{notes}</ul>" if notes else ""
     return f"<p>{markup.escape(first)}</p><table>{''.join(rows)}</table>{after}"

@@ -15,7 +15,6 @@ from tribo.ledger.quantities import Table
 from tribo.loops.state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
-from tribo.results.cost import Cost
 from tribo.validation import InputError
 
 T = TypeVar("T")
@@ -39,14 +38,40 @@ class _ErrorEstimates(dict[str, float | None]):
 
 
 @dataclass(frozen=True, eq=False)
-class Known(Generic[T]):
-    """A value that is known already, in place of a function that computes it."""
+class Constant(Generic[T]):
+    """A function that returns a value which is known already; it can be pickled."""
 
     value: T
 
     def __call__(self) -> T:
         """The value."""
         return self.value
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Steps, evaluations and times of a run.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of the run that gave the result.
+    force_evaluations : int
+        Evaluations of all forces, in that run and in those that estimate its error.
+    wall_seconds : float
+        Time that these runs took [s].
+    compile_seconds : float
+        Time to compile the time loop, or to load it from disk [s].
+    digit_more, digit_fewer : float or None
+        Estimated times of a run with an accuracy ten times better or worse [s]; None if unknown.
+    """
+
+    steps: int
+    force_evaluations: int
+    wall_seconds: float
+    compile_seconds: float
+    digit_more: float | None = None
+    digit_fewer: float | None = None
 
 
 @dataclass(eq=False)
@@ -63,7 +88,7 @@ class RunResult:
     t : ndarray, (times,)
         The recorded times [time].
     ledger : Ledger
-        All series; assembled from the raw samples when first needed.
+        All series; assembled from the samples when first read.
     system : dict
         The series of the system: quantity -> (times,).
     end : dict
@@ -82,29 +107,29 @@ class RunResult:
     met : bool or None
         Whether every error estimate is within the accuracy; None without estimates.
     notes : tuple of str
-        Anything else that a reader of the result should know.
+        Further remarks and warnings, one sentence each.
     error_estimate : dict
         Quantity -> bound on its error over all surfaces, asperites and times; None if unknown.  It
         takes full names too, as "upper.w1".
     settings : dict
-        Method, accuracy, step, and the hash of the state where the run began, if it did.
+        Method, accuracy, step, and the hash of the state where the run began, if it began at one.
     version : str
         The version of tribo that ran it, with the hash of its sources.
     """
 
     scene: Scene
-    status: Status  # "completed", or the name of what stopped the run
+    status: Status
     method: str
-    why: str  # the method was chosen; empty where it was given
-    accuracy: float | Mapping[str, float] | None  # asked for: one number, or one per observable
-    met: bool | None  # whether every error estimate is within the accuracy; None without estimates
+    why: str
+    accuracy: float | Mapping[str, float] | None
+    met: bool | None
     notes: tuple[str, ...]
     bounds: Mapping[str, float] = field(repr=False)  # on errors, by name; empty without estimates
     assemble: Callable[[], Ledger] = field(repr=False)  # computes the ledger
     add_up: Callable[[], Cost] = field(repr=False)  # computes the cost
     take_state: Callable[[], State] = field(repr=False)  # computes the state at the end
-    settings: Identity = field(repr=False)  # see tribo.model.identity
-    version: str  # of the package that ran it
+    settings: Identity = field(repr=False)
+    version: str
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _ledger: Ledger | None = field(default=None, init=False, repr=False)
 
@@ -153,9 +178,9 @@ class RunResult:
         """What is pickled or copied: the ledger, the cost and the state, without the runs."""
         return {
             **self.__dict__,
-            "assemble": Known(self.ledger),
-            "add_up": Known(self.cost),
-            "take_state": Known(self.state()),
+            "assemble": Constant(self.ledger),
+            "add_up": Constant(self.cost),
+            "take_state": Constant(self.state()),
         }
 
     def oscillators(self, surface: str) -> np.ndarray:
@@ -163,11 +188,6 @@ class RunResult:
 
         The scene's output must ask for the series "oscillators".  Torsional oscillators are not
         among them.
-
-        Parameters
-        ----------
-        surface : str
-            Name of the surface.
 
         Returns
         -------
@@ -189,12 +209,7 @@ class RunResult:
         return found[surface]
 
     def state(self) -> State:
-        """The full state at the end, from which :func:`tribo.simulate` continues.
-
-        Returns
-        -------
-        State
-        """
+        """The full state at the end, from which :func:`tribo.simulate` continues."""
         return self.take_state()
 
     @property

@@ -29,7 +29,7 @@ from tribo.model.scene import Scene
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table, attributes_of, coordinates_of, key_coordinates, side_by_side
 from tribo.sweeps.grid import Grid, Keys
-from tribo.sweeps.point_sets import Members, point_sets, runs_of
+from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
 from tribo.validation import InputError, boolean, inside, integer
 
 if TYPE_CHECKING:
@@ -69,53 +69,35 @@ def sweep(
         velocity is its x component.  A tuple of keys sweeps them together:
         ``{("upper.velocity", "duration"): [(0.5, 40.0), (0.25, 80.0)]}``.
     members : int, optional
-        Number of runs at each point, at least 2, with starts that differ by `vary` and thermal
-        noise; by default one run.  With `half_width`, the largest number.
-    vary : mapping, optional
-        Quantities that differ between the members of a point, as for :func:`ensemble`.  All points
-        have the same members.
+        Number of runs at each point, the same at all points; by default one run of the scene.
     keep : sequence of str, optional
-        Quantities that are kept, as "upper.w1" or "contact_energy"; by default the scene's
-        ``output.keep``, or else those of surfaces as wholes and of the system.
-        "upper.friction_force" is its average over time, with the half-width of the 95 % interval
-        as ``upper.friction_force_time_half_width``.
-    at : {"end", "samples"}
-        Whether quantities are kept at the end of each run or at all times of the scene's output.
+        As for :func:`ensemble`; by default the scene's ``output.keep``, or else quantities of
+        surfaces as wholes and of the system.
     statistics, half_width
         As for :func:`ensemble`, at each point.  The points are then run one after another.
-    sampler, engine, accuracy, method, step, threads, allow_unresolved
-        As for :func:`ensemble`.
-    out : str or Path, optional
-        A NetCDF file for the data set.  During the sweep, ``out`` with ``.part`` appended to its
-        name has the finished runs.
-    resume : bool
-        Take the finished runs from ``out.part``; read ``out`` if that is complete.
     progress : callable or bool, optional
-        A function that is called with the number of finished points.  By default a bar appears on
-        a terminal or in a notebook after a second; True shows it elsewhere too, False never.
-    seed : int
-        The seed of the members, the same at each point.
+        As for :func:`ensemble`, with the number of finished points.
+    vary, at, sampler, engine, out, resume, accuracy, method, step, threads, allow_unresolved, seed
+        As for :func:`ensemble`.
 
     Returns
     -------
     xarray.Dataset
-        That of an ensemble, with a dimension for each key; that of several keys is named as these,
-        with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and ``error`` are
-        those of each run.  Values of runs that did not complete are NaN.
+        A data set as for an ensemble, with a dimension for each key; the dimension of several keys
+        is named by these, with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and
+        ``error`` are those of each run.  Values of runs that did not complete are NaN.
 
         Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
-        a point that missed it has its values and the status "AccuracyMissed".
-
-        With members, the means of each quantity and the half-width of their 95 % interval are
-        ``upper.W_mean`` and ``upper.W_half_width``.
+        a point that missed it has its values and the status "AccuracyMissed".  With members, their
+        means and the half-widths of the 95 % intervals are ``upper.W_mean`` and
+        ``upper.W_half_width``.
 
     Raises
     ------
     InputError
         An argument cannot be used, no point can be run, or another sweep writes ``out.part``.
     KeyboardInterrupt
-        The sweep was interrupted, as by Ctrl-C.  If any run was finished, the attribute
-        ``result`` of the exception has the data set, in which the others are "not run".
+        As for :func:`ensemble`; runs that were not finished are "not run".
     """
     began = time.perf_counter()
     grid = Grid(checked_scene(scene), values)
@@ -151,15 +133,11 @@ def sweep(
         if per_point:
             data = _point_by_point(grid, ensemble_at, target, progress, began)
         else:
-            data = _together(grid, request, each, target, how.told(progress), began)
+            data = _together(grid, request, each, target, how._replace(progress=progress), began)
         return saved(data, target)
 
-    others = {
-        "values": grid.identity(),
-        "members": each.number,
-        "statistics": statistics,
-        "half_width": half_width,
-    }
+    others: dict[str, object] = {"values": grid.identity(), "members": each.number}
+    others |= {"statistics": statistics, "half_width": half_width}
     identity = request.identity(scene, Variation(scene, each.vary, each.seed), others)
     return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
 
@@ -171,7 +149,7 @@ def _members(
     seed: int,
     sampler: Sampler | None,
     half_width: Mapping[str, float] | None,
-) -> Members:
+) -> PointMembers:
     """The members of each point.  Raises InputError."""
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
@@ -184,11 +162,11 @@ def _members(
     for key in of_each_surface(grid.scene, dict.fromkeys(grid.keys)):
         if key in vary:
             raise InputError(f"vary.{key}", "is swept too; give it once")
-    return Members(number, vary, seed)
+    return PointMembers(number, vary, seed)
 
 
 def _together(
-    grid: Grid, request: Request, each: Members, target: Target, how: Execution, began: float
+    grid: Grid, request: Request, each: PointMembers, target: Target, how: Execution, began: float
 ) -> xarray.Dataset:
     """All points by one engine, those that one plan serves side by side.
 

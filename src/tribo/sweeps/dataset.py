@@ -8,15 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, Attributes, counts_of, times_of, varied_coordinates
-from tribo.ensembles.intervals import interval
+from tribo.ensembles.dataset import (
+    COUNTS,
+    Attributes,
+    common_attributes,
+    counts_of,
+    times_of,
+    varied_coordinates,
+)
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED, Kept, KeptValues
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
+from tribo.results.intervals import interval
 from tribo.sweeps.grid import Axis, Grid
-from tribo.sweeps.point_sets import Members, PointSet
+from tribo.sweeps.point_sets import PointMembers, PointSet
 from tribo.validation import InputError, inside
 
 
@@ -24,7 +31,7 @@ class Table:
     """The runs of a sweep in the order of its grid, from those so far in the order of some axes."""
 
     def __init__(
-        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: Members
+        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: PointMembers
     ) -> None:
         members = each.number
         missing = grid.size * (members or 1) - found.status.size
@@ -138,12 +145,7 @@ def attributes_of(
     scene: Scene, names: Sequence[str], status: str, notes: list[str], seconds: float
 ) -> Attributes:
     """Properties of the whole sweep; text is JSON where it is no word."""
-    from tribo import __version__
-
-    return {
-        "tribo_version": __version__,
-        "numpy_version": np.__version__,
-        "scene": scene.to_toml(),
+    return common_attributes(scene) | {
         "keep": json.dumps(list(names)),
         "status": status,
         "notes": json.dumps(notes),

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.intervals import interval
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting import WIDE, drawing_on
 from tribo.plotting.comparison import DASHES
-from tribo.validation import InputError, must_be
+from tribo.plotting.style import WIDE, drawing_on
+from tribo.results.intervals import interval
+from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -34,14 +34,14 @@ SEED = "seed"
 def sweep_lines(
     data: xarray.Dataset, name: str, against: str | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Draw a quantity against one key, with error bars and a line for each value of the others.
+    """Draw a quantity against one key, with intervals and a line for each value of the others.
 
     Seeds are samples: of points that differ in nothing else, the mean and its interval are drawn.
 
     Parameters
     ----------
     data : xarray.Dataset
-        As :func:`tribo.sweep` returns it.
+        The data set that :func:`tribo.sweep` returns.
     name : str
         A quantity with one value at each point, as "upper.W" or "upper.friction_force"; with
         members their mean is drawn.
@@ -53,19 +53,14 @@ def sweep_lines(
     Returns
     -------
     matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the data set does not have the quantity or the key, or there are too many lines.
     """
     keys = keys_of(data)
     known = quantities(data)
     if name not in known:
-        raise must_be("name", f"one of {', '.join(known)}", name)
+        raise must_be_one_of("name", known, name)
     key = keys[0] if against is None else against
     if key not in keys:
-        raise must_be("against", f"one of {', '.join(keys)}", against)
+        raise must_be_one_of("against", keys, against)
     drawn, bars, meaning = _points(data, name, averaged=key != SEED)
     others = [other for other in keys if other != key and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))

@@ -19,21 +19,11 @@ Keys = str | tuple[str, ...]
 
 
 class Axis(NamedTuple):
-    """The values of one key, or of several that are swept together.
+    """The values of one key, or of several that are swept together."""
 
-    Attributes
-    ----------
-    name : str
-        Of the dimension: the key, or the keys with commas between them.
-    keys : tuple of str
-        The keys.
-    rows : list of tuples
-        A value of each key, at each place.
-    """
-
-    name: str
+    name: str  # of the dimension: the key, or the keys with commas between them
     keys: tuple[str, ...]
-    rows: list[tuple[Value, ...]]
+    rows: list[tuple[Value, ...]]  # a value of each key, at each place
 
     def at(self, place: int) -> dict[str, Value]:
         """The values at a place by their keys."""
@@ -43,24 +33,8 @@ class Axis(NamedTuple):
 class Grid:
     """The points of a sweep, numbered from 0; the last key varies fastest.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene whose values are replaced.
-    values : mapping
-        Key, or a tuple of keys that are swept together -> its values.
-
-    Attributes
-    ----------
-    scene : Scene
-        As given.
-    axes : list of Axis
-        The dimensions.
-
-    Raises
-    ------
-    InputError
-        A key or a value cannot be used, alone or beside the first value of every other key.
+    Raises InputError if a key or a value cannot be used, alone or beside the first value of every
+    other key.
     """
 
     def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:
@@ -70,9 +44,12 @@ class Grid:
         self.scene = scene
         with inside("values"):
             self.axes = [_axis(key, items) for key, items in values.items()]
-            keys = [key for axis in self.axes for key in axis.keys]
-            for key in keys:
-                if keys.count(key) > 1:
+            self.names = [axis.name for axis in self.axes]
+            self.keys = [key for axis in self.axes for key in axis.keys]
+            self.shape = tuple(len(axis.rows) for axis in self.axes)
+            self.size = math.prod(self.shape)
+            for key in self.keys:
+                if self.keys.count(key) > 1:
                     raise InputError(key, "is swept twice; give each key once")
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
@@ -80,26 +57,6 @@ class Grid:
             for axis in self.axes:
                 for place in range(len(axis.rows)):
                     with_values(scene, first | axis.at(place))
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The number of values of each dimension."""
-        return tuple(len(axis.rows) for axis in self.axes)
-
-    @property
-    def size(self) -> int:
-        """The number of points."""
-        return math.prod(self.shape)
-
-    @property
-    def keys(self) -> list[str]:
-        """All keys."""
-        return [key for axis in self.axes for key in axis.keys]
-
-    @property
-    def names(self) -> list[str]:
-        """Of the dimensions."""
-        return [axis.name for axis in self.axes]
 
     def point(self, index: int) -> dict[str, Value]:
         """The values of a point by their keys."""

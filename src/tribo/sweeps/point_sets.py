@@ -30,22 +30,12 @@ from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError
 
 
-class Members(NamedTuple):
-    """The members of each point.
+class PointMembers(NamedTuple):
+    """The members of each point."""
 
-    Attributes
-    ----------
-    number : int or None
-        How many there are; None for one run of the scene itself.
-    vary : dict
-        What differs between them.
-    seed : int
-        From which they are drawn.
-    """
-
-    number: int | None
-    vary: Mapping[str, Source]
-    seed: int
+    number: int | None  # None for one run of the scene itself
+    vary: Mapping[str, Source]  # what differs between them
+    seed: int  # from which they are drawn
 
     @property
     def each(self) -> int:
@@ -54,33 +44,15 @@ class Members(NamedTuple):
 
 
 class PointSet(NamedTuple):
-    """Points of a sweep that one plan serves, and their members; it can be pickled.
+    """Points of a sweep that one plan serves, and their members; it can be pickled."""
 
-    Attributes
-    ----------
-    scene : Scene
-        With the values that all of them share.
-    request : Request
-        What is kept.
-    swept : dict
-        Keys in which they differ -> values (points,).
-    points : int
-        How many there are.
-    vary : dict
-        What differs between the members of a point -> (members, size).
-    seeds : ndarray, (members,)
-        Of the members' scenes.
-    seed : int
-        From which the members are drawn.
-    """
-
-    scene: Scene
+    scene: Scene  # with the values that all of them share
     request: Request
-    swept: dict[str, np.ndarray]
+    swept: dict[str, np.ndarray]  # keys in which they differ -> (points,)
     points: int
-    vary: dict[str, np.ndarray]
-    seeds: np.ndarray
-    seed: int
+    vary: dict[str, np.ndarray]  # what differs between the members of a point -> (members, size)
+    seeds: np.ndarray  # of the members' scenes, (members,)
+    seed: int  # from which the members are drawn
 
     @property
     def runs(self) -> int:
@@ -115,7 +87,7 @@ def _unpickled(scene: str, *rest: Any) -> PointSet:
 
 
 def point_sets(
-    grid: Grid, request: Request, members: Members
+    grid: Grid, request: Request, members: PointMembers
 ) -> tuple[list[PointSet], list[Axis], Simulation | None]:
     """The sets of a grid, and the axes in whose order their points are, the last fastest.
 
@@ -140,7 +112,7 @@ def point_sets(
     return sets, outer + inner, simulation
 
 
-def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members) -> PointSet:
+def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMembers) -> PointSet:
     """The points of a scene whose other values are those of some axes."""
     places = np.array(list(np.ndindex(*(len(axis.rows) for axis in inner)))).T
     swept = {
@@ -157,7 +129,7 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: Members)
 
 
 def _served_by_one_plan(
-    grid: Grid, request: Request, members: Members
+    grid: Grid, request: Request, members: PointMembers
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
     candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]

@@ -46,13 +46,7 @@ class WorkPrecision:
     status: Status = Status.COMPLETED
 
     def to_json(self) -> str:
-        """All runs as JSON, as ``tribo accuracy --json`` prints them.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """All runs as one JSON object, as ``tribo accuracy --json`` prints them."""
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": asdict(self.reference),
@@ -63,24 +57,14 @@ class WorkPrecision:
         return json.dumps(table, indent=1)
 
     def cheapest(self, goal: float) -> Cheapest:
-        """The cheapest run for an error, and what one digit more costs.
-
-        Parameters
-        ----------
-        goal : float
-            The largest error wanted, relative to the scales.
-
-        Returns
-        -------
-        Cheapest
-        """
+        """The cheapest run for an error, relative to the scales, and what one digit more costs."""
         row, digit_more = self.best(goal), None
         if row is not None:
-            finer = self._fastest(0.1 * goal, row.method)
+            finer = self.best(0.1 * goal, row.method)
             if finer is not None:
                 digit_more = max(1.0, finer.force_evaluations / row.force_evaluations)
         chosen = self.automatic.get(goal)
-        of_chosen = None if chosen is None else self._fastest(goal, chosen)
+        of_chosen = None if chosen is None else self.best(goal, chosen)
         return Cheapest(goal, row, digit_more, chosen, of_chosen)
 
     @property
@@ -89,22 +73,8 @@ class WorkPrecision:
         rows = [self.cheapest(goal).automatic_row for goal in GOALS]
         return [row for row in dict.fromkeys(rows) if row is not None]
 
-    def best(self, error: float) -> Row | None:
-        """The fastest run with at most that error, in units of the scales; None if there is none.
-
-        Parameters
-        ----------
-        error : float
-            Relative to the scales.
-
-        Returns
-        -------
-        Row or None
-        """
-        return self._fastest(error)
-
-    def _fastest(self, error: float, method: str | None = None) -> Row | None:
-        """The fastest run with at most that error, by one method if it is named."""
+    def best(self, error: float, method: str | None = None) -> Row | None:
+        """The fastest run with at most that error [scales], by one method if named; else None."""
         good = [row for row in self.rows if row.error <= error and method in (None, row.method)]
         return min(good, key=lambda row: row.seconds, default=None)
 
@@ -128,37 +98,9 @@ class WorkPrecision:
         return "\n".join(lines)
 
     def plot(self, cost: CostName = "seconds", ax: Axes | None = None) -> Axes:
-        """Draw error against cost.
-
-        Parameters
-        ----------
-        cost : {"seconds", "force_evaluations"}
-            The horizontal axis.
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
+        """Draw error against cost, on new axes if none are given."""
         return figure.draw(self.rows, self.reference, self.automatic_rows, cost, ax)
 
     def save_figure(self, path: str | Path) -> Path:
-        """Draw error against time and against evaluations.
-
-        Parameters
-        ----------
-        path : str or Path
-            A .png, .pdf or .svg file.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
+        """Draw error against time and against evaluations into a .png, .pdf or .svg file."""
         return figure.save(self.rows, self.reference, self.automatic_rows, path)

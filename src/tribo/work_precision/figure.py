@@ -12,7 +12,6 @@ from tribo.work_precision.rows import Reference, Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 # Colour and marker of each method; families share a hue.
 STYLES = {
@@ -64,9 +63,18 @@ def draw(
 def save(
     rows: Sequence[Row], reference: Reference, chosen: Sequence[Row], path: str | Path
 ) -> Path:
-    """Draw both diagrams into a file."""
+    """Draw both diagrams into a file, side by side, with one legend."""
+    from matplotlib.figure import Figure
+
     with plotting.style():
-        return plotting.save(_figure(rows, reference, chosen), path)
+        figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
+        left, right = figure.subplots(1, 2, sharey=True)
+        draw(rows, reference, chosen, "seconds", left)
+        draw(rows, reference, chosen, "force_evaluations", right).set_ylabel("")
+        front, *handles = left.get_legend_handles_labels()[0]
+        style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
+        figure.legend(handles=[*handles, front], **style)
+        return plotting.save(figure, path)
 
 
 def _draw_choices(ax: Axes, chosen: Sequence[Row], reference: Reference, cost: str) -> None:
@@ -90,20 +98,6 @@ def _draw_front(ax: Axes, rows: Sequence[Row]) -> None:
     ax.plot(
         [row.seconds for row in front], [row.error for row in front], color=FRONT_COLOUR, **style
     )
-
-
-def _figure(rows: Sequence[Row], reference: Reference, chosen: Sequence[Row]) -> Figure:
-    """Both diagrams side by side, with one legend."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
-    draw(rows, reference, chosen, "seconds", left)
-    draw(rows, reference, chosen, "force_evaluations", right).set_ylabel("")
-    front, *handles = left.get_legend_handles_labels()[0]
-    style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
-    figure.legend(handles=[*handles, front], **style)
-    return figure
 
 
 def _shown_error(row: Row, reference: Reference) -> float:

@@ -19,7 +19,7 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, must_be, number
+from tribo.validation import POSITIVE, InputError, must_be_one_of, number
 
 if TYPE_CHECKING:
     import xarray
@@ -97,13 +97,7 @@ class MeansPrecision:
         return [self.rows[-1].scaled_to(goal) for goal in GOALS] if self.rows else []
 
     def to_json(self) -> str:
-        """All runs as JSON, as ``tribo accuracy --json`` prints them for a scene with noise.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """All runs as one JSON object, as ``tribo accuracy --json`` prints them with noise."""
         table = {
             "rows": [asdict(row) for row in self.rows],
             "reference": None,
@@ -118,7 +112,11 @@ class MeansPrecision:
             f"{'method':>15} {'step':>9} {'members':>9} {'half-width':>11} {'bias':>9} "
             f"{'evaluations':>12} {'seconds':>10}",
         ]
-        lines += [_line(row) for row in self.rows]
+        lines += [
+            f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
+            f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
+            for row in self.rows
+        ]
         for row in self.cheapest:
             lines.append(
                 f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
@@ -132,13 +130,6 @@ class MeansPrecision:
         if self.status != Status.COMPLETED:
             lines.append(f"{self.status}: the ensembles up to there")
         return "\n".join(lines)
-
-
-def _line(row: MeanRow) -> str:
-    return (
-        f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
-        f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
-    )
 
 
 def means_precision(
@@ -208,7 +199,7 @@ def _checked(data: xarray.Dataset, observables: Iterable[str]) -> list[str]:
     known = [name for name in known if not name.endswith("_bias")]
     for name in observables:
         if name not in known:
-            raise must_be("observables", f"one of {', '.join(known)}", name)
+            raise must_be_one_of("observables", known, name)
     return list(observables) or known
 
 

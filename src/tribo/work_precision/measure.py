@@ -100,11 +100,13 @@ def work_precision(
     if not taken:
         raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
     watched, seconds = tuple(observables), number("seconds", seconds, POSITIVE, "s")
-    check_observables(lay_out(scene), watched, "observables")
+    layout = lay_out(scene)
+    check_observables(layout, watched, "observables")
     if progress:
         progress("reference")
     truth, scales, reference = _reference(scene, watched)
-    found = WorkPrecision((), reference, {}, _automatic(scene))
+    automatic = {goal: choose(layout, goal, None, None).method.name for goal in GOALS}
+    found = WorkPrecision((), reference, {}, automatic)
     rows: list[Row] = []
     try:
         for method in taken:
@@ -126,12 +128,6 @@ def work_precision(
         part = replace(found, rows=measured, status=Status.INTERRUPTED)
         raise interrupts.Interrupted(part) from None
     return replace(found, rows=tuple(with_front(rows, reference.error)))
-
-
-def _automatic(scene: Scene) -> dict[float, str]:
-    """The method that is chosen for each goal where none is named."""
-    layout = lay_out(scene)
-    return {goal: choose(layout, goal, None, None).method.name for goal in GOALS}
 
 
 def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, ToleranceScales, Reference]:
