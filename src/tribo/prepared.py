@@ -16,6 +16,7 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.weak_works import weak_notes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -40,7 +41,6 @@ from tribo.results.notes import (
     passage_notes,
     run_notes,
     stop_notes,
-    weak_notes,
 )
 from tribo.results.pumped_heat import pumping_notes
 from tribo.results.run_result import Constant, Cost

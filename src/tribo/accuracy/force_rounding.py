@@ -67,17 +67,18 @@ def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
     internal += _of_square(a.kappa, motion.swing - motion.phi, e.swing + e.phi)
     speed = np.hypot(*motion.velocity)
     kinetic = _of_square(a.mass, speed, e.speed)
-    whole = 0.0
+    whole, bulk = 0.0, 0.0
     for index, part in enumerate(layout.parts.values()):
         stored = motion.samples.stored[:, index, [SPRINGS, BATH]].sum(axis=1)
         pull = np.sqrt(2.0 * stiffness[part] * largest(stored))
         springs = e.stretch[part] * (pull + stiffness[part] * e.stretch[part])
         whole += float(np.sum(internal[part] + kinetic[part] + springs))
+        bulk = max(bulk, float(np.sum(kinetic[part])))
     work = largest(internal + kinetic)
     found = dict.fromkeys(("w_int", "w_int_ps", "w", "w_ps"), work)
     found |= dict.fromkeys(("delta_e_int", "swing_energy"), largest(internal))
     found |= {"delta_k_trans": largest(kinetic), "theta": largest(e.swing), "phi": largest(e.phi)}
-    found |= {"omega": largest(e.omega), "nu": largest(e.nu)}
+    found |= {"omega": largest(e.omega), "nu": largest(e.nu), "delta_K": bulk}
     found |= dict.fromkeys(("delta_E_int", "total_energy_change"), whole)
     found |= dict.fromkeys(("vx_cm", "vy_cm"), largest(e.speed))
     for name, error in _of_powers(layout, motion, e).items():

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import ENERGIES, EPSILON, kind_of, largest, reported_scales
 from tribo.analysis.deep_core import core_notes
 from tribo.integrators.methods import Method
 from tribo.kernels.encounters import NEGLIGIBLE
@@ -16,7 +14,7 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.closest_bobs import asperite_name, closest_bobs
-from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.ledger import Ledger
 from tribo.loops.guards import reach_of
 from tribo.loops.integrate import Integration
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
@@ -37,8 +35,6 @@ NOTED_CUT = 0.95
 # Part of the work of the other drives that a surface at rest may receive without a note: below it,
 # the work of the other drives is the dissipated energy to its first digit.
 NOTED_WORK = 0.1
-# The works and pseudoworks of an asperite.
-WORKS = tuple(name for name in ENERGIES if name.startswith("w"))
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
 MOST_LOOKS = 256
 
@@ -76,32 +72,6 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
         f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
         "conservative, or less smooth than it declares; tribo check tells which",
     )
-
-
-def weak_notes(
-    layout: Layout, run: Integration, bounds: Mapping[str, float], accuracy: Accuracy
-) -> tuple[str, ...]:
-    """A note on works below the rounding of the internal energies, which are then the scale."""
-    asked = [kind_of(name) for name in observables(accuracy)]
-    if layout.model.ledger is None or (asked and not {"energy", "total"} & set(asked)):
-        return ()
-    if _largest_work(assemble(layout, run.samples.ends())) > bounds["delta_e_int"]:
-        return ()
-    ledger = assemble(layout, run.samples)
-    work, scale = _largest_work(ledger), reported_scales(layout, ledger).energy
-    if not 0.0 < work <= EPSILON * scale:
-        return ()
-    return (
-        f"no work exceeds {work:.1e}, below the rounding of the energies of {scale:.1e} that it "
-        "changes: errors are relative to these, and works and changes of energies have no digit "
-        "that is known",
-    )
-
-
-def _largest_work(ledger: Ledger) -> float:
-    """The largest magnitude of any work or pseudowork of an asperite."""
-    works = [name for name in WORKS if ledger.series(name)]
-    return max(largest(each) for name in works for each in ledger.series(name))
 
 
 def _own_potentials(scene: Scene) -> list[str]:
