@@ -106,7 +106,7 @@ def grid() -> tribo.Scene:
     surface = {"shape": (23, 23), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **surface)
     lower = tribo.Surface("lower", facing="up", **surface)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    potential = tribo.LennardJones(0.05, 1.0).with_cutoff(2.5)
     return tribo.Scene((upper, lower), potential, 1.0)
 
 

@@ -181,54 +181,6 @@ def tuning(members: int) -> dict:
     return found
 
 
-def block(members: int) -> dict:
-    """Figure 7: a free block at rest inside meets a table at a temperature."""
-    members, found = max(1000, members // 200), {}
-    speeds, way = np.geomspace(0.2, 1.6, 10), 100.0
-    with plotting.style():
-        ax = plotting.axes()
-        for temperature, colour in zip((0.5, 2.0), COLOURS, strict=False):
-            loss, half, inner = [], [], []
-            for speed in speeds:
-                scene = paper.scene("C")
-                upper, lower = scene.surfaces
-                moved = replace(upper, bob=(-way, 0.0), velocity=(float(speed), 0.0))
-                scene = replace(
-                    scene,
-                    surfaces=(moved, lower),
-                    duration=2.0 * way / speed,
-                    numerics=tribo.Numerics(accuracy=1e-5),
-                )
-                keep = ["upper.delta_k_trans", "upper.vx_cm"]
-                vary = {"lower.swing_state": tribo.Canonical(temperature)}
-                data = tribo.ensemble(scene, members, vary, seed=SEED, keep=keep)
-                lost = -data["upper.delta_k_trans"].values[:, 0]
-                mass = upper.asperite.m1 + upper.asperite.m2
-                own = 0.5 * mass * (data["upper.vx_cm"].values[:, 0] - speed) ** 2
-                good = np.isfinite(lost)
-                loss.append(float(lost[good].mean()))
-                half.append(float(1.96 * lost[good].std() / np.sqrt(good.sum())))
-                inner.append(float(own[good].mean()))
-            look = {
-                "color": colour,
-                "marker": ".",
-                "label": f"frame of the table, $T={temperature:g}$",
-            }
-            ax.errorbar(speeds, loss, half, **look)
-            ax.plot(speeds, -np.array(inner), color=colour, linewidth=0.8, linestyle="--")
-            found[f"T = {temperature:g}"] = {
-                "speed": speeds.tolist(),
-                "mean_loss": loss,
-                "half_width": half,
-                "mean_gain_in_the_frame_of_the_block": inner,
-            }
-        ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
-        ax.set(xscale="log", xlabel="speed", ylabel="mean loss of the block", ylim=(-2.5, 4.0))
-        ax.legend(frameon=False, fontsize=7)
-    plotting.save(ax, FOLDER / "statistics_block.png")
-    return found | {"members": members}
-
-
 def weak_gains(strength: float, members: int) -> tuple[np.ndarray, np.ndarray]:
     """Even parts of w and w^2 in the strength, at T = 1, from the same starts with both signs."""
     both = []
@@ -276,7 +228,6 @@ FIGURES = {
     "detailed": detailed,
     "integral": integral,
     "tuning": tuning,
-    "block": block,
     "dissipation": dissipation,
 }
 

@@ -131,7 +131,7 @@ def _lower(effects: frozenset[str]) -> dict[str, object]:
 def _interactions(effects: frozenset[str]) -> list[tribo.Interaction]:
     potential = tribo.Coulomb(0.001)
     if effects & {"cutoff", "neighbour list"}:
-        potential = tribo.with_cutoff(potential, CUTOFF)
+        potential = potential.with_cutoff(CUTOFF)
     species = ("A", "B") if "species" in effects else None
     found = [tribo.Interaction(potential, between=("upper", "lower"), species=species)]
     if "contact within" in effects:

@@ -36,9 +36,9 @@ from tribo import plotting
 RIGID = tribo.Asperite(kappa=math.inf)
 GOLDEN_MEAN = 0.5 * (1.0 + math.sqrt(5.0))
 # Contact of static studies: the corrugation of a row has nearly one harmonic.
-MORSE = tribo.with_cutoff(tribo.Morse(0.1, 3.0, 1.0), 3.0)
+MORSE = tribo.Morse(0.1, 3.0, 1.0).with_cutoff(3.0)
 # Repulsion of the rough surface, which grows with the load.
-REPULSION = tribo.with_cutoff(tribo.BornMayer(20.0, 0.25), 3.0)
+REPULSION = tribo.BornMayer(20.0, 0.25).with_cutoff(3.0)
 # Numbers of asperites of rows; each stands for the mean over this and the next seven, since the
 # friction of incommensurate rows vanishes for some numbers.
 ROWS, NEXT = (8, 16, 32, 64, 128, 256, 512, 1024, 2048), 8

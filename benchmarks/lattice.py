@@ -95,7 +95,7 @@ def scene(
     }
     upper = tribo.Surface("upper", bob=(0.3, GAP), velocity=(SPEED, 0.0), heights=heights, **grid)
     lower = tribo.Surface("lower", facing="up", heights=-heights[::-1], **grid)
-    potential = tribo.with_cutoff(tribo.LennardJones(EPSILON, SIGMA), CUTOFF, at_cutoff)
+    potential = tribo.LennardJones(EPSILON, SIGMA).with_cutoff(CUTOFF, at_cutoff)
     pairs = [("upper", "lower"), ("upper", "upper"), ("lower", "lower")]
     contacts = [tribo.Interaction(potential, pair) for pair in pairs[: 3 if within else 1]]
     output = tribo.Output(samples=2, ledger=ledger)

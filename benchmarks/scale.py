@@ -53,7 +53,7 @@ def scene(asperites: int, duration: float) -> tribo.Scene:
     }
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), heights=heights, **grid)
     lower = tribo.Surface("lower", facing="up", heights=-heights[::-1], **grid)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    potential = tribo.LennardJones(0.05, 1.0).with_cutoff(2.5)
     return tribo.Scene((upper, lower), potential, duration, output=tribo.Output(samples=2))
 
 
@@ -108,7 +108,7 @@ def small_over(side: int, steps: int) -> tribo.Scene:
     )
     heights = rng.uniform(-0.1, 0.1, side**2)
     lower = tribo.Surface("lower", facing="up", shape=(side, side), heights=heights, **grid)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    potential = tribo.LennardJones(0.05, 1.0).with_cutoff(2.5)
     return tribo.Scene((upper, lower), potential, steps * STEP, output=tribo.Output(samples=2))
 
 

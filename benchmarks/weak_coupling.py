@@ -13,7 +13,7 @@ import numpy as np
 from direction_of_energy import COLOURS, FOLDER, keep_numbers
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ive, jv, jvp, k0
-from scipy.stats import qmc
+from scipy.stats import qmc, t
 
 import tribo
 from tribo import plotting
@@ -187,6 +187,20 @@ def engine_runs(ratio, speed, frequencies, hot, strength, scramble, count=512):
     return (0.5 * sums - [0.0, *start]) / strength**2
 
 
+def change_of_sign(near: float, setting, strength: float, scrambles: int = 8):
+    """Where the work changes its sign near a ratio, and the half-width of its 95 % interval.
+
+    Each scramble has the same starts at both ratios beside it, and so a change of its own.
+    """
+    beside = near + np.array([-0.01, 0.01])
+    work = np.array(
+        [[engine_runs(r, *setting, strength, 100 + k)[0] for r in beside] for k in range(scrambles)]
+    )
+    each = beside[0] - work[:, 0] * (beside[1] - beside[0]) / (work[:, 1] - work[:, 0])
+    half = t.ppf(0.975, scrambles - 1) * each.std(ddof=1) / np.sqrt(scrambles)
+    return float(each.mean()), float(half)
+
+
 def two_temperatures(_members: int) -> dict:
     """Figure 6: the mean work against friction between surfaces at two temperatures."""
     frequencies, hot, speed, strength = (1.0, 0.6), 0.5, 0.25, 0.02
@@ -198,7 +212,7 @@ def two_temperatures(_members: int) -> dict:
     work, half, gains = mean[:, 0], half[:, 0], mean[:, 1:].tolist()
     total = closed.sum(axis=1)
     zero = brentq(lambda r: sum(engine_terms(r, *setting)), 0.12, 0.99)
-    crossing = np.interp(0.0, *zip(*sorted(zip(work, cold, strict=True)), strict=True))
+    crossing, width = change_of_sign(zero, setting, strength)
     with plotting.style():
         ax = plotting.axes()
         fine = np.linspace(0.08, 1.0, 150)
@@ -218,7 +232,8 @@ def two_temperatures(_members: int) -> dict:
         "gains": gains,
         "closed_gains": closed.tolist(),
         "predicted_change_of_sign": float(zero),
-        "interpolated_change_of_sign": float(crossing),
+        "measured_change_of_sign": crossing,
+        "half_width_of_the_change_of_sign": width,
         "efficiency": [
             float(-w / -g[0]) if g[0] < 0 else None for w, g in zip(work, gains, strict=True)
         ],

@@ -28,7 +28,7 @@ from tribo.kernels.status import MEANINGS
 from tribo.model import roughness
 from tribo.model.effects import Effect
 from tribo.paper import figures as paper_figures
-from tribo.potentials import LennardJones, with_cutoff
+from tribo.potentials import LennardJones
 from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
@@ -78,7 +78,7 @@ def everything(folder: Path) -> None:
 
 def report_cards(folder: Path) -> None:
     """The two report cards on their page: one that passes, and one that fails."""
-    report = check(with_cutoff(LennardJones(1.0, 1.0), 2.5))
+    report = check(LennardJones(1.0, 1.0).with_cutoff(2.5))
     report.save_figure(folder / "card.png")
     slip = check(slip_page.Ions(1.0))
     if not report.passed or slip["force"].passed:

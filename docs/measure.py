@@ -29,7 +29,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.dont_write_bytecode = True
 
-from support import reference  # noqa: E402
+from support import reference
 
 FEW = tribo.Output(samples=9)  # so that steps are not cut short by samples
 
@@ -52,7 +52,7 @@ def hard_scenes() -> dict[str, tribo.Scene]:
     row = {"shape": (5, 1), "spacing": (1.1, 0.0)}
     upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), asperite=soft, **row)
     lower = tribo.Surface("lower", facing="up", asperite=soft, **row)
-    jones = tribo.with_cutoff(tribo.LennardJones(0.3, 1.0), 2.5)
+    jones = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
     one = {"asperite": tribo.Asperite(charge=1.0)}
     left = tribo.Surface("upper", bob=(-4.0, 0.6), velocity=(0.6, 0.0), bars="free", **one)
     right = tribo.Surface("lower", facing="up", **one)
@@ -174,7 +174,7 @@ def cutoffs() -> Iterator[list[str]]:
     )
     for kind in ("truncate", "shift", "force-shift", "switch"):
         options = {"switch_from": 0.9} if kind == "switch" else {}
-        potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 1.6, kind, **options)
+        potential = tribo.LennardJones(0.05, 1.0).with_cutoff(1.6, kind, **options)
         scene = tribo.Scene(surfaces, potential, 12.0, output=tribo.Output(samples=2))
         truth = tribo.simulate(scene, accuracy=1e-11)
         runs = (tribo.simulate(scene, method="kahan-li-6", step=h) for h in steps)

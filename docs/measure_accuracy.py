@@ -43,7 +43,7 @@ def grid() -> tribo.Scene:
     grid = {"shape": (12, 12), "spacing": (1.5, 1.5), "asperite": tribo.Asperite(kappa=20.0)}
     upper = tribo.Surface("upper", bob=(0.3, 1.2), velocity=(0.5, 0.0), drive="free", **grid)
     lower = tribo.Surface("lower", facing="up", **grid)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 1.0), 2.5)
+    potential = tribo.LennardJones(0.05, 1.0).with_cutoff(2.5)
     return tribo.Scene((upper, lower), potential, 3.0, "grids of 12 by 12")
 
 

@@ -1,9 +1,9 @@
 """A potential with an error, for the page on report cards: two digits are exchanged."""
 
-from typing import NamedTuple
+import tribo
 
 
-class Ions(NamedTuple):
+class Ions(tribo.Potential):
     """Coulomb's potential in eV and Angstrom."""
 
     charges: float  # product of the two

@@ -14,7 +14,7 @@ import tribo
 from tribo.model.rows import GOLDEN_MEAN, incommensurate_rows
 
 SIZES = np.array([1, 2, 4, 8, 16, 32, 64, 128, 256])
-CONTACT = tribo.with_cutoff(tribo.Morse(D=0.1, alpha=3.0, r0=1.0), cutoff=3.0, switch_from=2.5)
+CONTACT = tribo.Morse(D=0.1, alpha=3.0, r0=1.0).with_cutoff(cutoff=3.0, switch_from=2.5)
 # Stiffness of the springs to the stage [force / length], and its speed [length / time].
 STIFF, SPEED = 20.0, 0.04
 

@@ -1,11 +1,8 @@
 """A user's own potential, from its definition to a result and a report card.
 
 A class with parameters and an energy is all that is needed.  Here 64 bobs slide over 64 others with
-this potential, and the report card checks its force, its smoothness, its limits, and the energy
-balance of a run.
+this potential, and the report card checks its force, its smoothness and its limits.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +10,7 @@ from matplotlib.figure import Figure
 import tribo
 
 
-class Gauss(NamedTuple):
+class Gauss(tribo.Potential):
     """U = h exp(-(r/w)^2/2)."""
 
     height: float  # [energy]

@@ -57,9 +57,7 @@ def test_a_reference_is_good_where_potentials_are_rough(cutoff, expected):
     upper = tribo.Surface("upper", bob=(-3.0, 0.9), velocity=(0.8, 0.0), **row)
     lower = tribo.Surface("lower", facing="up", **row)
     jones = tribo.LennardJones(0.1, 1.0)
-    scene = tribo.Scene(
-        (upper, lower), jones if cutoff is None else tribo.with_cutoff(jones, cutoff), 6.0
-    )
+    scene = tribo.Scene((upper, lower), jones if cutoff is None else jones.with_cutoff(cutoff), 6.0)
     found = work_precision(scene, ["rkn8"], seconds=1e9)
     assert found.reference.method == expected
     assert found.reference.error < 1e-11

@@ -100,7 +100,8 @@ CAPTIONS = {
         "simulated_speed",
         "Speed of a block that slides freely over a corrugation and shakes the "
         "oscillators inside it. Points are means over one period of the corrugation, "
-        "the line is the closed form. The block loses {0:.3f} of its speed of 0.4; the "
+        "the grey line is the speed of block and oscillators together, and the orange "
+        "line is the closed form. The block loses {0:.3f} of its speed of 0.4; the "
         "closed form gives {1:.3f}.",
     ),
     "heat_into_baths": (

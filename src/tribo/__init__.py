@@ -62,10 +62,10 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
         Mie as Mie,
         Morse as Morse,
         Plummer as Plummer,
+        Potential as Potential,
         SoftSphere as SoftSphere,
         WeeksChandlerAndersen as WeeksChandlerAndersen,
         Yukawa as Yukawa,
-        with_cutoff as with_cutoff,
     )
     from tribo.prepared import Simulation as Simulation
     from tribo.report_card import check as check
@@ -108,8 +108,8 @@ _MODULES = {
     "model.surface": "Surface",
     "model.topography": "Topography",
     "potentials": (
-        "BornMayer Buckingham Coulomb Gaussian Hertz LennardJones Mie Morse Plummer SoftSphere "
-        "WeeksChandlerAndersen with_cutoff Yukawa"
+        "BornMayer Buckingham Coulomb Gaussian Hertz LennardJones Mie Morse Plummer Potential "
+        "SoftSphere WeeksChandlerAndersen Yukawa"
     ),
     "prepared": "Simulation",
     "report_card": "check",

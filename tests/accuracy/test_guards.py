@@ -52,7 +52,7 @@ def test_closest_bobs_of_lattices():
     """Of periodic surfaces and within one, the smallest distance of any two that interact."""
     upper = tribo.Surface("upper", shape=(3, 2), spacing=(1.0, 1.5), bob=(0.2, 1.0))
     lower = tribo.Surface("lower", facing="up", bob=(4.1, 0.0), shape=(2, 1), spacing=(0.3, 0.0))
-    cut = tribo.with_cutoff(tribo.LennardJones(1.0, 0.3), 1.4)
+    cut = tribo.LennardJones(1.0, 0.3).with_cutoff(1.4)
     between = tribo.Interaction(cut, between=("upper", "lower"))
     within = tribo.Interaction(cut, between=("lower", "lower"))
     box = tribo.Periodic(x=4.0, z=3.0)

@@ -230,7 +230,7 @@ def test_the_model_of_costs():
 @pytest.mark.parametrize("at_cutoff", AT_CUTOFF)
 def test_there_is_a_method_for_every_cutoff(at_cutoff):
     """Whatever its smoothness."""
-    cut = tribo.with_cutoff(tribo.Coulomb(0.2), 3.0, at_cutoff)
+    cut = tribo.Coulomb(0.2).with_cutoff(3.0, at_cutoff)
     scene = replace(case("A"), interactions=(tribo.Interaction(cut),))
     assert choose_method.cheapest(lay_out(scene), 1e-6)[0].smoothness <= max(0, cut.smoothness())
 

@@ -79,7 +79,7 @@ def test_tighter_requests_have_no_larger_bars():
     rigid = tribo.Free(rigid=True)
     upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), drive=rigid, **row)
     lower = tribo.Surface("lower", facing="up", springs=tribo.Springs(4.0), **row)
-    jones = tribo.with_cutoff(tribo.LennardJones(0.3, 1.0), 2.5)
+    jones = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
     scene = tribo.Scene((upper, lower), jones, 12.0, output=FEW)
     loose, tight = (
         tribo.prepare(scene, accuracy=wanted).compute_first().error_estimate
@@ -149,7 +149,7 @@ def test_ten_thousand_asperites(evaluations):
     grid = {"shape": (71, 71), "asperite": tribo.Asperite(kappa=1.0)}
     upper = tribo.Surface("upper", bob=(0.3, 0.9), velocity=(0.5, 0.0), spacing=(1.5, 1.5), **grid)
     lower = tribo.Surface("lower", facing="up", spacing=(1.31, 1.31), **grid)
-    jones = tribo.with_cutoff(tribo.LennardJones(0.1, 1.0), 2.5)
+    jones = tribo.LennardJones(0.1, 1.0).with_cutoff(2.5)
     scene = tribo.Scene((upper, lower), jones, 10.0, output=FEW)
     simulation = tribo.prepare(scene, accuracy={"upper.w2": 1e-3})
     assert simulation.plan.tuned.met

@@ -474,7 +474,7 @@ def test_chaos_takes_a_step():
     row = {"shape": (6, 1), "spacing": (1.1, 0.0), "asperite": Asperite(kappa=0.5)}
     start = Initial(theta=(0.0, 0.02, -0.01, 0.03, 0.01, -0.02))
     upper = Surface("upper", bob=(0.0, 0.9), velocity=(0.8, 0.0), initial=start, **row)
-    jones = tribo.with_cutoff(tribo.LennardJones(0.3, 1.0), 2.5)
+    jones = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
     lower = Surface("lower", facing="up", **row)
     box = {"periodic": {"x": 6.6}, "output": Output(samples=9)}
     with pytest.raises(InputError, match=r"out of reach.*give a method and a step"):

@@ -73,7 +73,7 @@ REFUSED = ("custom", "ends", "bathed", "turned")
 POTENTIALS = {
     "coulomb": tribo.Coulomb(0.05),
     "morse": tribo.Morse(0.05, 2.0, 0.6),
-    "lennard-jones": tribo.with_cutoff(tribo.LennardJones(0.02, 0.4), 1.0),
+    "lennard-jones": tribo.LennardJones(0.02, 0.4).with_cutoff(1.0),
 }
 
 
@@ -227,8 +227,8 @@ def test_species_and_periodic_boxes():
     lower = tribo.Surface("lower", facing="up", species=["b", "b", "a"], **row)
     names = ("upper", "lower")
     interactions = [
-        tribo.Interaction(tribo.with_cutoff(tribo.Coulomb(0.1), 1.2), names, ("a", "b")),
-        tribo.Interaction(tribo.with_cutoff(tribo.Morse(0.05, 2.0, 0.6), 1.4), names, ("a", "a")),
+        tribo.Interaction(tribo.Coulomb(0.1).with_cutoff(1.2), names, ("a", "b")),
+        tribo.Interaction(tribo.Morse(0.05, 2.0, 0.6).with_cutoff(1.4), names, ("a", "a")),
     ]
     scene = tribo.Scene([upper, lower], interactions, 2.0, periodic=tribo.Periodic(x=3.0))
     layout, method = lay_out(scene), METHODS["verlet"]

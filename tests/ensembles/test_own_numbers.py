@@ -32,7 +32,7 @@ ALONG_BOTH = {"upper.velocity": np.array([[0.5, 0.02], [0.4, -0.01], [0.6, 0.0]]
 KEEP = ["upper.w1", "upper.w2", "lower.delta_e_int", "upper.W", "upper.W_ps", "upper.delta_K"]
 KEEP += ["contact_energy", "total_energy_change"]
 ROW = {"shape": (3, 1), "spacing": (1.5, 0.0)}
-CUT = tribo.with_cutoff(tribo.Coulomb(0.2), 1.9)
+CUT = tribo.Coulomb(0.2).with_cutoff(1.9)
 CORRUGATION = tribo.Field(tribo.Corrugation(0.02, 1.1), on=["upper"])
 
 

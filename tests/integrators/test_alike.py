@@ -58,7 +58,7 @@ def same_with_own_constants(scene, alike):
 def scene_of(kinds, series=()):
     """Surfaces of three blocks, the last one partly filled, with some settings each."""
     surfaces, pairs = surfaces_of(kinds, (6, 3))
-    potential = tribo.with_cutoff(tribo.LennardJones(0.02, 0.4), 1.0)
+    potential = tribo.LennardJones(0.02, 0.4).with_cutoff(1.0)
     interactions = [tribo.Interaction(potential, pair) for pair in pairs]
     output = tribo.Output(samples=3, series=series)
     return tribo.Scene(surfaces, interactions, 2.0, output=output)

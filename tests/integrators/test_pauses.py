@@ -17,7 +17,6 @@ from tribo import (
     Output,
     Scene,
     Surface,
-    with_cutoff,
 )
 from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import METHODS
@@ -47,7 +46,7 @@ def rows(count):
         )
         for name, (facing, bob, drive) in places.items()
     )
-    potential = with_cutoff(LennardJones(0.5, 0.5), 1.4)
+    potential = LennardJones(0.5, 0.5).with_cutoff(1.4)
     return Scene(tuple(surfaces), potential, 8.0, output=Output(samples=9))
 
 

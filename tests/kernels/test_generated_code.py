@@ -91,7 +91,7 @@ def code_of(potential) -> tuple[str, dict[str, int]]:
 FORMULAS = {
     "coulomb": tribo.Coulomb(0.1),
     "morse": tribo.Morse(0.1, 2.0, 0.6),
-    "lennard-jones with a cutoff": tribo.with_cutoff(tribo.LennardJones(0.1, 0.6), 3.0),
+    "lennard-jones with a cutoff": tribo.LennardJones(0.1, 0.6).with_cutoff(3.0),
 }
 
 

@@ -15,7 +15,7 @@ from tribo.explanation import summary
 from tribo.integrators.methods import METHODS
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
 from tribo.layout.layout import lay_out
-from tribo.potentials import BUILT_IN, as_potential, expression, scaled, sum_of, with_cutoff
+from tribo.potentials import BUILT_IN, as_potential, expression
 
 # Largest difference, relative to the force nearby: a few ulp of the largest term of a formula.
 ROUND_OFF = 2e-14
@@ -35,12 +35,12 @@ POTENTIALS = {
     "hertz": tribo.Hertz(2.0, 1.3),
     "soft-sphere": tribo.SoftSphere(0.2, 0.5, 9.5),
     "gaussian": tribo.Gaussian(-0.3, 0.6),
-    "switched": with_cutoff(LJ, 2.0),
-    "force-shifted": with_cutoff(LJ, 2.0, "force-shift"),
-    "shifted": with_cutoff(LJ, 2.0, "shift"),
-    "truncated": with_cutoff(LJ, 2.0, "truncate"),
-    "sum": sum_of(LJ, tribo.Coulomb(0.2)),
-    "scaled": scaled(LJ, -2.0),
+    "switched": LJ.with_cutoff(2.0),
+    "force-shifted": LJ.with_cutoff(2.0, "force-shift"),
+    "shifted": LJ.with_cutoff(2.0, "shift"),
+    "truncated": LJ.with_cutoff(2.0, "truncate"),
+    "sum": LJ + tribo.Coulomb(0.2),
+    "scaled": -2.0 * LJ,
     "expression": expression("a * exp(-r / b) / r", a=0.2, b=0.9),
 }
 SCALAR = {"mie", "soft-sphere"}

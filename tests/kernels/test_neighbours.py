@@ -15,6 +15,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
 from tribo.layout import contacts
 from tribo.layout import layout as layouts
+from tribo.layout.loop_memory import own_model
 from tribo.loops import general
 
 
@@ -76,16 +77,16 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(contacts, "UNLISTED_PAIRS", 0)
         layout = layouts.lay_out(scene(upper, lower, periodic))
-        neighbours = layout.neighbours()
+        model, neighbours = own_model(layout)[0], layout.neighbours()
     columns = layout.places.columns
     world = np.concatenate([upper, lower])
     for shift in (0.0, slide):
-        layout.model.bobs[[[X], [Y]], columns] = world[:, :2].T
-        layout.model.bobs[X, columns[: len(upper)]] += shift
-        update(layout.model, neighbours)
+        model.bobs[[[X], [Y]], columns] = world[:, :2].T
+        model.bobs[X, columns[: len(upper)]] += shift
+        update(model, neighbours)
         neighbours = general.with_room(neighbours)
-        update(layout.model, neighbours)
-        now = np.column_stack([*layout.model.bobs[[[X], [Y]], columns], layout.depths])
+        update(model, neighbours)
+        now = np.column_stack([*model.bobs[[[X], [Y]], columns], layout.depths])
         above, below = now[: len(upper)], now[len(upper) :]
         block = columns[len(upper) :] // LANES
         near = distances(above, below, box) < CUTOFF

@@ -12,7 +12,7 @@ from tribo import Asperite, Free, Output, Scene, Surface
 HEIGHT, LOAD, WIDTH = 0.6, 0.1, 0.2
 CUTOFF, DURATION = 0.8, 20.0
 RIGID = Asperite(kappa=np.inf)
-SOFT = tribo.with_cutoff(tribo.Gaussian(0.02, WIDTH), CUTOFF)
+SOFT = tribo.Gaussian(0.02, WIDTH).with_cutoff(CUTOFF)
 
 
 class Killed(BaseException):

@@ -282,7 +282,7 @@ def test_heat_of_the_bath_of_a_bar_that_is_pushed_ever_harder(velocity):
     )
     lower = tribo.Surface("lower", facing="up", asperite=rigid, velocity=velocity)
     output = tribo.Output(samples=31, series=["energies"])
-    contact = tribo.with_cutoff(tribo.LennardJones(0.1, 0.5), 1.0)
+    contact = tribo.LennardJones(0.1, 0.5).with_cutoff(1.0)
     scene = tribo.Scene((upper, lower), contact, duration, output=output)
     result = tribo.simulate(scene, accuracy=1e-9)
     t, big = result.t, w * np.sqrt(1.0 + m / mass)

@@ -21,7 +21,7 @@ SEEDS = range(2)
 
 BATH = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
 TORSIONAL = {"inertias": np.full(2, 0.1), "torsional_frequencies": np.ones(2)}
-CUT = tribo.Interaction(tribo.with_cutoff(tribo.Coulomb(0.2), 2.0), ("upper", "lower"))
+CUT = tribo.Interaction(tribo.Coulomb(0.2).with_cutoff(2.0), ("upper", "lower"))
 # Effects as settings of the upper surface, or of the scene.
 EFFECTS = {
     "free": {"drive": tribo.Free()},

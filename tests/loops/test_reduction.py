@@ -59,7 +59,7 @@ def test_empty_effects_are_the_bare_scene(case, method):
 
 def pairs_in_a_row(n: int) -> tuple[tribo.Scene, tribo.Scene]:
     """One pair with a cutoff, and n of them displaced in z by more than it."""
-    cutoff = tribo.with_cutoff(tribo.Morse(0.5, 2.0, 0.6), 3.0)
+    cutoff = tribo.Morse(0.5, 2.0, 0.6).with_cutoff(3.0)
     single = replace(
         paper.scene("A"),
         interactions=(tribo.Interaction(cutoff),),

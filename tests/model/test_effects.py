@@ -94,10 +94,10 @@ SCENES = {
     "reservoir": (pair(langevin=Langevin(0.1)), {"langevin", "sliding"}, set()),
     "reservoir without hold": (pair(langevin=Langevin(0.0)), set(), set()),
     "field": (pair(scene=FIELD), {"field", "sliding"}, set()),
-    "cutoff": (pair(potential=tribo.with_cutoff(Coulomb(0.2), 2.0)), {"cutoff"}, set()),
+    "cutoff": (pair(potential=Coulomb(0.2).with_cutoff(2.0)), {"cutoff"}, set()),
     "periodic": (
         pair(
-            potential=tribo.with_cutoff(Coulomb(0.2), 2.0),
+            potential=Coulomb(0.2).with_cutoff(2.0),
             scene={"periodic": Periodic(x=9.0)},
         ),
         {"cutoff", "periodic"},

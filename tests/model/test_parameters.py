@@ -90,7 +90,7 @@ def test_all_surfaces_and_other_potentials():
     assert [surface.asperite.m1 for surface in found.surfaces] == [2.0, 3.0]
     values = {"interaction.potential": "yukawa", "interaction.screening": 0.5}
     found = with_values(scene, values).interactions[0].potential
-    assert found == tribo.with_cutoff(tribo.Yukawa(0.2, 0.5), 4.0)
+    assert found == tribo.Yukawa(0.2, 0.5).with_cutoff(4.0)
     with pytest.raises(InputError, match=r"interaction\.D: is missing"):
         with_values(scene, {"interaction.potential": "morse"})
     values = {"upper.drive": "free", "upper.drive.load": 0.3}

@@ -17,7 +17,7 @@ class WithAName(NamedTuple):
 
     def force_between(self, r, charge1, charge2):
         """A force."""
-        return self.scale * undefined  # noqa: F821
+        return self.scale * undefined
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ class WithAName(NamedTuple):
     [
         (tribo.Coulomb(0.3), True),
         (tribo.Morse(0.3, 1.5, 0.6), True),
-        (tribo.with_cutoff(tribo.LennardJones(0.2, 0.5), 1.8), True),
+        (tribo.LennardJones(0.2, 0.5).with_cutoff(1.8), True),
         (tribo.Mie(0.2, 0.5, 12.5, 6.0), False),
     ],
 )

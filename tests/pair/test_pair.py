@@ -89,7 +89,7 @@ DRIVES = [
 POTENTIALS = {
     "a formula of arithmetic": tribo.Coulomb(0.3),
     "one with functions": tribo.Morse(0.3, 1.5, 0.6),
-    "one with branches": tribo.with_cutoff(tribo.LennardJones(0.2, 0.5), 1.8),
+    "one with branches": tribo.LennardJones(0.2, 0.5).with_cutoff(1.8),
 }
 
 
@@ -189,7 +189,7 @@ def test_who_has_the_loop():
         changed = replace(scene, surfaces=(replace(upper, **changes), lower))
         assert not is_pair(lay_out(changed)), changes
     field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("upper",))
-    cut = tribo.with_cutoff(tribo.Coulomb(0.3), 2.0)
+    cut = tribo.Coulomb(0.3).with_cutoff(2.0)
     both = tribo.Interaction(tribo.Coulomb(0.3), species=("A", "B"))
     named = (replace(upper, species="A"), replace(lower, species="B"))
     third = replace(lower, name="third", bob=(2.0, 0.0))
@@ -214,7 +214,7 @@ def test_outcomes():
         result = tribo.simulate(replace(scene, surfaces=together), method=RADAU.name)
     assert result.status == "BobsCoincide" and result.t.tolist() == [0.0]
 
-    swallowed = tribo.with_cutoff(tribo.Coulomb(-0.3), 1.0)
+    swallowed = tribo.Coulomb(-0.3).with_cutoff(1.0)
     meeting = (
         replace(upper, bob=(-1.0, -0.01), depth=0.0, initial=still),
         replace(lower, initial=still, velocity=(0.0, 0.0)),

@@ -36,8 +36,8 @@ def rows():
     upper = tribo.Surface("upper", bob=(3.9, 0.9), species=("a", "b"), asperite=charged, **row)
     below = row | {"shape": (3, 1), "species": ("b", "a", "c")}
     lower = tribo.Surface("lower", facing="up", depth=0.3, **below)
-    bond = tribo.with_cutoff(tribo.Morse(0.3, 2.0, 0.8), 2.0)
-    charge = tribo.with_cutoff(tribo.Coulomb(0.2), 2.4, "shift")
+    bond = tribo.Morse(0.3, 2.0, 0.8).with_cutoff(2.0)
+    charge = tribo.Coulomb(0.2).with_cutoff(2.4, "shift")
     between = ("upper", "lower")
     interactions = (
         Interaction(bond, between=between, species=("a", "b")),

@@ -26,11 +26,9 @@ def rattled(atoms, by=0.1):
 @pytest.mark.parametrize(
     "potential",
     [
-        tribo.with_cutoff(LJ, 8.0),
-        tribo.with_cutoff(tribo.Morse(0.3, 1.7, 3.0), 6.5, "force-shift"),
-        tribo.potentials.sum_of(
-            tribo.with_cutoff(LJ, 8.0), tribo.with_cutoff(tribo.Coulomb(1.4), 9.0)
-        ),
+        LJ.with_cutoff(8.0),
+        tribo.Morse(0.3, 1.7, 3.0).with_cutoff(6.5, "force-shift"),
+        LJ.with_cutoff(8.0) + tribo.Coulomb(1.4).with_cutoff(9.0),
     ],
     ids=["lennard-jones", "morse", "charged sum"],
 )
@@ -53,7 +51,7 @@ def test_a_crystal_as_ase_has_it():
     """Energy, forces and stress of a periodic crystal equal those of ASE's own Lennard-Jones."""
     energies = []
     for calculator in (
-        as_calculator(tribo.with_cutoff(LJ, 9.0, "shift")),
+        as_calculator(LJ.with_cutoff(9.0, "shift")),
         LennardJonesOfASE(epsilon=LJ.epsilon, sigma=LJ.sigma, rc=9.0),
     ):
         atoms = rattled(bulk("Ar", "fcc", 5.3).repeat(3))
@@ -76,7 +74,7 @@ def test_an_optimiser_finds_the_minimum():
 def test_a_trajectory_keeps_its_energy(tmp_path):
     """ASE's dynamics and its files take the calculator."""
     atoms = bulk("Ar", "fcc", 5.3, cubic=True)
-    atoms.calc = as_calculator(tribo.with_cutoff(LJ, 8.0))
+    atoms.calc = as_calculator(LJ.with_cutoff(8.0))
     atoms.set_velocities(np.random.default_rng(0).normal(0.0, 1e-3, (len(atoms), 3)))
     dynamics = VelocityVerlet(atoms, 0.5, trajectory=str(tmp_path / "run.traj"))
     before = atoms.get_total_energy()

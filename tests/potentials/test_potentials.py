@@ -33,10 +33,7 @@ from tribo.potentials import (
     from_csv,
     from_points,
     named,
-    scaled,
-    sum_of,
     tabulated,
-    with_cutoff,
 )
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
@@ -214,7 +211,7 @@ def test_relations_between_potentials():
     assert Mie(0.3, 0.9, 12.0, 6.0).energy(r) == pytest.approx(jones.energy(r), rel=1e-12)
     assert Yukawa(0.4, 0.0).force(r) == pytest.approx(Coulomb(0.4).force(r), rel=1e-15)
     core = WeeksChandlerAndersen(0.3, 0.9)
-    plain = with_cutoff(jones, 2.0 ** (1 / 6) * 0.9, "shift")
+    plain = jones.with_cutoff(2.0 ** (1 / 6) * 0.9, "shift")
     assert core.energy(r) == pytest.approx(plain.energy(r), abs=1e-14)
     assert core.force(r) == pytest.approx(plain.force(r), abs=1e-14)
     twelve, six = SoftSphere(1.2, 0.9, 12.0), SoftSphere(1.2, 0.9, 6.0)
@@ -237,7 +234,7 @@ def near(one, other):
 @given(parts=st.lists(PARTS, min_size=2, max_size=4), charges=CHARGES, factor=st.floats(-3.0, 3.0))
 def test_sums_and_scaled_copies(parts, charges, factor):
     """Energy and force between any two charges are the parts' sum, times the factor."""
-    whole = scaled(sum_of(*parts), factor)
+    whole = factor * sum(parts)
     for method in ("energy_between", "force_between"):
         each = [getattr(part, method)(PLACES, *charges) for part in parts]
         size = np.max(np.abs(each), axis=0)
@@ -253,8 +250,8 @@ def test_sums_and_scaled_copies(parts, charges, factor):
 @given(one=PARTS, other=PARTS, charges=CHARGES, factor=st.floats(-3.0, 3.0))
 def test_a_cutoff_is_linear(at_cutoff, one, other, charges, factor):
     """A cutoff of a sum is the sum of the cutoffs of its parts, charged or not."""
-    whole = with_cutoff(sum_of(one, scaled(other, factor)), 2.5, at_cutoff)
-    first, second = (with_cutoff(part, 2.5, at_cutoff) for part in (one, other))
+    whole = (one + factor * other).with_cutoff(2.5, at_cutoff)
+    first, second = (part.with_cutoff(2.5, at_cutoff) for part in (one, other))
     for method in ("energy_between", "force_between"):
         a, b = (getattr(part, method)(PLACES, *charges) for part in (first, second))
         off = getattr(whole, method)(PLACES, *charges) - (a + factor * b)
@@ -270,15 +267,15 @@ def slope(potential, r, h=1e-4):
     return -sum(w * (energy[k] - energy[-k]) for k, w in weights.items()) / h
 
 
-MIXED = sum_of(Coulomb(0.3), scaled(LennardJones(0.2, 1.0), 0.5))
+MIXED = Coulomb(0.3) + 0.5 * LennardJones(0.2, 1.0)
 MADE = {
     "sum": MIXED,
-    "ionic": sum_of(BornMayer(40.0, 0.3), with_cutoff(Yukawa(0.5, 0.4), 3.0)),
-    **{kind: with_cutoff(MIXED, 2.5, kind) for kind in AT_CUTOFF},
+    "ionic": BornMayer(40.0, 0.3) + Yukawa(0.5, 0.4).with_cutoff(3.0),
+    **{kind: MIXED.with_cutoff(2.5, kind) for kind in AT_CUTOFF},
     "table": from_points(np.linspace(0.5, 3.0, 40), np.sin(3.0 * np.linspace(0.5, 3.0, 40))),
-    "a table cut off": with_cutoff(
-        from_points(np.linspace(0.5, 3.0, 40), np.sin(3.0 * np.linspace(0.5, 3.0, 40))), 2.5
-    ),
+    "a table cut off": from_points(
+        np.linspace(0.5, 3.0, 40), np.sin(3.0 * np.linspace(0.5, 3.0, 40))
+    ).with_cutoff(2.5),
 }
 
 
@@ -292,21 +289,21 @@ def test_force_is_the_slope(name):
 
 POINTS = np.linspace(0.8, 2.0, 25)
 SMOOTHNESS = {
-    "truncate": (with_cutoff(Coulomb(1.0), 2.0, "truncate"), -1),
-    "shift": (with_cutoff(Coulomb(1.0), 2.0, "shift"), 0),
-    "force-shift": (with_cutoff(Coulomb(1.0), 2.0, "force-shift"), 1),
-    "switch": (with_cutoff(Coulomb(1.0), 2.0, "switch"), 2),
+    "truncate": (Coulomb(1.0).with_cutoff(2.0, "truncate"), -1),
+    "shift": (Coulomb(1.0).with_cutoff(2.0, "shift"), 0),
+    "force-shift": (Coulomb(1.0).with_cutoff(2.0, "force-shift"), 1),
+    "switch": (Coulomb(1.0).with_cutoff(2.0, "switch"), 2),
     "a core": (WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6)), 1),
     "a core cut off farther out": (
-        with_cutoff(WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6)), 3.0, "truncate"),
+        WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6)).with_cutoff(3.0, "truncate"),
         -1,
     ),
     "a table that ends in a jump": (from_points(POINTS, POINTS), -1),
     "a table that ends in a corner": (from_points(POINTS, 2.0 - POINTS), 0),
     "a table that ends in a parabola": (from_points(POINTS, (2.0 - POINTS) ** 2), 1),
     "a table that ends in a cubic": (from_points(POINTS, (2.0 - POINTS) ** 3), 2),
-    "a table that is switched off": (with_cutoff(from_points(POINTS, POINTS), 2.0), 2),
-    "a sum": (sum_of(Coulomb(1.0), with_cutoff(Morse(1.0, 1.0, 1.0), 2.0, "shift")), 0),
+    "a table that is switched off": (from_points(POINTS, POINTS).with_cutoff(2.0), 2),
+    "a sum": (Coulomb(1.0) + Morse(1.0, 1.0, 1.0).with_cutoff(2.0, "shift"), 0),
 }
 
 
@@ -385,7 +382,7 @@ def test_a_table_from_a_file(tmp_path):
 def test_a_run_below_a_table_stops():
     """Below its first point a table is nan, which stops a run."""
     r = np.linspace(0.6, 4.0, 60)
-    scene = pair(with_cutoff(from_points(r, -1.0 / r), 3.5))
+    scene = pair(from_points(r, -1.0 / r).with_cutoff(3.5))
     with pytest.warns(tribo.TriboWarning, match="NotFinite"):
         result = tribo.simulate(scene, method="midpoint", step=0.01)
     assert result.status == "NotFinite"
@@ -532,8 +529,8 @@ class Both(NamedTuple):
 
 def test_a_sum_in_a_run():
     """Charged and uncharged parts with a cutoff, against the same written out by hand."""
-    parts = sum_of(Coulomb(0.3), Morse(0.2, 2.0, 0.6))
-    one = series(with_cutoff(parts, 2.0), charge=-1.5)
+    parts = Coulomb(0.3) + Morse(0.2, 2.0, 0.6)
+    one = series(parts.with_cutoff(2.0), charge=-1.5)
     other = series(Both(0.3, 0.2), charge=-1.5)
     for name, values in one.items():
         assert np.max(np.abs(values - other[name])) < 1e-6, name
@@ -624,7 +621,7 @@ def test_a_result_keeps_its_potential(tmp_path):
         tabulated(Morse(0.4, 1.6, 0.7).energy, 0.1, 9.0, 1e-4),
         expression("s/r**n", s=0.1, n=1),
     )
-    scene = pair(sum_of(*parts), duration=0.5)
+    scene = pair(sum(parts), duration=0.5)
     result = tribo.simulate(scene, method="midpoint", step=0.1)
     result.save(tmp_path / "result.nc")
     loaded = tribo.load_result(tmp_path / "result.nc")
@@ -680,11 +677,12 @@ def test_wrong_potentials_in_a_file(tmp_path, text, sentence):
 
 
 CALLS = [
-    (lambda: sum_of(Coulomb(1.0)), "of: must be two or more potentials, got 1"),
-    (lambda: sum_of(Coulomb(1.0), 5), "potential: int must be a NamedTuple whose fields are numb"),
-    (lambda: scaled(Coulomb(1.0), math.nan), "factor: must be a finite number, got nan"),
-    (lambda: with_cutoff(5.0, 1.0), "potential: must be a potential, got 5.0"),
-    (lambda: with_cutoff(with_cutoff(Coulomb(1.0), 2.0), 1.0), "cutoff: must be given once"),
+    (lambda: Coulomb(1.0) + 5, "potential: can be added to potentials only, not to 5"),
+    (lambda: "x" + Coulomb(1.0), "potential: can be added to potentials only, not to 'x'"),
+    (lambda: Coulomb(1.0) * "a", "factor: must be a number, got 'a'"),
+    (lambda: math.nan * Coulomb(1.0), "factor: must be a finite number, got nan"),
+    (lambda: as_potential((1.0, 2.0)), "potential: must be a potential, of a class that derives"),
+    (lambda: Coulomb(1.0).with_cutoff(2.0).with_cutoff(1.0), "cutoff: must be given once"),
     (lambda: tabulated(math.exp, 1.0, 2.0, 0.0), "tolerance: must be positive [energy], got 0.0"),
     (lambda: tabulated(np.exp, 2.0, 1.0, 1e-3), "high: must be above low = 2 [length], got 1"),
     (lambda: tabulated(lambda r: 1.0 * (r < 1.7), 1.0, 2.0, 1e-3), "tolerance: must be more than"),
@@ -716,6 +714,6 @@ def test_wrong_potentials_in_python(call, sentence):
 )
 def test_notes_on_smoothness(at_cutoff, method, note):
     """A note names a potential that is not smooth enough for the method, and no other."""
-    scene = pair(with_cutoff(Coulomb(0.2), 1.8, at_cutoff), duration=0.2)
+    scene = pair(Coulomb(0.2).with_cutoff(1.8, at_cutoff), duration=0.2)
     notes = run_notes(lay_out(scene), METHODS[method], None)
     assert (not notes) if note is None else notes[0].startswith(note)

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from tribo import Corrugation, Coulomb, DrivenBars, Field, Initial, LennardJones, Scene, Surface
 from tribo.export import to_lammps
-from tribo.potentials import as_potential, sum_of, with_cutoff
+from tribo.potentials import as_potential
 from tribo.validation import InputError
 
 
@@ -103,8 +103,8 @@ CUBES = [
 def test_the_force_is_that_of_the_energy(own):
     """Of 1 / r^3 in each class, alone and inside combined potentials."""
     plain = as_potential(own)
-    shifted = with_cutoff(plain, 4.0, "shift")
-    doubled = sum_of(plain, plain)
+    shifted = plain.with_cutoff(4.0, "shift")
+    doubled = plain + plain
     for r in (0.7, 1.3):
         for potential, factor in ((plain, 1.0), (shifted, 1.0), (doubled, 2.0)):
             force = pytest.approx(factor * 3.0 / r**4, rel=1e-13)

@@ -224,7 +224,7 @@ def test_a_plugin_inside_a_cutoff(tmp_path):
     """A fault is found in a part of a combined potential."""
     (tmp_path / "own.py").write_text(HEAD + "    def energy(self, r): return helper(r)\n")
     own = scene("own.py:Own", tmp_path).interactions[0].potential
-    inside = tribo.potentials.sum_of(tribo.Coulomb(1.0), tribo.with_cutoff(own, 2.0))
+    inside = tribo.Coulomb(1.0) + own.with_cutoff(2.0)
     upper = tribo.Surface("upper", bob=(-3.0, 0.0))
     lower = tribo.Surface("lower", facing="up")
     with pytest.raises(InputError, match=r"Own\.energy fails in line 12 of .*own\.py"):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.potentials import expression, from_points, scaled, sum_of, tabulated, with_cutoff
+from tribo.potentials import expression, from_points, tabulated
 from tribo.report_card import check
 
 LENNARD_JONES, HERTZ, GAUSSIAN, MORSE, COULOMB = range(5)
@@ -199,10 +199,10 @@ RIGHT = {
     "an if expression": expression("A*(d - r)**3 if r < d else 0", A=1.0, d=0.7),
     "a table": tabulated(JONES.energy, 0.8, 3.0, 1e-5),
     "a dense spline": from_points(R, JONES.energy(R)),
-    "a table with a cutoff": with_cutoff(tabulated(JONES.energy, 0.8, 3.0, 1e-5), 2.9),
-    "a sum of contacts": sum_of(tribo.Hertz(5.0, 1.0), scaled(tribo.Gaussian(1.0, 0.5), -0.2)),
+    "a table with a cutoff": tabulated(JONES.energy, 0.8, 3.0, 1e-5).with_cutoff(2.9),
+    "a sum of contacts": tribo.Hertz(5.0, 1.0) + -0.2 * tribo.Gaussian(1.0, 0.5),
     **{
-        f"{how} at {cutoff}": with_cutoff(JONES, cutoff, how)
+        f"{how} at {cutoff}": JONES.with_cutoff(cutoff, how)
         for how in ("switch", "truncate", "shift", "force-shift")
         for cutoff in (1.3, 5.0)
     },
@@ -225,7 +225,7 @@ def judge(name):
         assert line.passed or line.advice, line.name
 
 
-@pytest.mark.usefixtures("no_runs", "uncompiled")
+@pytest.mark.usefixtures("uncompiled")
 @pytest.mark.parametrize("name", QUICK)
 def test_quick(name):
     """A part of the battery."""
@@ -233,7 +233,6 @@ def test_quick(name):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("no_runs")
 @pytest.mark.parametrize("name", ALL)
 def test_battery(name):
     """None is misjudged."""

@@ -83,7 +83,7 @@ def test_the_coefficient_of_friction():
     upper = tribo.Surface("upper", bob=(0.0, 0.8), drive=pull, langevin=langevin, **row)
     lower = tribo.Surface("lower", facing="up", drive="bars", **row)
     output = tribo.Output(samples=401, series=["forces"])
-    potential = tribo.with_cutoff(tribo.Gaussian(0.5, 0.5), 1.5)
+    potential = tribo.Gaussian(0.5, 0.5).with_cutoff(1.5)
     scene = tribo.Scene([upper, lower], potential, 100.0, periodic={"x": 3.0}, output=output)
     result = tribo.simulate(scene, **HOW)
     found, force = result.friction_coefficient("upper"), result.friction_force("upper")

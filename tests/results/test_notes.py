@@ -46,7 +46,7 @@ def pressed(gap, periodic=None, **settings):
     """Bobs above one another, or nearly so."""
     upper = Surface("upper", bob=(-1e-17, gap), **settings)
     lower = Surface("lower", facing="up", shape=(3, 1), spacing=(-2.0, 0.0), **settings)
-    potential = tribo.with_cutoff(tribo.LennardJones(0.5, 1.0), 2.5)
+    potential = tribo.LennardJones(0.5, 1.0).with_cutoff(2.5)
     return lay_out(Scene((lower, upper), potential, 1.0, periodic=periodic or {}))
 
 

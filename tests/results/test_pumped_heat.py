@@ -26,7 +26,7 @@ def run(bars, temperature, drive="forced", keep=None):
             (("upper", "down", 0.15, SPEED), ("lower", "up", 0.0, 0.0)), bars, strict=True
         )
     )
-    contact = tribo.with_cutoff(tribo.Gaussian(0.5, 0.3), 1.5)
+    contact = tribo.Gaussian(0.5, 0.3).with_cutoff(1.5)
     output = tribo.Output(samples=1001, keep=keep)
     scene = tribo.Scene((upper, lower), contact, 1000.0, periodic={"x": 3.0}, output=output)
     return tribo.simulate(scene, method="verlet", step=0.02)

@@ -399,7 +399,7 @@ def test_prepared_run(result):
 @pytest.mark.parametrize("name", ["accuracy", "met", "notes", "why", "status", "t"])
 def test_a_lone_run_is_whole_whatever_is_looked_at_first(name):
     """It is put together when it is looked at, and shows nothing else before."""
-    jump = tribo.with_cutoff(Coulomb(0.2), 2.0, "truncate")
+    jump = Coulomb(0.2).with_cutoff(2.0, "truncate")
     simulation = tribo.prepare(replace(scene(), interactions=jump), accuracy=0.1)
     first = getattr(simulation.run(estimate=False), name)
     after = simulation.run(estimate=False)

@@ -15,7 +15,6 @@ from tribo import (
     Pulled,
     Scene,
     Surface,
-    with_cutoff,
 )
 
 
@@ -34,7 +33,7 @@ def chain(times=(1.0, 2.0, 4.0), temperature=0.3, speed=0.2):
     )
     lower = Surface("lower", facing="up", shape=(5, 1), spacing=(1.0, 0.0), drive=Free())
     field = Field(Corrugation(0.1, 2.0), ["lower"], velocity=(0.3, 0.0))
-    potential = with_cutoff(Morse(1.0, 2.5, 0.7), 1.4)
+    potential = Morse(1.0, 2.5, 0.7).with_cutoff(1.4)
     output = Output(times=times)
     return Scene((upper, lower), potential, times[-1], fields=(field,), seed=3, output=output)
 

@@ -33,11 +33,7 @@ from tribo import (
     Scene,
     Springs,
     Surface,
-    with_cutoff,
 )
-from tribo.accuracy.plan import integrator_for
-from tribo.integrators.methods import METHODS
-from tribo.layout.layout import lay_out
 
 STEP, END = 0.01, 0.03
 # Largest difference of verlet from one step of rk4; every effect changes the motion by more.
@@ -145,10 +141,10 @@ def scene(names, temperature):
     period = whole.get("period")
     contact = Coulomb(0.8)
     if "cutoff" in whole or period:
-        contact = with_cutoff(contact, whole.get("cutoff", 1.2))
+        contact = contact.with_cutoff(whole.get("cutoff", 1.2))
     interactions = [Interaction(contact, ("upper", "lower"))]
     if "within" in whole:
-        cut = with_cutoff(whole["within"], 1.2)
+        cut = whole["within"].with_cutoff(1.2)
         interactions.append(Interaction(cut, ("upper", "upper")))
     return Scene(
         tuple(surface(name, own, temperature) for name, own in settings.items()),
@@ -216,15 +212,6 @@ def order_with_user_forces():
     return coarse / fine
 
 
-def friction_left_by_another_method():
-    """The largest change of an account by friction that another method has left in the layout."""
-    layout = lay_out(scene(("reservoir", "custom"), COLD))
-    integrate = integrator_for(layout, METHODS["verlet"])
-    before = integrate(STEP, layout.scene.times).samples.s[-1]
-    layout.model.friction[0] = 7.0
-    return float(np.max(np.abs(integrate(STEP, layout.scene.times).samples.s[-1] - before)))
-
-
 def main():
     """Print what is wrong."""
     for names in combinations(EFFECTS, 2):
@@ -232,8 +219,6 @@ def main():
             print(f"{' and '.join(names)}: {complaint}")
     if not 3.8 < order_with_user_forces() < 4.2:
         print(f"half the step has 1 / {order_with_user_forces():.2f} of the error")
-    if friction_left_by_another_method() > 0.0:
-        print(f"old friction acts by {friction_left_by_another_method():.1e}")
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
         bars=ends,
         initial=tribo.Initial(swing=0.2, phi=-0.1),
     )
-    potential = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), 1.3)
+    potential = tribo.LennardJones(0.05, 0.5).with_cutoff(1.3)
     pairs = [("slider", "lower"), ("slider", "bars")]
     return tribo.Scene(
         (lower, slider, bars),
@@ -229,7 +229,7 @@ def check_paths(scene) -> str:
     for k, (name, part) in enumerate(layout.parts.items()):
         _, low, high = boxes(layout, part, places, paths)
         found, active = loop._neighbours.own, loop._neighbours.active
-        set_boxes_of_paths(layout.model, active, k, 0.0, q, v, found)
+        set_boxes_of_paths(loop.model, active, k, 0.0, q, v, found)
         centres, halves = (each[:, : found.count[0]] for each in found[1:])
         if not (np.allclose(centres - halves, low.T) and np.allclose(centres + halves, high.T)):
             return f"boxes around {name}"

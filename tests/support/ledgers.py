@@ -19,7 +19,7 @@ STEPPED = {"step": 0.02}
 # Methods in equal steps of all scenes; one that remembers its last step takes seven times as long.
 METHODS = ("verlet", "midpoint")
 
-CONTACT = tribo.with_cutoff(tribo.Morse(0.4, 1.6, 0.7), 2.5)
+CONTACT = tribo.Morse(0.4, 1.6, 0.7).with_cutoff(2.5)
 OSCILLATORS = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
 TORSIONAL = {"inertias": np.ones(2), "torsional_frequencies": np.ones(2)}
 BATH, FULL_BATH = tribo.Bath(**OSCILLATORS), tribo.Bath(**OSCILLATORS, **TORSIONAL)

@@ -7,7 +7,7 @@ import tribo
 CUTOFF = 1.5
 
 
-POTENTIAL = tribo.with_cutoff(tribo.LennardJones(0.05, 0.5), CUTOFF)
+POTENTIAL = tribo.LennardJones(0.05, 0.5).with_cutoff(CUTOFF)
 
 
 def scene(upper: np.ndarray, lower: np.ndarray, periodic: dict[str, float]) -> tribo.Scene:

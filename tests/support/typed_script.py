@@ -28,7 +28,7 @@ def work(speed: float) -> float:
     assert [row.drive for row in rows] and rows[0].shape[0] == 4
     fields = [Field(Corrugation(0.1, 1.0), on=["lower"])]
     output = Output(times=[1.0, 20.0])
-    contact = tribo.with_cutoff(tribo.LennardJones(0.05, 0.2), 0.5)
+    contact = tribo.LennardJones(0.05, 0.2).with_cutoff(0.5)
     assert Scene([upper, lower], contact, 20.0).duration == 20.0
     scene = Scene([upper, lower], Gauss(0.05, 0.2), duration=20.0, fields=fields, output=output)
     result: tribo.Result = simulate(scene, accuracy=1e-6)

@@ -151,7 +151,7 @@ def _stiffness(layout: Layout) -> np.ndarray:
     found = np.zeros(surface.size)
     if model.springs is not None:
         columns = layout.places.columns
-        found += stiffness_at_bars(model.springs, model.drive.shape[1])[columns]
+        found += stiffness_at_bars(model.springs, model.each.shape[1])[columns]
     return found + _of_oscillators(layout, model.bath, "first_oscillator", "oscillators")[surface]
 
 

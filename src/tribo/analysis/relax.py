@@ -18,6 +18,7 @@ from tribo.kernels.probe import acceleration_probe
 from tribo.kernels.records import ASPERITE, I2, INERTIA, MASS
 from tribo.layout.contacts import raise_calculator_errors, with_room
 from tribo.layout.layout import Layout, lay_out
+from tribo.layout.loop_memory import own_model
 from tribo.layout.start import hang_baths
 from tribo.ledger.closest_bobs import asperite_name, closest_bobs
 from tribo.ledger.samples import Samples
@@ -121,6 +122,7 @@ class _Accelerations:
         # As a plain array, whose fields are found ten times sooner than a recarray's.
         self._asperites = layout.asperites.view(ASPERITE, np.ndarray)
         self._q, self._v, self._found = (room((layout.room[0],)) for _ in range(3))
+        self._model, self._calls = own_model(layout)
         self._neighbours = layout.neighbours()
         self._probe = time_loop(acceleration_probe, source_stamp(layout.plugins))
         self.lengths, self._inertias, self._owners = self._table()
@@ -169,8 +171,8 @@ class _Accelerations:
             while not done:
                 self._neighbours = with_room(self._neighbours)
                 arrays = self._q, self._v, self._found
-                done = self._probe(layout.model, self._neighbours, 0.0, *arrays)
-        raise_calculator_errors(layout.calculator_calls)
+                done = self._probe(self._model, self._neighbours, 0.0, *arrays)
+        raise_calculator_errors(self._calls)
         return self._found[layout.places.q[: layout.core]] / self.lengths
 
     def longest_step(self, u: np.ndarray) -> float:

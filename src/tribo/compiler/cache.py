@@ -24,15 +24,7 @@ CHECKSUM = 32
 class KernelCache(FunctionCache):
     """The compiled forms of one function on disk.
 
-    Parameters
-    ----------
-    function : function
-        As Python.
-
-    Raises
-    ------
-    RuntimeError
-        There is no folder for it that can be written.
+    Raises RuntimeError if there is no folder for it that can be written.
     """
 
     def __init__(self, function: Any) -> None:

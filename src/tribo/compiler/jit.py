@@ -74,22 +74,11 @@ def stamp_of(places: tuple[str, ...]) -> str:
 
 @functools.cache
 def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
-    """Compile a time loop and keep it on disk.
+    """Compile a time loop at its first call, and keep it on disk.
 
-    Machine code that earlier versions of the package left there is removed.  Threads can run the
-    loop at the same time, each with arrays of its own.
-
-    Parameters
-    ----------
-    loop : function
-        The loop, as Python.
-    stamp : str or None
-        Hash of the sources of the scene's plug-ins; None to keep nothing on disk.
-
-    Returns
-    -------
-    callable
-        The loop, compiled at the first call with arguments of new types.
+    `stamp` is the hash of the sources of the scene's plug-ins; with None nothing is kept.  Machine
+    code that earlier versions of the package left there is removed.  Threads can run the loop at
+    the same time, each with arrays of its own.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
@@ -173,16 +162,8 @@ def undisturbed() -> Iterator[None]:
 class EntryPoint:
     """The machine code of a compiled loop, called without looking up the types of arguments.
 
-    To look up the types of a dozen arguments takes longer than a short run.
-
-    Parameters
-    ----------
-    loop : callable
-        A loop made by :func:`time_loop`.
-    fixed : tuple
-        Its first arguments, the same in each call.
-    examples : tuple
-        The other arguments, of the types that each call will have.
+    To look up the types of a dozen arguments takes longer than a short run.  Its first arguments
+    are `fixed`; the others have the types of `examples` in each call.
     """
 
     def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:

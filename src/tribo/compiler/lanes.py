@@ -10,6 +10,8 @@ With AVX-512 a root takes some 20 cycles and a quotient 16, and neither begins b
 ends.  `inverse_root` takes a third of one of them there (FAST_INVERSE_ROOTS).
 """
 
+import functools
+import inspect
 import operator
 from typing import Any
 
@@ -119,6 +121,28 @@ for _operation, _symbol in (
     _comparison(_operation, _symbol)
 
 
+def instruction(signature) -> Any:
+    """Make a function for kernels of one that builds the instructions of its result.
+
+    `signature` returns the types of result and arguments from those that are given; None where
+    there is no such function.
+    """
+
+    def make(build):
+        def function(typing_context, *kinds):
+            def code(context, builder, sig, args):
+                result = build(builder, *args)
+                return context.get_dummy_value() if result is None else result
+
+            found = signature(*kinds)
+            return None if found is None else (found, code)
+
+        function.__signature__ = inspect.signature(build)  # type: ignore[attr-defined]
+        return intrinsic(functools.update_wrapper(function, build, ("__name__", "__doc__")))
+
+    return make
+
+
 @type_callable(operator.neg)
 def _type_of_negative(context):
     return lambda x: x if isinstance(x, LanesType) else None
@@ -136,14 +160,12 @@ def _llvm(builder, name: str, result, arguments: list, fast=()):
     return builder.call(function, arguments, fastmath=fast)
 
 
-@intrinsic
-def sqrt(typing_context, x):
-    """Square roots."""
+def _of_each(name: str) -> Any:
+    """A function of LLVM, of each number."""
+    return instruction(lambda x: x(x))(lambda builder, x: _llvm(builder, name, x.type, [x]))
 
-    def build(context, builder, sig, args):
-        return _llvm(builder, "sqrt", args[0].type, list(args))
 
-    return x(x), build
+sqrt, absolute, floor = map(_of_each, ("sqrt", "fabs", "floor"))
 
 
 def _has_fast_inverse_roots() -> bool:
@@ -159,65 +181,36 @@ FAST_INVERSE_ROOTS = _has_fast_inverse_roots()
 _OF_INVERSE_ROOT = (5 / 16, 3 / 8, 1 / 2)
 
 
-@intrinsic
-def inverse_root(typing_context, x):
+@instruction(lambda x: x(x))
+def inverse_root(builder, x):
     """1 / sqrt(x) with an error below 1.2 ulp; nan for 0 and inf.
 
     Only where FAST_INVERSE_ROOTS.  The estimate y has an error of 2^-14; with d = 1 - x y^2 the
     value is y (1 - d)^(-1/2).
     """
+    count, mask = x.type.count, ir.IntType(8)
+    kind = ir.FunctionType(x.type, [x.type, x.type, mask])
+    name = f"llvm.x86.avx512.rsqrt14.pd.{64 * count}"
+    estimate = cgutils.get_or_insert_function(builder.module, kind, name)
+    y = builder.call(estimate, [x, ir.Constant(x.type, [0.0] * count), mask(-1)])
 
-    def build(context, builder, sig, args):
-        (x,) = args
-        count, mask = x.type.count, ir.IntType(8)
-        kind = ir.FunctionType(x.type, [x.type, x.type, mask])
-        name = f"llvm.x86.avx512.rsqrt14.pd.{64 * count}"
-        estimate = cgutils.get_or_insert_function(builder.module, kind, name)
-        y = builder.call(estimate, [x, ir.Constant(x.type, [0.0] * count), mask(-1)])
+    def fused(one, other, constant):
+        if isinstance(constant, float):
+            constant = ir.Constant(x.type, [constant] * count)
+        return _llvm(builder, "fma", x.type, [one, other, constant])
 
-        def fused(one, other, constant):
-            if isinstance(constant, float):
-                constant = ir.Constant(x.type, [constant] * count)
-            return _llvm(builder, "fma", x.type, [one, other, constant])
-
-        d = fused(builder.fneg(builder.fmul(x, y)), y, 1.0)
-        terms = ir.Constant(x.type, [_OF_INVERSE_ROOT[0]] * count)
-        for constant in _OF_INVERSE_ROOT[1:]:
-            terms = fused(terms, d, constant)
-        return fused(builder.fmul(y, d), terms, y)
-
-    return x(x), build
+    d = fused(builder.fneg(builder.fmul(x, y)), y, 1.0)
+    terms = ir.Constant(x.type, [_OF_INVERSE_ROOT[0]] * count)
+    for constant in _OF_INVERSE_ROOT[1:]:
+        terms = fused(terms, d, constant)
+    return fused(builder.fmul(y, d), terms, y)
 
 
-@intrinsic
-def absolute(typing_context, x):
-    """Absolute values."""
-
-    def build(context, builder, sig, args):
-        return _llvm(builder, "fabs", args[0].type, list(args))
-
-    return x(x), build
-
-
-@intrinsic
-def floor(typing_context, x):
-    """The largest whole numbers that are not larger."""
-
-    def build(context, builder, sig, args):
-        return _llvm(builder, "floor", args[0].type, list(args))
-
-    return x(x), build
-
-
-@intrinsic
-def sum_of_lanes(typing_context, x):
+@instruction(lambda x: types.float64(x))
+def sum_of_lanes(builder, x):
     """Sum of the numbers, in any order."""
-
-    def build(context, builder, sig, args):
-        start = ir.Constant(_FLOAT, -0.0)
-        return _llvm(builder, "vector.reduce.fadd", _FLOAT, [start, args[0]], ("reassoc",))
-
-    return types.float64(x), build
+    start = ir.Constant(_FLOAT, -0.0)
+    return _llvm(builder, "vector.reduce.fadd", _FLOAT, [start, x], ("reassoc",))
 
 
 def _paired(one: list[int], other: list[int]) -> tuple[Any, Any]:
@@ -234,37 +227,28 @@ _ROUNDS = (
 )
 
 
-@intrinsic
-def sums_of_lanes(typing_context, xs):
+@instruction(lambda xs: lanes(xs))
+def sums_of_lanes(builder, xs):
     """Sums of eight Lanes: that of the first in lane 0, and so on."""
-
-    def build(context, builder, sig, args):
-        left = cgutils.unpack_tuple(builder, args[0], LANES)
-        for one, other in _ROUNDS:
-            pairs = zip(left[::2], left[1::2], strict=True)
-            left = [
-                builder.fadd(builder.shuffle_vector(a, b, one), builder.shuffle_vector(a, b, other))
-                for a, b in pairs
-            ]
-        return left[0]
-
-    return lanes(xs), build
+    left = cgutils.unpack_tuple(builder, xs, LANES)
+    for one, other in _ROUNDS:
+        pairs = zip(left[::2], left[1::2], strict=True)
+        left = [
+            builder.fadd(builder.shuffle_vector(a, b, one), builder.shuffle_vector(a, b, other))
+            for a, b in pairs
+        ]
+    return left[0]
 
 
-@intrinsic
-def maximum(typing_context, x):
+@instruction(lambda x: types.float64(lanes))
+def maximum(builder, x):
     """The largest of the eight numbers, none of which may be nan."""
-
-    def build(context, builder, sig, args):
-        x = args[0]
-        for half in (4, 2, 1):
-            swap = [(i + half) % LANES for i in range(LANES)]
-            mask = ir.Constant(ir.VectorType(_INDEX, LANES), swap)
-            other = builder.shuffle_vector(x, x, mask)
-            x = builder.select(builder.fcmp_ordered(">", x, other), x, other)
-        return builder.extract_element(x, ir.Constant(_INDEX, 0))
-
-    return types.float64(lanes), build
+    for half in (4, 2, 1):
+        swap = [(i + half) % LANES for i in range(LANES)]
+        mask = ir.Constant(ir.VectorType(_INDEX, LANES), swap)
+        other = builder.shuffle_vector(x, x, mask)
+        x = builder.select(builder.fcmp_ordered(">", x, other), x, other)
+    return builder.extract_element(x, ir.Constant(_INDEX, 0))
 
 
 @intrinsic
@@ -279,79 +263,50 @@ def where_less(typing_context, x, y, one, other):
     return (found(x, y, one, other), build) if found else None
 
 
-@intrinsic
-def broadcast(typing_context, x):
+@instruction(lambda x: lanes(x if x == lanes else types.float64))
+def broadcast(builder, x):
     """The same number in every lane; Lanes as they are."""
-
-    def build(context, builder, sig, args):
-        return _spread(builder, args[0])
-
-    return lanes(x if x == lanes else types.float64), build
+    return _spread(builder, x)
 
 
-@intrinsic
-def spread_like(typing_context, x, number):
+@instruction(lambda x, number: x(x, types.float64))
+def spread_like(builder, x, number):
     """The same number in every lane that x has."""
-
-    def build(context, builder, sig, args):
-        return _spread(builder, args[1], sig.return_type.vector)
-
-    return x(x, types.float64), build
+    return _spread(builder, number, x.type)
 
 
-@intrinsic
-def narrow(typing_context, x):
+@instruction(lambda x: narrow_lanes(lanes))
+def narrow(builder, x):
     """The first four of eight numbers."""
-
-    def build(context, builder, sig, args):
-        kept = ir.Constant(ir.VectorType(_INDEX, NARROW), list(range(NARROW)))
-        return builder.shuffle_vector(args[0], ir.Constant(_VECTOR, ir.Undefined), kept)
-
-    return narrow_lanes(lanes), build
+    kept = ir.Constant(ir.VectorType(_INDEX, NARROW), list(range(NARROW)))
+    return builder.shuffle_vector(x, ir.Constant(_VECTOR, ir.Undefined), kept)
 
 
-@intrinsic
-def widen(typing_context, x):
+@instruction(lambda x: lanes(narrow_lanes))
+def widen(builder, x):
     """Four numbers and four zeros."""
-
-    def build(context, builder, sig, args):
-        places = ir.Constant(ir.VectorType(_INDEX, LANES), list(range(LANES)))
-        zeros = ir.Constant(narrow_lanes.vector, [0.0] * NARROW)
-        return builder.shuffle_vector(args[0], zeros, places)
-
-    return lanes(narrow_lanes), build
+    places = ir.Constant(ir.VectorType(_INDEX, LANES), list(range(LANES)))
+    zeros = ir.Constant(narrow_lanes.vector, [0.0] * NARROW)
+    return builder.shuffle_vector(x, zeros, places)
 
 
-@intrinsic
-def lane(typing_context, x, i):
+@instruction(lambda x, i: types.float64(x, types.intp))
+def lane(builder, x, i):
     """The number in lane i."""
-
-    def build(context, builder, sig, args):
-        return builder.extract_element(args[0], builder.trunc(args[1], _INDEX))
-
-    return types.float64(x, types.intp), build
+    return builder.extract_element(x, builder.trunc(i, _INDEX))
 
 
-@intrinsic
-def with_lane(typing_context, x, i, value):
+@instruction(lambda x, i, value: x(x, types.intp, types.float64))
+def with_lane(builder, x, i, value):
     """The Lanes x with another number in lane i."""
-
-    def build(context, builder, sig, args):
-        return builder.insert_element(args[0], args[2], builder.trunc(args[1], _INDEX))
-
-    return x(x, types.intp, types.float64), build
+    return builder.insert_element(x, value, builder.trunc(i, _INDEX))
 
 
-@intrinsic
-def between_lanes(typing_context, low, high, x, other):
+@instruction(lambda low, high, x, other: x(types.intp, types.intp, x, types.float64))
+def between_lanes(builder, low, high, x, other):
     """`x` in the lanes from `low` to `high`, that excluded; `other`, a float, elsewhere."""
-
-    def build(context, builder, sig, args):
-        low, high, x, other = args
-        wanted = _between(builder, low, high, x.type.count)
-        return builder.select(wanted, x, _spread(builder, other, x.type))
-
-    return x(types.intp, types.intp, x, types.float64), build
+    wanted = _between(builder, low, high, x.type.count)
+    return builder.select(wanted, x, _spread(builder, other, x.type))
 
 
 def _between(builder, low, high, lanes_in_all):
@@ -371,19 +326,14 @@ def first(builder, n, lanes_in_all=LANES):
     return builder.icmp_signed("<", ir.Constant(kind, list(range(lanes_in_all))), count)
 
 
-@intrinsic
-def any_below(typing_context, low, high, x, limit):
+@instruction(lambda low, high, x, limit: types.boolean(types.intp, types.intp, x, types.float64))
+def any_below(builder, low, high, x, limit):
     """Whether x <= limit in any lane from `low` to `high`, that excluded."""
-
-    def build(context, builder, sig, args):
-        low, high, x, limit = args
-        wanted = _between(builder, low, high, x.type.count)
-        limit = _spread(builder, limit, x.type)
-        below = builder.and_(wanted, builder.fcmp_ordered("<=", x, limit))
-        bits = ir.IntType(x.type.count)
-        return builder.icmp_unsigned("!=", builder.bitcast(below, bits), ir.Constant(bits, 0))
-
-    return types.boolean(types.intp, types.intp, x, types.float64), build
+    wanted = _between(builder, low, high, x.type.count)
+    limit = _spread(builder, limit, x.type)
+    below = builder.and_(wanted, builder.fcmp_ordered("<=", x, limit))
+    bits = ir.IntType(x.type.count)
+    return builder.icmp_unsigned("!=", builder.bitcast(below, bits), ir.Constant(bits, 0))
 
 
 @intrinsic
@@ -407,40 +357,18 @@ def seldom(typing_context, condition, usual, kernel, arguments):
     return usual(condition, usual, kernel, arguments), build
 
 
-@intrinsic
-def power_of_two(typing_context, x):
+@instruction(lambda x: x(x))
+def power_of_two(builder, x):
     """2^x for whole numbers from -1022 to 1023."""
-
-    def build(context, builder, sig, args):
-        # Beyond 2^52 the spacing of floating-point numbers is 1, so the last bits are x.
-        count = args[0].type.count
-        integers = ir.VectorType(ir.IntType(64), count)
-        bits = builder.fadd(args[0], ir.Constant(args[0].type, [1.5 * 2.0**52] * count))
-        bits = builder.bitcast(bits, integers)
-        bits = builder.add(bits, ir.Constant(integers, [1023] * count))
-        bits = builder.shl(bits, ir.Constant(integers, [52] * count))
-        return builder.bitcast(bits, args[0].type)
-
-    return x(x), build
+    # Beyond 2^52 the spacing of floating-point numbers is 1, so the last bits are x.
+    count = x.type.count
+    integers = ir.VectorType(ir.IntType(64), count)
+    bits = builder.fadd(x, ir.Constant(x.type, [1.5 * 2.0**52] * count))
+    bits = builder.bitcast(bits, integers)
+    bits = builder.add(bits, ir.Constant(integers, [1023] * count))
+    bits = builder.shl(bits, ir.Constant(integers, [52] * count))
+    return builder.bitcast(bits, x.type)
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import (  # noqa: F401
-        absolute,
-        any_below,
-        between_lanes,
-        broadcast,
-        floor,
-        lane,
-        maximum,
-        narrow,
-        power_of_two,
-        seldom,
-        spread_like,
-        sqrt,
-        sum_of_lanes,
-        sums_of_lanes,
-        where_less,
-        widen,
-        with_lane,
-    )
+    from tribo.compiler.lanes_uncompiled import *  # noqa: F403

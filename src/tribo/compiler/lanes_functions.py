@@ -43,15 +43,6 @@ def sine_cosine(x):
     """Sine and cosine of eight angles.
 
     Absolute errors are below 2.3e-16 for every finite angle, with and without fused multiply-add.
-
-    Parameters
-    ----------
-    x : Lanes
-        Angles [rad].
-
-    Returns
-    -------
-    sin, cos : Lanes
     """
     sin, cos, _ = sine_cosine_versine(x)
     return sin, cos
@@ -139,14 +130,6 @@ def exponential(x):
 
     exp x = 2^k exp r, with r = x - k log 2 between -log(2)/2 and log(2)/2, and exp r by its series
     up to r^13, the rest of which is below 5e-18.
-
-    Parameters
-    ----------
-    x : Lanes
-
-    Returns
-    -------
-    Lanes
     """
     given = x
     x = where_less(x, LOWEST_EXPONENT, LOWEST_EXPONENT, x)

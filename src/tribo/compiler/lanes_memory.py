@@ -15,7 +15,7 @@ from numba import config, types
 from numba.extending import intrinsic, models, overload, register_model
 
 from tribo.compiler.jit import inlined
-from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, lanes
+from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, instruction, lanes
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.pointers import PointerType
 
@@ -28,8 +28,8 @@ SHARED_SIZE = 8192
 # The largest array that is such a part [floats]: larger ones have all such addresses anyway.
 LARGEST_PART = 1024
 
-_lock = threading.Lock()
-_shared = np.zeros(0)
+# What is left of the last of these arrays of each thread.
+_own = threading.local()
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
@@ -40,14 +40,13 @@ def room(shape: tuple[int, ...]) -> np.ndarray:
 
 def _floats(size: int) -> np.ndarray:
     """So many zeros, a multiple of eight, that begin with a cache line."""
-    global _shared
     if size > LARGEST_PART:
         return _aligned(size)
-    with _lock:
-        if size > _shared.size:
-            _shared = _aligned(SHARED_SIZE)
-        part, _shared = _shared[:size], _shared[size:]
-    return part
+    left = getattr(_own, "left", None)
+    if left is None or size > left.size:
+        left = _aligned(SHARED_SIZE)
+    _own.left = left[size:]
+    return left[:size]
 
 
 def _aligned(size: int) -> np.ndarray:
@@ -99,21 +98,14 @@ def _element(builder, data, row, i=None):
     return builder.gep(data, [place if i is None else builder.add(place, i)])
 
 
-@intrinsic
-def _get(typing_context, data, row, i):
-    def build(context, builder, sig, args):
-        return builder.load(_element(builder, *args))
-
-    return types.float64(rows, types.intp, types.intp), build
+@instruction(lambda data, row, i: types.float64(rows, types.intp, types.intp))
+def _get(builder, data, row, i):
+    return builder.load(_element(builder, data, row, i))
 
 
-@intrinsic
-def _set(typing_context, data, row, i, value):
-    def build(context, builder, sig, args):
-        builder.store(args[3], _element(builder, *args[:3]))
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, types.intp, types.float64), build
+@instruction(lambda data, row, i, value: types.void(rows, types.intp, types.intp, types.float64))
+def _set(builder, data, row, i, value):
+    builder.store(value, _element(builder, data, row, i))
 
 
 @overload(operator.getitem)
@@ -136,26 +128,17 @@ def row_at(builder, data, row):
     return builder.load(place, align=8)
 
 
-@intrinsic
-def load(typing_context, data, row):
+@instruction(lambda data, row: lanes(rows, types.intp))
+def load(builder, data, row):
     """Row `row` of Rows."""
-
-    def build(context, builder, sig, args):
-        return row_at(builder, *args)
-
-    return lanes(rows, types.intp), build
+    return row_at(builder, data, row)
 
 
-@intrinsic
-def store(typing_context, data, row, x):
+@instruction(lambda data, row, x: types.void(rows, types.intp, lanes))
+def store(builder, data, row, x):
     """Write to row `row` of Rows."""
-
-    def build(context, builder, sig, args):
-        place = builder.bitcast(_element(builder, *args[:2]), _VECTOR.as_pointer())
-        builder.store(args[2], place, align=8)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, lanes), build
+    place = builder.bitcast(_element(builder, data, row), _VECTOR.as_pointer())
+    builder.store(x, place, align=8)
 
 
 def _is_row(array, dtype=types.float64) -> bool:
@@ -200,13 +183,7 @@ def set_block(typing_context, array, i, x):
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import (  # noqa: F401
-        block,
-        load,
-        rows_of,
-        set_block,
-        store,
-    )
+    from tribo.compiler.lanes_uncompiled import block, load, rows_of, set_block, store  # noqa: F401
 
 
 @inlined

@@ -60,8 +60,20 @@ class PluginType:
     types: Any
 
     def __reduce__(self) -> Any:
-        """Each process makes its own kinds, so the disk cache keeps their classes alone."""
-        return plugin_type, (self.instance_class, self.types)
+        """Each process makes its own kinds, so the disk cache keeps their classes alone.
+
+        Of a class that is made from a user's, it keeps what makes it.
+        """
+        cls = self.instance_class
+        return _type_of, (vars(cls).get("made_by", cls), self.types)
+
+
+def _type_of(cls: Any, members: Iterable[types.Type]) -> Any:
+    """The type of instances of a class, or of that which a function makes from another."""
+    if isinstance(cls, tuple):
+        make, plain = cls
+        cls = make(plain)
+    return plugin_type(cls, members)
 
 
 def plugin_type(cls: Any, members: Iterable[types.Type]) -> Any:

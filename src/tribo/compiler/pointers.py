@@ -8,6 +8,7 @@ not searched for negative ones.  ``x[i]``, ``x[i, j]``, ``x[:n]``, ``x[n:]``, ``
 """
 
 import operator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -122,14 +123,19 @@ class CheckedArray(np.ndarray):
         return super().__getitem__(at)
 
 
+def map_arrays(change: Callable[[np.ndarray], np.ndarray], item: Any) -> Any:
+    """Nested tuples with every array changed."""
+    if isinstance(item, np.ndarray):
+        return change(item)
+    if isinstance(item, tuple):
+        parts = [map_arrays(change, each) for each in item]
+        return type(item)(*parts) if hasattr(item, "_fields") else tuple(parts)
+    return item
+
+
 def _checked(arrays):
-    """The same for Python, with checked slices."""
-    if type(arrays) is np.ndarray:
-        return arrays.view(CheckedArray)
-    if isinstance(arrays, tuple):
-        parts = [_checked(each) for each in arrays]
-        return type(arrays)(*parts) if hasattr(arrays, "_fields") else tuple(parts)
-    return arrays
+    """The same for Python, with checked slices; records stay as they are."""
+    return map_arrays(lambda a: a.view(CheckedArray) if type(a) is np.ndarray else a, arrays)
 
 
 pointers: Any = _checked if config.DISABLE_JIT else intrinsic(_pointers)  # type: ignore[attr-defined]

@@ -20,6 +20,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import instruction
 from tribo.compiler.lanes_memory import element
 from tribo.compiler.numba_private import cgutils
 from tribo.system import YIELD
@@ -101,16 +102,11 @@ def _replace(typing_context, array, i, value, new):
     return types.boolean(array, types.intp, types.int64, types.int64), build
 
 
-@intrinsic
-def _yield(typing_context):
+@instruction(types.void)
+def _yield(builder):
     """Let another thread have the core, if one waits for it."""
-
-    def build(context, builder, sig, args):
-        kind = ir.FunctionType(ir.IntType(32), [])
-        builder.call(cgutils.get_or_insert_function(builder.module, kind, YIELD), [])
-        return context.get_dummy_value()
-
-    return types.void(), build
+    kind = ir.FunctionType(ir.IntType(32), [])
+    builder.call(cgutils.get_or_insert_function(builder.module, kind, YIELD), [])
 
 
 @kernel

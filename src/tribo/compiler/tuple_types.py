@@ -29,7 +29,7 @@ class NamedStruct(ir.IdentifiedStructType):
         super().__init__(None, name)
         self.set_body(*members)
 
-    @functools.cache  # noqa: B019 (structs are kept as long as the process runs)
+    @functools.cache
     def get_abi_size(self, target_data: Any, context: Any = None) -> int:
         """Its size in memory [bytes]."""
         module = Module()
@@ -43,15 +43,7 @@ _structs: dict[str, NamedStruct] = {}
 
 
 class KernelTuple(types.NamedTuple):
-    """The type of a named tuple inside of time loops.
-
-    Parameters
-    ----------
-    kinds : sequence of numba.types.Type
-        Types of the members.
-    made_by : type
-        The class of the tuple.
-    """
+    """The type of a named tuple, made by a class, inside of time loops."""
 
     def __init__(self, kinds: Iterable[types.Type], made_by: type) -> None:
         super().__init__(kinds, made_by)

@@ -20,36 +20,16 @@ from tribo.loops.resolution import (
 
 
 class Motion(NamedTuple):
-    """A motion that steps have to resolve.
+    """A motion that steps have to resolve: its frequency, what moves, and what would slow it."""
 
-    Attributes
-    ----------
-    frequency : float
-        Its angular frequency; of encounters the steps that they take for each unit of time
-        [rad / time].
-    name : str
-        What moves.
-    cure : str
-        What would slow it.
-    """
-
+    # Of encounters the steps that they take for each unit of time [rad / time].
     frequency: float
     name: str
     cure: str
 
 
 def fastest_motion(layout: Layout) -> Motion:
-    """The motion for which a run takes the shortest steps.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-
-    Returns
-    -------
-    Motion
-    """
+    """The motion for which a run of a scene takes the shortest steps."""
     encounters = steps_towards(layout) / layout.scene.duration
     return max(
         Motion(pendulum_frequency(layout), "pendulums", "a smaller kappa or a larger inertia"),

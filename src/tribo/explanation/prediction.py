@@ -38,8 +38,6 @@ from tribo.loops.select import Integrator
 BUDGET = 2.0
 # Parts of the budget after which a run is looked at.
 PARTS = 16
-# Seconds that a run with a given step takes beside its steps.
-PREPARING = 2e-4
 
 
 class OverBudgetError(Exception):
@@ -47,11 +45,10 @@ class OverBudgetError(Exception):
 
 
 class Taken(NamedTuple):
-    """What one run of a search took."""
+    """The times at which a run of a search records, and the evaluations that it took."""
 
     times: np.ndarray
     evaluations: float
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -67,12 +64,8 @@ class Prediction:
         its first runs.
     plan : Plan or None
         The settings that were found; None where the search is not complete.
-    tried : tuple of Taken
-        The runs that were made to predict it.
     samples : int
-        Samples of all runs of the search, which are kept until its end; 0 with a given step.
-    beside : float
-        Seconds beside those of the runs: of a search, to compare them; else to prepare one.
+        Samples of all runs, which are kept until the end of a search.
     whole : float
         Evaluations that the last run of the search would take to its end, if it is not complete;
         else 0.
@@ -81,40 +74,23 @@ class Prediction:
     evaluations: float
     basis: str
     plan: Plan | None
-    tried: tuple[Taken, ...]
     samples: int
-    beside: float
     whole: float = 0.0
 
 
 class Search(Integrator):
     """Runs a scene in search for settings, until all runs together have taken the budget.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    method : Method
-        Of all runs.
-    threads : int
-        Threads that share each step.
-
-    Attributes
-    ----------
-    finished : list of Taken
-        The runs from the scene's own start.
-    reached : float
-        Part of the duration that the last of these reached.
-    running : float
-        Seconds of all runs.
+    Attributes are the runs from the scene's own start, the part of the duration that the last of
+    these reached, and the evaluations and seconds of all runs.
     """
 
     def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:
         super().__init__(layout, method, first_step(layout), threads=threads)
         self.finished: list[Taken] = []
-        self.reached, self.running = 1.0, 0.0
-        self._left = 1e9 * BUDGET / evaluation_time(layout, method)
-        self._portion = max(1, int(self._left / (PARTS * RATES[method.name].step)))
+        self.reached, self.evaluations, self.seconds = 1.0, 0.0, 0.0
+        self._budget = 1e9 * BUDGET / evaluation_time(layout, method)
+        self._portion = max(1, int(self._budget / (PARTS * RATES[method.name].step)))
 
     def __call__(
         self,
@@ -135,16 +111,10 @@ class Search(Integrator):
             first = self.first_step
             loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
             run = self._integrated(loop, times)
-        self._left -= run.evaluations
         if run.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
         self._finish(run.evaluations)
         return run
-
-    def speed(self, setting: Setting, times: np.ndarray) -> float:
-        """Nanoseconds of an evaluation in a whole run with a setting."""
-        run = super().__call__(setting, times)
-        return 1e9 * run.seconds / max(1, run.evaluations)
 
     def _integrated(self, loop: GeneralLoop, times: np.ndarray) -> Integration:
         columns = loop.room(times.size + 1)
@@ -156,7 +126,7 @@ class Search(Integrator):
     def check(self, loop: TimeLoop) -> None:
         """Raise OverBudgetError if a run has taken the rest of the budget."""
         clock = loop.clocks[0]
-        if clock["evaluations"] < self._left:
+        if self.evaluations + clock["evaluations"] < self._budget:
             return
         if self._own:
             self.reached = self.part_of(float(clock["t"]))
@@ -170,10 +140,10 @@ class Search(Integrator):
 
     def _finish(self, evaluations: float) -> None:
         """Note what the present run has taken."""
-        seconds = time.perf_counter() - self._began
-        self.running += seconds
+        self.seconds += time.perf_counter() - self._began
+        self.evaluations += evaluations
         if self._own:
-            self.finished.append(Taken(self._times, evaluations, seconds))
+            self.finished.append(Taken(self._times, evaluations))
 
 
 class Limit:
@@ -200,51 +170,34 @@ class Limit:
 def predict(choice: Choice, search: Search) -> Prediction:
     """Predict the evaluations of a run.
 
-    Parameters
-    ----------
-    choice : Choice
-        The method, and the accuracy or the step.
-    search : Search
-        Runs the scene.
-
-    Returns
-    -------
-    Prediction
-
-    Raises
-    ------
-    InputError
-        The accuracy is out of reach, or names quantities that the scene does not report.
+    Raises InputError if the accuracy is out of reach, or names quantities that are not reported.
     """
     if choice.step is not None:
         count = counted(search.layout, choice.method, choice.step)
-        return Prediction(count, "counted", make_plan(choice, search), (), 0, PREPARING)
-    began = time.perf_counter()
+        return Prediction(count, "counted", make_plan(choice, search), search.layout.times.size)
     try:
         plan = make_plan(choice, search)
     except OverBudgetError:
-        tried, stops = tuple(search.finished), StopTimes.for_samples(search.layout.times)
-        samples = max(sum(run.times.size for run in tried), 2 * sum(t.size for t in stops))
-        count, beside = extrapolated(choice, search), _beside(search, began)
-        return Prediction(count, "extrapolated", None, tried, samples, beside, _whole(search))
+        stops = StopTimes.for_samples(search.layout.times)
+        samples = max(_samples(search), 2 * sum(t.size for t in stops))
+        count, whole = extrapolated(choice, search), _whole(search)
+        return Prediction(count, "extrapolated", None, samples, whole)
     assert plan.tuned is not None
-    total = float(plan.tuned.evaluations)
-    tried = tuple(search.finished)
-    samples, last, whole = sum(run.times.size for run in tried), plan.tuned.runs[-1], 0.0
+    last, whole = plan.tuned.runs[-1], 0.0
     if last.status == Status.NO_PROGRESS:
         search.reached = search.part_of(float(last.samples.t[-1]))
         whole = _whole(search)
-    return Prediction(total, "searched", plan, tried, samples, _beside(search, began), whole)
+    return Prediction(float(plan.tuned.evaluations), "searched", plan, _samples(search), whole)
+
+
+def _samples(search: Search) -> int:
+    """Samples of all runs from the start."""
+    return sum(run.times.size for run in search.finished)
 
 
 def _whole(search: Search) -> float:
     """The evaluations that the last run would take at its mean rate, to its end."""
     return search.finished[-1].evaluations / max(search.reached, np.finfo(float).eps)
-
-
-def _beside(search: Search, began: float) -> float:
-    """Seconds since a search began, but for those of its runs."""
-    return time.perf_counter() - began - search.running
 
 
 def extrapolated(choice: Choice, search: Search) -> float:

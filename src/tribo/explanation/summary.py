@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import json
 import textwrap
+import time
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numba import config
 
-from tribo.accuracy.choose_method import RATES, Choice, choose
+from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.run_time import pairs_of_bobs
 from tribo.compiler.plugin_methods import type_of
 from tribo.explanation.fastest_motion import fastest_motion
-from tribo.explanation.memory import memory_of_run
+from tribo.explanation.measured import (
+    bytes_of_run,
+    compilations,
+    inactive_at_start,
+    seconds_of_evaluation,
+)
 from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
-from tribo.explanation.speeds import compilations, inactive_at_start, kept_speed, loop_of, measured
 from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
@@ -48,7 +53,7 @@ class Predicted:
     seconds : float
         Time of these runs on this machine, without compiling [s].
     memory_bytes : int
-        Bytes of the arrays that are held at once.
+        Bytes of the arrays of the scene, of the loop and of all samples.
     basis : str
         Source of the number of evaluations: "counted" from a given step, "searched" by the runs
         that find the settings, or "extrapolated" from the first of these.
@@ -80,11 +85,9 @@ class Contact:
     arithmetic : str
         "lanes" where the forces of eight pairs are computed at once, or "scalar".
     scalar : tuple of str
-        The potentials whose forces are computed one after another, since their formula does not
-        compile for eight distances at once.
+        The potentials whose formula does not compile for eight distances at once.
     inactive : int
-        Asperites that are out of reach of all others at the start.  They are not stepped until they
-        come within reach; their motion is computed in closed form.
+        Asperites that are out of reach at the start, and not stepped until they come within reach.
     """
 
     pairs: int
@@ -160,25 +163,18 @@ class Explanation:
         str
             One JSON object.
         """
-        table = {
+        table: dict[str, Any] = vars(self) | {
             "effects": list(self.effects),
             "absent": list(self.absent),
             "reasons": self.effects | self.absent,
             "degrees_of_freedom": self.degrees_of_freedom,
-            "coordinates": self.coordinates,
             "contact": vars(self.contact),
             "ledger": self.scene.output.ledger,
             "keep": self.scene.output.keep,
-            "method": self.method,
-            "why": self.why,
             "threads": self.threads._asdict(),
-            "accuracy": self.accuracy,
-            "step": self.step,
-            "compiled": self.compiled,
             "predicted": vars(self.predicted),
-            "evaluations_used": self.evaluations_used,
-            "slow": self.slow,
         }
+        del table["scene"]
         return json.dumps(table, indent=1, allow_nan=False)
 
     def __repr__(self) -> str:
@@ -293,13 +289,14 @@ def explain(scene: Scene) -> Explanation:
     check_keep(layout)
     with inside("numerics"):
         choice = choose(layout, given.accuracy, given.method, given.step)
-    loop = loop_of(layout, choice.method)
-    before = compilations(loop)
+    before = compilations(layout, choice.method)
     threads = threads_of(layout.model, choice.method, None)
     search = Search(layout, choice.method, threads.number)
-    compiled = compilations(loop) == before
+    compiled = compilations(layout, choice.method) == before
+    began = time.perf_counter()
     found = predict(choice, search)
-    predicted = _predicted(layout, choice, search, found)
+    beside = 0.0 if choice.step else time.perf_counter() - began - search.seconds
+    predicted = _predicted(layout, choice, search, found, beside)
     present = [effect for effect in Effect if effect in scene.effects]
     return Explanation(
         scene=scene,
@@ -314,7 +311,7 @@ def explain(scene: Scene) -> Explanation:
         step=_step(found),
         compiled=compiled,
         predicted=predicted,
-        evaluations_used=round(sum(run.evaluations for run in found.tried)),
+        evaluations_used=round(search.evaluations),
         slow=_slow(layout, choice) if predicted.seconds >= LONG else "",
     )
 
@@ -360,21 +357,17 @@ def _step(found: Prediction) -> float | None:
     return setting if isinstance(setting, float) else None
 
 
-def _predicted(layout: Layout, choice: Choice, search: Search, found: Prediction) -> Predicted:
-    def speed() -> float:
-        if choice.step is not None:
-            return measured(search, choice.step)
-        if found.plan is not None:
-            return search.speed(found.plan.setting, found.plan.times)
-        seconds = sum(run.seconds for run in found.tried)
-        return 1e9 * seconds / max(1.0, sum(run.evaluations for run in found.tried))
-
-    nanoseconds = kept_speed(layout, choice.method, search.threads, speed)
-    each = RATES[choice.method.name].step
+def _predicted(
+    layout: Layout, choice: Choice, search: Search, found: Prediction, beside: float
+) -> Predicted:
+    if choice.step is None:
+        each = search.seconds / max(1.0, search.evaluations)
+    else:
+        each = seconds_of_evaluation(layout, choice.method, choice.step, search.threads)
     return Predicted(
         force_evaluations=round(found.evaluations),
-        seconds=1e-9 * nanoseconds * found.evaluations + found.beside,
-        memory_bytes=memory_of_run(layout, choice.method, each, found.samples),
+        seconds=each * found.evaluations + beside,
+        memory_bytes=bytes_of_run(layout, choice.method, found.samples, choice.step is None),
         basis=found.basis,
         met=None if found.plan is None or found.plan.tuned is None else found.plan.tuned.met,
         stop=_stop(layout, choice, found),

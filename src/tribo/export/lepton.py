@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.potentials.mixins import Potential
+from tribo.potentials.potential import Potential
 
 # Text of what numpy's functions and Python's operators do.
 OPERATIONS = {

@@ -16,13 +16,7 @@ from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import first_slot, torsional_slot
 from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
 from tribo.kernels.powers import place_of
-from tribo.kernels.records import (
-    ALONG_X,
-    ALONG_Y,
-    I2,
-    OSCILLATOR_FREQUENCY,
-    OSCILLATOR_MASS,
-)
+from tribo.kernels.records import ALONG_X, ALONG_Y, I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
 
 
 @inlined

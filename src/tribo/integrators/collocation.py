@@ -99,11 +99,7 @@ def empty_nodes(count: int, state: State) -> Nodes:
     """Room for that many nodes."""
     n = state.acceleration.size
     return Nodes(
-        room((count, n)),
-        room((count, state.s.size)),
-        room((2 * n,)),
-        room((n,)),
-        room((n,)),
+        room((count, n)), room((count, state.s.size)), room((2 * n,)), room((n,)), room((n,))
     )
 
 
@@ -212,7 +208,7 @@ def evaluate_powers(method, model, neighbours, clock, h, state, work):
         if method.c[i] > 0.0:
             evaluate_node(model, neighbours, method, i, clock.t, h, state.y, work)
             t = clock.t + method.c[i] * h
-            all_powers(model, t, work.y[:n], work.y[n:], work.powers[i])
+            all_powers(model, model.ledger, t, work.y[:n], work.y[n:], work.powers[i])
             copy(work.acceleration, work.accelerations[i])
     clock.evaluations += unknown_nodes(method)
 

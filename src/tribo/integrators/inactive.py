@@ -19,12 +19,7 @@ from tribo.integrators.rotations import rotation
 from tribo.kernels.blocks import column_of_constants, is_fixed
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
-from tribo.kernels.neighbours import (
-    have_crossed,
-    inactive_have_crossed,
-    keep_places,
-    rebuild,
-)
+from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places, rebuild
 from tribo.kernels.records import FREQUENCY, L1
 
 

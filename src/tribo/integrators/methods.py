@@ -38,48 +38,32 @@ _HIGHER_ORDER = 100.0
 
 @dataclass(frozen=True)
 class Method:
-    """A time loop and the coefficients with which it runs.
+    """The coefficients of a method, and what it is good for."""
 
-    Attributes
-    ----------
-    name
-        Name in scene files and on the command line.
-    order
-        Order of convergence, of the motion and of the ledger.
-    adaptive
-        Whether it chooses its steps by a tolerance; else it takes equal steps.
-    loop
-        The time loop, not yet compiled.
-    coefficients
-        The method as data; the loop finds the method's functions by its class.
-    use
-        What it is good for.
-    source
-        Where it was published.
-    splits
-        Whether it separates torsion springs, baths and reservoirs from the other forces.
-    first_level
-        Ratio of the level that is tried first to the wanted accuracy.
-    remembers
-        Number of rows, one number a coordinate, that it keeps of a step for the next.
-    refuses
-        Effects that it cannot integrate, and why.
-    smoothness
-        Number of continuous derivatives of the potential that its order needs.
-    """
-
-    name: str
-    order: int
-    adaptive: bool
-    loop: Callable[..., int]
+    name: str  # in scene files and on the command line
+    order: int  # of convergence, of the motion and of the ledger
+    # The time loop finds the method's functions by their class.
     coefficients: RungeKutta | EmbeddedRungeKutta | Nystrom | Collocation | Splitting
-    use: str
-    source: str
-    splits: bool = False
-    first_level: float = 0.03
-    remembers: int = 0
+    use: str  # what it is good for
+    source: str  # where it was published
+    adaptive: bool = False  # whether it chooses its steps by a tolerance; else they are equal
+    first_level: float = 0.03  # ratio of the level that is tried first to the wanted accuracy
+    remembers: int = 0  # rows, one number a coordinate, that it keeps of a step for the next
+    # Effects that it cannot integrate, and why.
     refuses: Mapping[str, str] = field(default_factory=dict)
-    smoothness: int = 1
+    smoothness: int = 1  # continuous derivatives of the potential that its order needs
+
+    @property
+    def splits(self) -> bool:
+        """Whether it separates torsion springs, baths and reservoirs from the other forces."""
+        return isinstance(self.coefficients, Splitting)
+
+    @property
+    def loop(self) -> Callable[..., int]:
+        """The time loop, not yet compiled."""
+        if self.splits:
+            return splitting_steps
+        return time_loops.adaptive_steps if self.adaptive else time_loops.equal_steps
 
 
 METHODS = {
@@ -88,8 +72,6 @@ METHODS = {
         Method(
             "midpoint",
             2,
-            False,
-            time_loops.equal_steps,
             tableaux.MIDPOINT,
             "the method of the paper: forces and powers at the middle of every step",
             "C. Runge, Math. Ann. 46 (1895) 167",
@@ -98,8 +80,6 @@ METHODS = {
         Method(
             "rk4",
             4,
-            False,
-            time_loops.equal_steps,
             tableaux.CLASSICAL,
             "comparison with other programs that use it",
             "W. Kutta, Z. Math. Phys. 46 (1901) 435",
@@ -109,43 +89,39 @@ METHODS = {
         Method(
             "dop853",
             8,
-            True,
-            time_loops.adaptive_steps,
             tableaux.DOP853,
             "few asperites, any drive, accuracies from 1e-3 to 1e-12",
             "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), II.10",
+            adaptive=True,
             smoothness=0,  # its steps become short at a jump of the force
         ),
         Method(
             "rkn8",
             8,
-            True,
-            time_loops.adaptive_steps,
             nystrom_tableaux.RKN8,
             "forces that depend on positions only, accuracies from 1e-3 to 1e-8",
             "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
+            adaptive=True,
             refuses=_CUSTOM_FORCES | _FRICTION,
             smoothness=0,
         ),
         Method(
             "rkn12",
             12,
-            True,
-            time_loops.adaptive_steps,
             nystrom_tableaux.RKN12,
             "forces that depend on positions only, accuracies from 1e-8 to 1e-13",
             "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
+            adaptive=True,
             refuses=_CUSTOM_FORCES | _FRICTION,
             smoothness=0,
         ),
         Method(
             "gauss-radau-15",
             15,
-            True,
-            time_loops.adaptive_steps,
             collocation_tableaux.RADAU_15,
             "any drive, accuracies from 1e-8 to 1e-13",
             "E. Everhart (1985); H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424",
+            adaptive=True,
             remembers=8,
             smoothness=3,
             first_level=100.0,  # its errors are far below its estimates
@@ -153,8 +129,6 @@ METHODS = {
         Method(
             "gauss-8",
             8,
-            False,
-            time_loops.equal_steps,
             collocation_tableaux.GAUSS_8,
             "checks: any drive, and a step back undoes a step exactly",
             "J. C. Butcher, Math. Comput. 18 (1964) 50",
@@ -165,30 +139,18 @@ METHODS = {
         Method(
             "verlet",
             2,
-            False,
-            splitting_steps,
             composed(1.0),
             "many asperites, long runs, thousands of bath oscillators, Langevin reservoirs",
             "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
-            splits=True,
             remembers=2,
             first_level=_SECOND_ORDER,
         ),
         Method(
             "kahan-li-6",
             6,
-            False,
-            splitting_steps,
-            composed(
-                0.39216144400731413928,
-                0.33259913678935943860,
-                -0.70624617255763935981,
-                0.08221359629355080023,
-                0.79854399093482996340,
-            ),
+            composed(*tableaux.read("kahan-li-6")["weights"]),
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
-            splits=True,
             remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
@@ -197,22 +159,9 @@ METHODS = {
         Method(
             "kahan-li-8",
             8,
-            False,
-            splitting_steps,
-            composed(
-                0.13020248308889008088,
-                0.56116298177510838456,
-                -0.38947496264484728641,
-                0.15884190655515560090,
-                -0.39590389413323757734,
-                0.18453964097831570709,
-                0.25837438768632204729,
-                0.29501172360931029887,
-                -0.60550853383003451170,
-            ),
+            composed(*tableaux.read("kahan-li-8")["weights"]),
             "long runs without reservoirs at accuracies beyond 1e-9",
             "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
-            splits=True,
             remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
             smoothness=2,
@@ -221,26 +170,9 @@ METHODS = {
         Method(
             "blanes-moan-6",
             6,
-            False,
-            splitting_steps,
-            alternating(
-                (
-                    0.0502627644003922,
-                    0.413514300428344,
-                    0.0450798897943977,
-                    -0.188054853819569,
-                    0.541960678450780,
-                ),
-                (
-                    0.148816447901042,
-                    -0.132385865767784,
-                    0.067307604692185,
-                    0.432666402578175,
-                ),
-            ),
+            alternating(**tableaux.read("blanes-moan-6")),
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",
             "S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313",
-            splits=True,
             remembers=1,
             refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS | _BATH_IN_KICKS,
             smoothness=2,

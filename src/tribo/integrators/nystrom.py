@@ -22,7 +22,7 @@ from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
-from tribo.kernels.samples import State, copy, copy_rows, copy_state
+from tribo.kernels.samples import State, copy, copy_state
 
 
 class Stages(NamedTuple):
@@ -85,45 +85,27 @@ def stored_rows(model: Model) -> int:
 
 
 @kernel
-def store_table(table, stored, row):
-    """Store a table, if there is one, from a row on; returns the row after it."""
+def exchange_table(table, stored, row, restore):
+    """Store a table, if there is one, from a row on, or restore it; returns the row after it."""
     if table is None:
         return row
     for k in range(table.shape[0]):
-        copy(table[k], stored[row + k])
+        if restore:
+            copy(stored[row + k], table[k])
+        else:
+            copy(table[k], stored[row + k])
     return row + table.shape[0]
 
 
 @kernel
-def restore_table(table, stored, row):
-    """Set a table, if there is one, to what is stored from a row on; returns the row after it."""
-    if table is None:
-        return row
-    for k in range(table.shape[0]):
-        copy(stored[row + k], table[k])
-    return row + table.shape[0]
-
-
-@kernel
-def store_forces(model, work, i):
-    """Store the forces that are in place as those of stage i."""
-    copy_rows(model.bobs, work.bobs[i])
+def exchange_forces(model, work, i, restore):
+    """Store the forces that are in place as those of stage i, or put those in place."""
+    exchange_table(model.bobs, work.bobs[i], 0, restore)
     stored = work.tables[i]
-    row = store_table(model.drive, stored, 0)
-    row = store_table(model.inner, stored, row)
-    row = store_table(model.external, stored, row)
-    store_table(model.internal, stored, row)
-
-
-@kernel
-def restore_forces(model, work, i):
-    """Put the forces of stage i in place."""
-    copy_rows(work.bobs[i], model.bobs)
-    stored = work.tables[i]
-    row = restore_table(model.drive, stored, 0)
-    row = restore_table(model.inner, stored, row)
-    row = restore_table(model.external, stored, row)
-    restore_table(model.internal, stored, row)
+    row = exchange_table(model.drive, stored, 0, restore)
+    row = exchange_table(model.inner, stored, row, restore)
+    row = exchange_table(model.external, stored, row, restore)
+    exchange_table(model.internal, stored, row, restore)
 
 
 @expanded
@@ -154,11 +136,11 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
         place = work.q[i]
         combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
         equations_of_motion(model, neighbours, t + method.c[i] * h, place, v, f[i])
-        store_forces(model, work, i)
+        exchange_forces(model, work, i, False)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
     evaluate_rates(model, neighbours, end, new.y, f[last], work.powers[last])
-    store_forces(model, work, 0)
+    exchange_forces(model, work, 0, False)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)
 
@@ -170,10 +152,11 @@ def evaluate_powers(method, model, t, h, state, work):
         n = state.acceleration.size
         for m in range(method.with_power.size):
             i = method.with_power[m]
-            restore_forces(model, work, i)
+            exchange_forces(model, work, i, True)
             combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
-            all_powers(model, t + method.c[i] * h, work.q[i], work.v, work.powers[i])
-        restore_forces(model, work, 0)
+            now = t + method.c[i] * h
+            all_powers(model, model.ledger, now, work.q[i], work.v, work.powers[i])
+        exchange_forces(model, work, 0, True)
 
 
 @expanded

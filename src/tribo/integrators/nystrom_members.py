@@ -181,43 +181,11 @@ def nystrom_members(
     speeds,
     new,
 ):
-    """Integrate all members through the sample times; return a status.
+    """Integrate all members through the sample times; returns COMPLETED or PAUSED.
 
-    Steps are those of :func:`tribo.integrators.time_loops.adaptive_steps`.
-
-    Parameters
-    ----------
-    model : Model
-        The scene, with `members`.
-    method : Nystrom
-        The method.
-    tolerance : Tolerance
-        Of all members, with a number for each in a block.
-    clocks : ndarray, (8,), of CLOCK
-        That of each lane.
-    state, new : State
-        Of the members in the lanes.
-    times : ndarray, (times,)
-        Of the samples, ascending; the first is 0.
-    record : Record
-        Filled in: the samples of the first member, then of the second, and so on.
-    budget : int
-        Trials after which the loop pauses: call again to continue.
-    queue : Queue
-        The members.
-    starts : Starts
-        Where they begin.
-    tried : ndarray, (TRIED, 8)
-        Memory for the steps that are tried.
-    work : Stages
-        Room for what a step computes.
-    speeds : ndarray, (3, n)
-        Memory for the speeds of all bobs.
-
-    Returns
-    -------
-    int
-        COMPLETED or PAUSED.
+    Steps are those of :func:`tribo.integrators.time_loops.adaptive_steps`, at most `budget` for
+    each lane in a call.  Each of the eight `clocks`, and each lane of states and tolerances, is a
+    member's.  The record has the samples of the first member, then of the second, and so on.
     """
     model, method, tolerance, state, times, record, work, new = pointers(
         (model, method, tolerance, state, times, record, work, new)

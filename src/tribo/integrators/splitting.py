@@ -75,12 +75,7 @@ from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, n
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy
-from tribo.kernels.status import (
-    BOBS_COINCIDE,
-    COMPLETED,
-    NOT_FINITE,
-    PAUSED,
-)
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 
 
 class Work(NamedTuple):
@@ -124,7 +119,7 @@ def composed(*first: float) -> Splitting:
     return Splitting(half[:-1] + half[1:], weights)
 
 
-def alternating(drifts: tuple[float, ...], kicks: tuple[float, ...]) -> Splitting:
+def alternating(drifts: np.ndarray, kicks: np.ndarray) -> Splitting:
     """Palindromes from the first drifts and kicks; those in the middle make the sums 1."""
     middle = 1.0 - 2.0 * sum(drifts)
     last = 0.5 - sum(kicks)

@@ -58,37 +58,10 @@ def splitting_members(
 ):
     """Integrate eight members through the sample times in equal steps of at most `step`.
 
-    No member is stopped: see `watch`.  PAUSED after `budget` steps: call again to continue.
-
-    Parameters
-    ----------
-    model : Model
-        The scene, with `members`.
-    splitting : Splitting
-        The method.
-    step : float
-        The longest step [time].
-    clocks : ndarray, (1,), of CLOCK
-        That of all members.
-    state : State
-        That of all members.
-    times : ndarray, (times,)
-        Of the samples, ascending.
-    record : Record
-        Filled in: the samples of the first member, then of the second, and so on.
-    budget : int
-        Steps after which the loop pauses.
-    watch : ndarray, (WATCHED, 8)
-        Filled in: what is known of the encounters of each member.
-    noise : Deviates
-        Enough normal deviates for all these steps.
-    work : Work
-        Room for what a step computes.
-
-    Returns
-    -------
-    int
-        COMPLETED, PAUSED, or STEP_UNDERFLOW.
+    Returns COMPLETED, STEP_UNDERFLOW, or PAUSED after `budget` steps, for which `noise` has enough
+    deviates: call again to continue.  No member is stopped: `watch` (WATCHED, 8) says which had an
+    encounter that a step jumped.  The record has the samples of the first member, then of the
+    second, and so on.
     """
     clock = clocks[0]
     model, splitting, state, times, record, watch, noise, work = pointers(

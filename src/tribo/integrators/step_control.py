@@ -99,7 +99,7 @@ def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
     n = y.size // 2
     equations_of_motion(model, neighbours, t, y[:n], y[n:], acceleration)
-    all_powers(model, t, y[:n], y[n:], power)
+    all_powers(model, model.ledger, t, y[:n], y[n:], power)
 
 
 @kernel

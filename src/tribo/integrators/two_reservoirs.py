@@ -23,17 +23,9 @@ LEAST_SHARE = 1e-8
 def modes_of_friction(on_bar, on_swing, arm):
     """Eigenmodes of the friction [[a, -a r], [-a r, a r^2 + k]].
 
-    Parameters
-    ----------
-    on_bar, on_swing : Lanes
-        a = gamma / M and k = gamma / I of the two reservoirs [1 / time].
-    arm : Lanes
-        r = l2 sqrt(M / I).
-
-    Returns
-    -------
-    fast, slow, c, s : Lanes
-        The eigenvalues of the modes (c, -s) and (s, c).
+    `on_bar` and `on_swing` are a = gamma / M and k = gamma / I of the two reservoirs [1 / time],
+    and `arm` is r = l2 sqrt(M / I).  Returns the eigenvalues of the modes (c, -s) and (s, c), c and
+    s.
     """
     across = on_bar * arm
     other = across * arm + on_swing
@@ -100,31 +92,13 @@ def positive_root(x):
 def damped_arc(on_bar, on_swing, temperatures, masses, lever, velocities, gains, tau, deviates):
     """What friction and noise do in a step to a bar and its swing along the arc.
 
-    Parameters
-    ----------
-    on_bar, on_swing : Lanes
-        gamma / M and gamma / I of the two reservoirs [1 / time].
-    temperatures, masses : (Lanes, Lanes)
-        Temperatures of the two reservoirs; M and I.
-    lever : Lanes
-        l2 [length].
-    velocities, gains : (Lanes, Lanes)
-        Of the centre of mass relative to the reservoir, and of the swing, in the middle of the
-        kick; and what all other forces add to them in the step.
-    tau : float
-        The step [time].
-    deviates : (Lanes, Lanes, Lanes, Lanes)
-        Independent normal deviates.
+    `on_bar` and `on_swing` are gamma / M and gamma / I [1 / time], `masses` M and I, `lever` l2.
+    `velocities` are those of the centre of mass relative to the reservoir, and of the swing, in the
+    middle of the kick; `gains` is what all other forces add to them in the step.
 
-    Returns
-    -------
-    impulse, turning : Lanes
-        Momentum that the reservoir at the bar gives, and angular momentum that that on the swing
-        gives.
-    jump, turn : Lanes
-        The displacements of the centre of mass and of the angle that the drifts leave out.
-    heat : Lanes
-        Given to the reservoir on the swing.
+    Returns the momentum that the reservoir at the bar gives, the angular momentum that the other
+    gives, the displacements of centre of mass and angle that the drifts leave out, and the heat
+    given to the reservoir on the swing.
     """
     root_mass, root_inertia = sqrt(masses[0]), sqrt(masses[1])
     temperature, other = temperatures

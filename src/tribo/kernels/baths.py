@@ -9,8 +9,6 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.records import (
-    ALONG_X,
-    ALONG_Y,
     I2,
     NU_START,
     OSCILLATOR_FREQUENCY,
@@ -92,8 +90,8 @@ def oscillator_momentum(table, first, count, v, start):
 
 
 @kernel
-def bath_forces(model, bath, q):
-    """Add the forces of bath oscillators on the bars."""
+def bath_forces(model, bath, q, acceleration):
+    """Set q'' of the bath oscillators, and add their forces on the bars."""
     if bath is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -101,28 +99,11 @@ def bath_forces(model, bath, q):
             count = s.oscillators
             if count > 0:
                 for i in range(s.start, s.end):
-                    slot = first_slot(s, i)
-                    x = model.displaced[ALONG_X, i]
-                    y = model.displaced[ALONG_Y, i]
-                    model.internal[ALONG_X, i] += pull(bath, first, count, q, slot, x)
-                    model.internal[ALONG_Y, i] += pull(bath, first, count, q, slot + count, y)
-
-
-@kernel
-def bath_accelerations(model, bath, q, acceleration):
-    """Set q'' of the bath oscillators."""
-    if bath is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
-                for i in range(s.start, s.end):
-                    slot = first_slot(s, i)
-                    x = model.displaced[ALONG_X, i]
-                    y = model.displaced[ALONG_Y, i]
-                    oscillate(bath, first, count, q, slot, x, acceleration)
-                    oscillate(bath, first, count, q, slot + count, y, acceleration)
+                    for axis in range(2):
+                        slot = first_slot(s, i) + axis * count
+                        bar = model.displaced[axis, i]
+                        model.internal[axis, i] += pull(bath, first, count, q, slot, bar)
+                        oscillate(bath, first, count, q, slot, bar, acceleration)
 
 
 @kernel
@@ -160,7 +141,6 @@ def set_bath_momenta(model, bath, v):
             if count > 0:
                 for i in range(s.start, s.end):
                     slot = first_slot(s, i)
-                    px = oscillator_momentum(bath, first, count, v, slot)
-                    py = oscillator_momentum(bath, first, count, v, slot + count)
-                    model.bath_momentum[ALONG_X, i] = px
-                    model.bath_momentum[ALONG_Y, i] = py
+                    for axis in range(2):
+                        momentum = oscillator_momentum(bath, first, count, v, slot + axis * count)
+                        model.bath_momentum[axis, i] = momentum

@@ -7,11 +7,7 @@ import numpy as np
 from numba import literal_unroll
 
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.lanes import (
-    between_lanes,
-    broadcast,
-    maximum,
-)
+from tribo.compiler.lanes import between_lanes, broadcast, maximum
 from tribo.compiler.lanes_memory import block
 from tribo.compiler.numbers_in_lanes import potential_of
 from tribo.kernels.blocks import (
@@ -120,26 +116,12 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
 
 @kernel
 def next_encounter(model, neighbours, speeds, lane):
-    """The next encounters of all pairs.
+    """The next encounters of all pairs, or of one member of an ensemble; bobs in place.
 
     A potential's clearance(r) is the distance that a pair at r may move before its force changes.
     Pairs that are not listed are farther apart than the cutoff by what is left of the skin.  With
-    thermal noise, pairs whose potential is far below k_B T are counted apart.
-
-    Parameters
-    ----------
-    model : Model
-        The scene, bobs in place.
-    neighbours : Neighbours or None
-        The list of neighbours.
-    speeds : ndarray, (3, n)
-        Velocity of each centre of mass, and the largest speed of the bob about it.
-    lane : int or None
-        That of one member of an ensemble.
-
-    Returns
-    -------
-    Encounter
+    thermal noise, pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has
+    the velocity of each centre of mass, and the largest speed of the bob about it.
     """
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
     thermal = thermal_energy(model, model.friction, model.swing_friction, lane)

@@ -10,7 +10,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.kernels.baths import bath_accelerations, bath_forces, torsional_accelerations
+from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
     all_coordinates,
     clear,
@@ -338,12 +338,11 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     refresh(model, neighbours)
     forces(model, neighbours, t)
     drive_forces(model, None, t, q)
-    bath_forces(model, model.bath, q)
+    bath_forces(model, model.bath, q, acceleration)
     friction_forces(model, model.friction, v)
     swing_frictions(model, model.swing_friction, v)
     custom_forces(model, t, q, v)
     accelerate(model, 1.0, t, q, acceleration)
-    bath_accelerations(model, model.bath, q, acceleration)
     torsional_accelerations(model, model.torsional, t, q, acceleration)
 
 

@@ -11,10 +11,7 @@ from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y
 @kernel
 def field_shift(field, t):
     """Position in the field's own frame minus position in the scene; Lanes if t is."""
-    return (
-        field.origin[0] + field.velocity[0] * t,
-        field.origin[1] + field.velocity[1] * t,
-    )
+    return (field.origin[0] + field.velocity[0] * t, field.origin[1] + field.velocity[1] * t)
 
 
 @kernel

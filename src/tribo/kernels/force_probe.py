@@ -16,15 +16,7 @@ from tribo.kernels.equations_of_motion import (
 )
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.powers import held_torques
-from tribo.kernels.records import (
-    FX,
-    FY,
-    INVERSE_BAR_LENGTH,
-    LEFT_X,
-    LEFT_Y,
-    RIGHT_X,
-    RIGHT_Y,
-)
+from tribo.kernels.records import FX, FY, INVERSE_BAR_LENGTH, LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y
 from tribo.kernels.samples import PULL_X, PULL_Y
 from tribo.kernels.user_forces import custom_forces
 
@@ -75,14 +67,10 @@ def set_ends(model, end_forces, s, i, t, q, found):
 def note_forces(model, s, i, t, q, acceleration, found):
     """Set what is found of a block, forces and accelerations in place."""
     set_pair(found, F1, i, block(model.bobs[FX], i), block(model.bobs[FY], i))
-    x, y = vectors(model.inner, i)
-    set_pair(found, WITHIN, i, x, y)
-    x, y = vectors(model.external, i)
-    set_pair(found, FIELD, i, x, y)
-    x, y = vectors(model.drive, i)
-    set_pair(found, F2, i, x, y)
-    x, y = vectors(model.friction, i)
-    set_pair(found, FRICTION, i, x, y)
+    set_pair(found, WITHIN, i, *vectors(model.inner, i))
+    set_pair(found, FIELD, i, *vectors(model.external, i))
+    set_pair(found, F2, i, *vectors(model.drive, i))
+    set_pair(found, FRICTION, i, *vectors(model.friction, i))
     set_ends(model, model.end_forces, s, i, t, q, found)
     set_block(found[SWING], i, block(acceleration, i))
 

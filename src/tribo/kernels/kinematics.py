@@ -19,20 +19,7 @@ equation = register_jitable(**KERNEL)
 
 @equation
 def nearest_image(difference: Number, period: Number) -> Number:
-    """Separation from the nearest periodic image.
-
-    Parameters
-    ----------
-    difference : float or ndarray
-        Difference of two coordinates [length].
-    period : float
-        Period of that coordinate [length]; 0 where it is not periodic.
-
-    Returns
-    -------
-    float or ndarray
-        The difference, from -period/2 up to and excluding period/2 where there is a period.
-    """
+    """The difference, from -period/2 up to and excluding period/2 where there is a period."""
     if period > 0.0:
         return difference - period * np.floor(difference / period + 0.5)
     return difference

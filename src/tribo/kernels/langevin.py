@@ -64,23 +64,9 @@ def damped_motion(gamma, temperature, mobility, velocity, gain, tau, one, other)
     Gaussian: D. L. Ermak, H. Buckholz, J. Comput. Phys. 35 (1980) 169; W. F. van Gunsteren,
     H. J. C. Berendsen, Mol. Phys. 45 (1982) 637.
 
-    Parameters
-    ----------
-    gamma, temperature, mobility : float or Lanes
-        Friction, temperature, inverse mass.
-    velocity : Lanes
-        Relative to the reservoir, in the middle of the kick.
-    gain : Lanes
-        What all other forces add to it in the step.
-    tau : float
-        The step [time].
-    one, other : Lanes
-        Normal deviates.
-
-    Returns
-    -------
-    impulse, jump : Lanes
-        The momentum that it takes up, and the displacement that the drifts leave out.
+    `velocity` is relative to the reservoir, in the middle of the kick; `gain` is what all other
+    forces add to it in the step; `one` and `other` are normal deviates.  Returns the momentum that
+    it takes up, and the displacement that the drifts leave out.
     """
     z = gamma * tau * mobility
     kept, of_velocity, of_gain = decay_means(z)

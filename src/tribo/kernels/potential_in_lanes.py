@@ -19,17 +19,7 @@ from tribo.compiler.plugin_methods import formula
 def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
     """Whether a potential's formula compiles for Lanes, with charges of one bob or of eight.
 
-    Parameters
-    ----------
-    potential_type : numba type
-        Type of a potential, as :func:`numba.typeof` returns it.
-    charge : numba type
-        Of the charge of one bob; that of eight is the same for each number.
-
-    Raises
-    ------
-    numba.core.errors.NumbaError
-        If the formula fails to compile for a reason other than an operation that Lanes lack.
+    Raises NumbaError if it does not compile for another reason than an operation that Lanes lack.
     """
     force = formula(potential_type.instance_class.force_between)
     compiled = njit(error_model="numpy")(force)
@@ -44,26 +34,10 @@ def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
 
 
 def force_in_lanes(potential, r, end, charge, others, low, high):
-    """Force of a potential at some of eight distances.
+    """Force of a potential, or of one for each lane, at some of eight distances.
 
-    Parameters
-    ----------
-    potential : NamedTuple
-        One potential, or with Lanes as its numbers one for each distance.
-    r : Lanes
-        Distances.
-    end : float or Lanes
-        Distance from which the force is zero [length].
-    charge : float or Lanes
-        Charge of one bob.
-    others : Lanes or float
-        Charges of the other bobs, or of the other bob.
-    low, high : int
-        The lanes that are wanted; elsewhere, and beyond `end`, the result has no meaning.
-
-    Returns
-    -------
-    Lanes
+    Only lanes from `low` up to `high` are wanted; elsewhere, and from the distance `end` on, where
+    the force is zero, the result has no meaning.
     """
     return potential.force_between(r, charge, others)
 

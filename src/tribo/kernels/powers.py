@@ -191,26 +191,17 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
 
 
 @inlined
-def set_bob_powers(model, table, slot, s, i, omega, vx, vy, power):
-    """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces on the bobs."""
+def set_point_powers(model, table, lever, slot, s, i, omega, vx, vy, power):
+    """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces at a lever from r_cm.
+
+    The lever is positive towards the bob, negative towards the bar.
+    """
     if table is not None:
         if slot >= 0:
             x, y = vectors(table, i)
             tx = block(model.bobs[TX], i)
             ty = block(model.bobs[TY], i)
-            about = rotational_power(lever_of_bob(model, model.pivots, s, i), omega, tx, ty, x, y)
-            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
-
-
-@inlined
-def set_bar_powers(model, table, slot, s, i, omega, vx, vy, power):
-    """Set the same of forces at the bars' centres."""
-    if table is not None:
-        if slot >= 0:
-            x, y = vectors(table, i)
-            tx = block(model.bobs[TX], i)
-            ty = block(model.bobs[TY], i)
-            about = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
+            about = rotational_power(lever, omega, tx, ty, x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
@@ -286,9 +277,11 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
         set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
         if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
             clamped_ends(model, s, i, t, q, omega, vx, vy, power)
-        set_bob_powers(model, model.external, s.acc_field, s, i, omega, vx, vy, power)
+        bob = lever_of_bob(model, model.pivots, s, i)
+        set_point_powers(model, model.external, bob, s.acc_field, s, i, omega, vx, vy, power)
         set_internal_powers(model, s, i, omega, vx, vy, power)
-        set_bar_powers(model, model.friction, s.acc_thermal, s, i, omega, vx, vy, power)
+        bar = -lever_of_bar(model, model.pivots, s, i)
+        set_point_powers(model, model.friction, bar, s.acc_thermal, s, i, omega, vx, vy, power)
         set_swing_powers(model, model.swing_friction, s, i, omega, power)
         custom_end_powers(model, model.end_forces, s, i, t, q, velocities, power)
 
@@ -381,13 +374,7 @@ def block_powers(model, v, power):
 
 
 @inlined
-def all_powers(model, t, q, v, accounts):
-    """Set the powers of all accounts."""
-    powers_in_ledger(model, model.ledger, t, q, v, accounts)
-
-
-@inlined
-def powers_in_ledger(model, ledger, t, q, v, accounts):
+def all_powers(model, ledger, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
     if ledger is not None:
         power = Powers(accounts, model.sums, None)

@@ -54,39 +54,11 @@ ASPERITE = np.dtype(
 # torsion spring's rotation, of the pendulum and, if that can turn, of the bar.  Inverses are here
 # since a product takes a third of the time of a division.
 CONSTANTS = (
-    "mass",
-    "inertia",
-    "kappa",
-    "l1",
-    "l2",
-    "i2",
-    "bar_length",
-    "phi",
-    "nu",
-    "sin_phi",
-    "cos_phi",
-    "frequency",
-    "inverse_mass",
-    "inverse_inertia",
-    "inverse_bar_length",
+    *("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "phi", "nu", "sin_phi"),
+    *("cos_phi", "frequency", "inverse_mass", "inverse_inertia", "inverse_bar_length"),
 )
-(
-    MASS,
-    INERTIA,
-    KAPPA,
-    L1,
-    L2,
-    I2,
-    BAR_LENGTH,
-    PHI_START,
-    NU_START,
-    SIN_PHI,
-    COS_PHI,
-    FREQUENCY,
-    INVERSE_MASS,
-    INVERSE_INERTIA,
-    INVERSE_BAR_LENGTH,
-) = range(len(CONSTANTS))
+MASS, INERTIA, KAPPA, L1, L2, I2, BAR_LENGTH, PHI_START, NU_START, SIN_PHI, COS_PHI = range(11)
+FREQUENCY, INVERSE_MASS, INVERSE_INERTIA, INVERSE_BAR_LENGTH = range(11, len(CONSTANTS))
 
 # Rows of the table of constants that differ between asperites that are alike otherwise, one column
 # an asperite.  Those that fill the last block of a surface are not present, 0 instead of 1: no
@@ -156,27 +128,11 @@ SURFACE = np.dtype(
 # Numbers of surfaces in which members of an ensemble may differ, and their rows of a table that has
 # a column for each asperite of each member.
 OF_MEMBERS = (
-    "vx",
-    "vy",
-    "load",
-    "stiffness",
-    "speed",
-    "gamma",
-    "swing_gamma",
-    "temperature",
-    "swing_temperature",
+    *("vx", "vy", "load", "stiffness", "speed"),
+    *("gamma", "swing_gamma", "temperature", "swing_temperature"),
 )
-(
-    OWN_VX,
-    OWN_VY,
-    OWN_LOAD,
-    OWN_STIFFNESS,
-    OWN_SPEED,
-    OWN_GAMMA,
-    OWN_SWING_GAMMA,
-    OWN_TEMPERATURE,
-    OWN_SWING_TEMPERATURE,
-) = range(len(OF_MEMBERS))
+OWN_VX, OWN_VY, OWN_LOAD, OWN_STIFFNESS, OWN_SPEED = range(5)
+OWN_GAMMA, OWN_SWING_GAMMA, OWN_TEMPERATURE, OWN_SWING_TEMPERATURE = range(5, len(OF_MEMBERS))
 
 # Rows of the table of bobs, one column a bob.  (TX, TY) is the unit vector along which a growing
 # theta moves the bob, and (FX, FY) the contact force f1.
@@ -351,40 +307,42 @@ class Model(NamedTuple):
     """A scene for kernels: a structure of arrays, whose rows are contiguous.
 
     An effect that is absent is None, which has a type of its own, so its code is not compiled and
-    its arrays are not allocated.  Each time loop has scratch of its own, and columns `fx`.
+    its arrays are not allocated.  Scratch is True in the model of a layout; each time loop has
+    arrays of its own in its place, and columns `fx`.
     """
 
     constants: np.ndarray  # (rows, columns of constants), see CONSTANTS
     each: np.ndarray  # (EACH_ROWS, n), see X_START
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
-    ledger: Any  # True, or None where no works are kept
-    sums: Any  # True where accounts are sums over asperites; or None
     contacts: tuple  # of Contact between different surfaces
-    within: Any  # tuple of Contact among the bobs of one surface, or None
-    calculators: Any  # tuple of Calculator, or None
-    species: Any  # (n,) of each bob, floats, or None
-    bobs: np.ndarray  # (BOB_ROWS, n), scratch
-    drive: np.ndarray  # (2, n), scratch: f2 on each bar
-    inner: Any  # (2, n), scratch: contact within on each bob; or None
-    external: Any  # (2, n), scratch: external fields on each bob; or None
-    internal: Any  # (2, n), scratch: springs and bath on each bar; or None
-    displaced: Any  # (2, n), scratch: displacement of each bar from its rest; or None
-    friction: Any  # (2, n), scratch: Langevin friction on each bar, without its noise; or None
-    swing_friction: Any  # (1, n), scratch: the same torque on each swing; or None
-    pivots: Any  # (1, columns of constants), see `kernels.levers`; None without driven bars
-    fixed: Any  # True, or None where no asperites are rigid
-    turning: Any  # True, or None where no clamped bars turn
-    end_forces: Any  # (4, n), scratch: a plug-in's forces on the ends of each bar; or None
-    box: Any  # Box, or None
-    springs: Any  # Springs, or None
-    bath: Any  # (2, oscillators), see OSCILLATOR_MASS; or None
-    bath_momentum: Any  # (2, n), scratch: of the oscillators on each bar; or None
-    torsional: Any  # (2, oscillators) whose masses are inertias; or None
-    fields: Any  # tuple of FieldOn, or None
-    drives: Any  # tuple of Custom, or None
-    ends: Any  # tuple of Custom, or None
-    members: Any  # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members
-    # of an ensemble, one asperite of each; None where the asperites of a block are of one run
-    own: Any  # (8, n) numbers of surfaces, where members differ in them, see OF_MEMBERS; or None
-    team: Any  # Team, see `kernels.team`; None where a step is too short to be shared by threads
+    bobs: Any  # (BOB_ROWS, n), scratch
+    drive: Any  # (2, n), scratch: f2 on each bar
+    ledger: Any = None  # True, or None where no works are kept
+    sums: Any = None  # True where accounts are sums over asperites
+    within: Any = None  # tuple of Contact among the bobs of one surface
+    calculators: Any = None  # tuple of Calculator
+    species: Any = None  # (n,) of each bob, floats
+    inner: Any = None  # (2, n), scratch: contact within on each bob
+    external: Any = None  # (2, n), scratch: external fields on each bob
+    internal: Any = None  # (2, n), scratch: springs and bath on each bar
+    displaced: Any = None  # (2, n), scratch: displacement of each bar from its rest
+    friction: Any = None  # (2, n), scratch: Langevin friction on each bar without noise
+    swing_friction: Any = None  # (1, n), scratch: the same torque on each swing
+    pivots: Any = None  # (1, columns of constants), see `kernels.levers`; None without driven bars
+    fixed: Any = None  # True, or None where no asperites are rigid
+    turning: Any = None  # True, or None where no clamped bars turn
+    end_forces: Any = None  # (4, n), scratch: a plug-in's forces on the ends of each bar
+    box: Any = None  # Box
+    springs: Any = None  # Springs
+    bath: Any = None  # (2, oscillators), see OSCILLATOR_MASS
+    bath_momentum: Any = None  # (2, n), scratch: of the oscillators on each bar
+    torsional: Any = None  # (2, oscillators) whose masses are inertias
+    fields: Any = None  # tuple of FieldOn
+    drives: Any = None  # tuple of Custom
+    ends: Any = None  # tuple of Custom
+    # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members of an
+    # ensemble, one asperite of each; None where the asperites of a block are of one run.
+    members: Any = None
+    own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
+    team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared

@@ -19,7 +19,6 @@ from tribo.kernels.baths import (
 from tribo.kernels.blocks import clear, first_column, stride_of
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
-from tribo.kernels.records import ALONG_X, ALONG_Y
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -115,14 +114,14 @@ def bath_energies(model, bath, q, v, stored, lane):
             count = s.oscillators
             if count > 0:
                 for i in range(first_column(s, lane), s.end, stride_of(lane)):
-                    m = first_slot(s, i)
-                    x = model.displaced[ALONG_X, i]
-                    y = model.displaced[ALONG_Y, i]
-                    energy = oscillator_energy(bath, first, count, q, v, m, x)
-                    energy += oscillator_energy(bath, first, count, q, v, m + count, y)
+                    energy = 0.0
+                    for axis in range(2):
+                        m = first_slot(s, i) + axis * count
+                        bar = model.displaced[axis, i]
+                        energy += oscillator_energy(bath, first, count, q, v, m, bar)
+                        momentum = oscillator_momentum(bath, first, count, v, m)
+                        stored[k, MOMENTUM_X + axis] += momentum
                     stored[k, BATH] += energy
-                    stored[k, MOMENTUM_X] += oscillator_momentum(bath, first, count, v, m)
-                    stored[k, MOMENTUM_Y] += oscillator_momentum(bath, first, count, v, m + count)
 
 
 @kernel
@@ -153,36 +152,24 @@ def torsional_energies(model, torsional, t, q, v, stored, lane):
 
 @kernel
 def write_baths(model, bath, q, v, record):
-    """Record the force of the bath on each bar, and the bath's kinetic energy, with 0 elsewhere."""
+    """Record the force of the bath on each bar, its kinetic energy, and displacements from the bar.
+
+    Those of as many oscillators as have rows; the record is clear before.
+    """
     if bath is not None:
+        half = (record.shape[0] - BATH_ROWS) // 2
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             first = s.first_oscillator
             count = s.oscillators
             for i in range(s.start, s.end):
-                m = first_slot(s, i)
-                x = model.displaced[ALONG_X, i]
-                y = model.displaced[ALONG_Y, i]
-                record[PULL_X, i] = pull(bath, first, count, q, m, x)
-                record[PULL_Y, i] = pull(bath, first, count, q, m + count, y)
-                energy = oscillator_kinetic(bath, first, count, v, m)
-                record[KINETIC, i] = energy + oscillator_kinetic(bath, first, count, v, m + count)
-
-
-@kernel
-def write_oscillators(model, bath, q, record):
-    """Record the displacements of the oscillators on each bar, as many as have rows."""
-    if bath is not None:
-        half = (record.shape[0] - BATH_ROWS) // 2
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.end):
-                first = first_slot(s, i)
-                for m in range(min(half, s.oscillators)):
-                    x = q[first + m] - model.displaced[ALONG_X, i]
-                    y = q[first + s.oscillators + m] - model.displaced[ALONG_Y, i]
-                    record[BATH_ROWS + m, i] = x
-                    record[BATH_ROWS + half + m, i] = y
+                for axis in range(2):
+                    m = first_slot(s, i) + axis * count
+                    bar = model.displaced[axis, i]
+                    record[PULL_X + axis, i] = pull(bath, first, count, q, m, bar)
+                    record[KINETIC, i] += oscillator_kinetic(bath, first, count, v, m)
+                    for n in range(min(half, count)):
+                        record[BATH_ROWS + axis * half + n, i] = q[m + n] - bar
 
 
 @kernel
@@ -234,5 +221,4 @@ def write_row(model, neighbours, t, state, record, k, lane):
     if record.baths.shape[1] > 0:
         clear(record.baths[k])
         write_baths(model, model.bath, q, v, record.baths[k])
-        write_oscillators(model, model.bath, q, record.baths[k])
         add_torsional_kinetic(model, model.torsional, v, record.baths[k])

@@ -18,14 +18,7 @@ MARGIN = 10.0
 def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
     """All blocks, before the first selection; None where no asperite can be inactive.
 
-    Parameters
-    ----------
-    scene : Scene
-        What is simulated.
-    model : Model
-        The same for the kernels.
-    skin : float
-        How much farther than the cutoff the list of neighbours reaches [length].
+    `skin` is how much farther than the cutoff the list of neighbours reaches [length].
     """
     contacts = (*model.contacts, *(model.within or ()))
     unlisted = {int(k) for each in contacts for k in each.pairs[each.rows < 0].ravel()}

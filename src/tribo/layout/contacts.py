@@ -11,7 +11,6 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
-from tribo.potentials.registry import complete
 from tribo.validation import InputError, inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
@@ -27,23 +26,10 @@ EXTRA_ROOM = 1.5
 def lay_out_contacts(
     scene: Scene,
 ) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
-    """The contacts of a scene.
+    """The contacts of a scene: between surfaces, at least one; and among the bobs of one, or None.
 
-    Parameters
-    ----------
-    scene : Scene
-        An interaction with a cutoff has a neighbour list where its bobs are many.
-
-    Returns
-    -------
-    between : tuple of Contact
-        Contacts between surfaces, at least one.
-    within : tuple of Contact or None
-        Contacts among the bobs of one surface; None without any.
-    rows : int
-        Rows of the neighbour list; 0 without one.
-    skin : float
-        How much farther than the cutoff the list reaches [length].
+    Also the rows of the neighbour list, 0 without one, and how much farther than the cutoff it
+    reaches [length].  An interaction with a cutoff has a list where its bobs are many.
     """
     between: list[Contact] = []
     within: list[Contact] = []
@@ -63,7 +49,7 @@ def lay_out_contacts(
         inner = any(one == other for one, other in pairs)
         potential = interaction.potential
         if isinstance(potential, Live):
-            potential = complete(ZeroForce)(potential.length, potential.reach)
+            potential = ZeroForce(potential.length, potential.reach)
         (within if inner else between).append(
             Contact(
                 potential,
@@ -153,16 +139,7 @@ def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
     """What compiled code calls for interactions that ASE calculators compute.
 
-    Parameters
-    ----------
-    scene : Scene
-        May have such interactions.
-    depths : list of ndarray
-        z of the bobs of each surface [length].
-
-    Returns
-    -------
-    tuple of Call
+    `depths` are z of the bobs of each surface.
     """
     found = []
     for i, interaction in enumerate(scene.interactions):

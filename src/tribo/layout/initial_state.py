@@ -18,46 +18,28 @@ Slots = tuple[int | np.ndarray, float, int]
 
 
 class InitialState:
-    """y at t = 0, with some initial values of the scene changed.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    """
+    """y at t = 0, with some initial values of the scene changed."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         model = layout.model
         self._has_baths = any(item is not None for item in (model.bath, model.torsional))
         self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
+        self._scene = layout.asperites, layout.scene, layout.parts
         self._slots: dict[str, Slots] = {}
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
-        """The state that `start` changes.
+        """The state (2 coordinates,) with these initial values.
 
-        Parameters
-        ----------
-        start : mapping
-            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite.
-            A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
-        seed : int, optional
-            From which thermal starts are drawn; by default that of the scene.
-
-        Returns
-        -------
-        ndarray, (2 coordinates,)
-
-        Raises
-        ------
-        InputError
-            A name or a value cannot be used, or both theta and swing are given.
+        A phi moves theta with it where neither the scene nor `start` gives a theta or swing.
+        Thermal starts are drawn from `seed`; without it they are the scene's.  Raises InputError if
+        a name or a value cannot be used, or both theta and swing are given.
         """
         if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
             raise InputError("start", f"must map names to values, got {start!r}")
         y = self._layout.start.copy()
         if self._is_drawn and seed is not None:
-            self._draw(y[None], [seed])
+            draw_starts(*self._scene, y[None], [seed])
         for key, value in start.items():
             known = self._slots.get(key)
             if known is None:
@@ -73,49 +55,26 @@ class InitialState:
             if key.endswith((".phi", ".swing")):
                 self._follow(key.rpartition(".")[0], start, y)
         if self._has_baths and (start or seed is not None):
-            self._start_baths(y[None], [self._layout.scene.seed if seed is None else seed])
+            start_baths(*self._scene, y[None], [self._layout.scene.seed if seed is None else seed])
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
-        """The states of many members.
+        """The states of many members, (members, 2 coordinates).
 
-        Parameters
-        ----------
-        values : mapping
-            "surface.theta" (or swing, phi, omega, nu) -> (members, 1) or (members, asperites).
-        seeds : ndarray, (members,)
-            From which thermal starts are drawn.
-
-        Returns
-        -------
-        ndarray, (members, 2 coordinates)
-
-        Raises
-        ------
-        InputError
-            A name cannot be used.
+        `values` are (members, 1) or (members, asperites); thermal starts are drawn from `seeds`
+        (members,).  Raises InputError if a name cannot be used.
         """
         if any(key.endswith(".phi") for key in values) or _twice(values):
             return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:
-            self._draw(y, seeds.tolist())
+            draw_starts(*self._scene, y, seeds.tolist())
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
             y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
         if self._has_baths:
-            self._start_baths(y, seeds.tolist())
+            start_baths(*self._scene, y, seeds.tolist())
         return y
-
-    def _draw(self, y: np.ndarray, seeds: list[int]) -> None:
-        """Draw the starts of surfaces that have a temperature, (runs, 2 coordinates)."""
-        n, layout = self._layout.coordinates, self._layout
-        draw_starts(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
-
-    def _start_baths(self, y: np.ndarray, seeds: list[int]) -> None:
-        """Start every bath about its bars, where initial values have changed."""
-        n, layout = self._layout.coordinates, self._layout
-        start_baths(layout.asperites, layout.scene, layout.parts, y[:, :n], y[:, n:], seeds)
 
     def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
         own = {key: rows[m] for key, rows in values.items()}

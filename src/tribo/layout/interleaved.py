@@ -19,24 +19,13 @@ from tribo.layout.tables import columns_of_constants
 
 
 class Interleaved(NamedTuple):
-    """Eight members of a scene for the kernels.
-
-    Attributes
-    ----------
-    model : Model
-        The tables that the kernels read.
-    q : ndarray, (8, coordinates)
-        Where the kernels have what y of a sample has, for each member.
-    s : ndarray, (accounts,)
-        Where they have what s has, for the first member; the others follow it.
-    room : (int, int)
-        Coordinates and accounts of the kernels.
-    """
+    """Eight members of a scene for the kernels."""
 
     model: Model
-    q: np.ndarray
+    q: np.ndarray  # (8, coordinates) where the kernels have what y of a sample has, for each member
+    # (accounts,) where they have what s has, for the first member; the others follow it.
     s: np.ndarray
-    room: tuple[int, int]
+    room: tuple[int, int]  # coordinates and accounts of the kernels
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
@@ -90,10 +79,9 @@ def _shared_accounts(layout: Layout) -> int:
 
 def _with_own_numbers(model: Model, layout: Layout) -> Model:
     """The model with a column of constants for each asperite, and tables of what may differ."""
-    columns = layout.places.columns
-    owners = layout.model.surfaces, layout.asperites.surface
-    constants = layout.model.constants[:, columns_of_constants(*owners, columns)]
-    surfaces = model.surfaces.copy()
+    owners, columns = layout.asperites.surface, layout.places.columns
+    columns = columns_of_constants(layout.model.surfaces, owners, columns)
+    surfaces, pivots = model.surfaces.copy(), layout.model.pivots
     surfaces["first_constants"], surfaces["constants_mask"] = surfaces["start"], -1
     own = room((len(records.OF_MEMBERS), model.each.shape[1]))
     for surface in surfaces:
@@ -105,12 +93,9 @@ def _with_own_numbers(model: Model, layout: Layout) -> Model:
         if numbers.size:
             table = with_spare_lanes(np.repeat(numbers[:, None], LANES, axis=1))
             contacts = (contacts[0]._replace(numbers=table),)
-    pivots = layout.model.pivots
     return model._replace(
-        constants=_repeated(constants),
-        pivots=None
-        if pivots is None
-        else _repeated(pivots[:, columns_of_constants(*owners, columns)]),
+        constants=_repeated(layout.model.constants[:, columns]),
+        pivots=None if pivots is None else _repeated(pivots[:, columns]),
         surfaces=surfaces,
         own=own,
         contacts=contacts,

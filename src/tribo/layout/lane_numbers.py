@@ -15,21 +15,8 @@ from tribo.layout.tables import constants_of
 class LaneNumbers:
     """The tables of a scene for eight members that differ in numbers.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene of all.
-    model : Model
-        Laid out for eight members with numbers of their own.
-
-    Attributes
-    ----------
-    model : Model
-        As given, with these tables in one array.
-    memory : ndarray, (k,)
-        That array.
-    places : ndarray, (8, numbers)
-        Where each lane has its numbers in it.
+    The tables of `model`, laid out for such members, become parts of one array, `memory`; `places`
+    (8, numbers) is where each lane has its numbers in it.
     """
 
     def __init__(self, layout: Layout, model: Model) -> None:

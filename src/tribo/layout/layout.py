@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.lanes import LANES
-from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
@@ -22,7 +21,7 @@ from tribo.layout.scene_records import resting_bobs, scene_records
 from tribo.layout.span import Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
-from tribo.layout.threads import team_of
+from tribo.layout.threads import shares
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends
 from tribo.model.identity import loaded
@@ -34,58 +33,27 @@ from tribo.potentials.from_ase import Call, Live
 class Layout:
     """A scene laid out for the kernels.
 
-    y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free
-    to change, then the baths; s has the accounts.  A slot of -1 is absent.
-
-    Attributes
-    ----------
-    scene : Scene
-        What is laid out.
-    asperites : recarray of ASPERITE
-        What each asperite is, and where its numbers stand in y and s.
-    surfaces : recarray of SURFACE
-        The same of the surfaces.
-    model : Model
-        The tables that the kernels read.
-    start : ndarray, (2 coordinates,)
-        y at the start of the run.
-    core, coordinates, accounts : int
-        Coordinates of the asperites; all coordinates, including the baths'; size of s.
-    places : Places
-        Where the kernels have what y and s have.
-    room : (int, int)
-        Coordinates and accounts of the kernels.
-    velocity : ndarray, (n, 2)
-        Initial velocity of each asperite's surface, in the laboratory.
-    origin : ndarray, (2,)
-        The point that positions are relative to, in the laboratory.
-    parts : dict
-        Surface -> slice of its asperites.
-    calculator_calls : tuple of Call
-        The ASE calculators that the kernels call.
-    rows, skin : int, float
-        Rows of the neighbour list, 0 without one; how much farther than a cutoff it reaches.
-    beginning : float
-        Time at which the run starts.
+    y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free to
+    change, then the baths; s has the accounts.  A slot of -1 is absent.
     """
 
     scene: Scene
-    asperites: Any
-    surfaces: Any
+    asperites: Any  # recarray of ASPERITE, with the slots of samples
+    surfaces: Any  # recarray of SURFACE, the same
     model: Model
-    start: np.ndarray
-    core: int
+    start: np.ndarray  # (2 coordinates,) y at the start of the run
+    core: int  # number of the asperites' coordinates, before those of baths
     coordinates: int
     accounts: int
-    places: slots.Places
-    room: tuple[int, int]
-    velocity: np.ndarray
-    origin: np.ndarray
-    parts: dict[str, slice]
+    places: slots.Places  # where the kernels have what y and s have
+    room: tuple[int, int]  # coordinates and accounts of the kernels
+    velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
+    origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
+    parts: dict[str, slice]  # surface -> slice of its asperites
     calculator_calls: tuple[Call, ...]
-    rows: int
-    skin: float
-    beginning: float = 0.0
+    rows: int  # of the neighbour list, 0 without one
+    skin: float  # how much farther than a cutoff the list reaches
+    beginning: float = 0.0  # time at which the run starts
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -270,7 +238,8 @@ def lay_out(scene: Scene) -> Layout:
     theirs = slots.number(scene, physics, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
     if scene.output.ledger == "surfaces":
-        slots.without_accounts(asperites)
+        for name in slots.GROUPS:  # only lanes have accounts
+            asperites[name] = -1
     start = start_of(asperites, scene, parts, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])
@@ -280,15 +249,15 @@ def lay_out(scene: Scene) -> Layout:
     model = model_tables(scene, asperites, theirs, places)._replace(
         contacts=between,
         within=within,
-        inner=room((2, theirs.columns)) if within else None,
+        inner=True if within else None,
         calculators=contacts.calculators(scene, calls),
         fields=fields,
-        external=room((2, theirs.columns)) if fields else None,
+        external=True if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
-        end_forces=room((4, theirs.columns)) if ends else None,
+        end_forces=True if ends else None,
+        team=True if shares(scene, between + (within or ())) else None,
     )
-    model = model._replace(team=team_of(scene, model, between + (within or ())))
     layout = Layout(
         scene=scene,
         asperites=asperites.view(np.recarray),

@@ -12,17 +12,22 @@ import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
-from tribo.compiler.team import Team
-from tribo.kernels.records import Model
+from tribo.compiler.pointers import map_arrays
+from tribo.kernels.records import BOB_ROWS, Model
 from tribo.layout import contacts
 from tribo.layout.layout import Layout
+from tribo.layout.threads import new_team
 from tribo.potentials.from_ase import Call
 
-# Tables of the kernels that are written, one column an asperite.
-SCRATCH = (
-    *("bobs", "drive", "inner", "external", "internal", "displaced", "friction"),
-    *("swing_friction", "end_forces", "bath_momentum"),
-)
+# Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
+# model of a layout they are True where a loop needs them.
+SCRATCH = {
+    **dict.fromkeys(("drive", "inner", "external", "internal", "displaced", "friction"), 2),
+    "bobs": BOB_ROWS,
+    "swing_friction": 1,
+    "end_forces": 4,
+    "bath_momentum": 2,
+}
 
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
@@ -33,50 +38,42 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
         depths = [layout.depths[part] for part in layout.parts.values()]
         calls = contacts.calculator_calls(layout.scene, depths)
         model = model._replace(calculators=contacts.calculators(layout.scene, calls))
-    team = None if model.team is None else _own_team(model.team)
+    team = None if model.team is None else new_team(layout.scene, model)
     return model._replace(surfaces=model.surfaces.copy(), team=team), calls
 
 
 def with_scratch(model: Model, columns: int) -> Model:
-    """The model with scratch of its own, with so many columns."""
-    tables = {name: getattr(model, name) for name in SCRATCH}
-    own: dict[str, Any] = {n: room((len(t), columns)) for n, t in tables.items() if t is not None}
-    return model._replace(**own)
+    """The model of a layout with the tables that a loop writes, with so many columns."""
+    return model._replace(**{name: room((SCRATCH[name], columns)) for name in _needed(model)})
 
 
-def _own_team(team: Team) -> Team:
-    """A team whose threads share the work of one loop."""
-    own = {name: getattr(team, name).copy() for name in team._fields if name != "reactions"}
-    return team._replace(**own | {"reactions": room(team.reactions.shape)})
+def scratch_bytes(model: Model) -> int:
+    """Bytes of the tables that a loop writes."""
+    return 8 * model.each.shape[1] * sum(SCRATCH[name] for name in _needed(model))
+
+
+def _needed(model: Model) -> list[str]:
+    """The names of the tables that loops of a layout write."""
+    return [name for name in SCRATCH if getattr(model, name) is not None]
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
     """Nested tuples whose arrays are parts of one array, and that array, restored at once."""
-    numbers = room((sum(map(_size, arrays_in(item))),))
-    return _moved(item, numbers), numbers
+    numbers, place = room((sum(map(_size, arrays_in(item))),)), 0
+
+    def move(array: np.ndarray) -> np.ndarray:
+        nonlocal place
+        new = numbers[place : place + array.size].reshape(array.shape)
+        new[...] = array
+        place += _size(array)
+        return new
+
+    return map_arrays(move, item), numbers
 
 
 def _size(array: np.ndarray) -> int:
     """Numbers that an array takes, to the end of a block."""
     return -(-array.size // LANES) * LANES
-
-
-def _moved(item: Any, memory: np.ndarray) -> Any:
-    """Nested tuples whose arrays are parts of one array, which is restored at once."""
-    places = iter(np.cumsum([0, *map(_size, arrays_in(item))]).tolist())
-
-    def move(one: Any) -> Any:
-        if isinstance(one, np.ndarray):
-            first = next(places)
-            new = memory[first : first + one.size].reshape(one.shape)
-            new[...] = one
-            return new
-        if isinstance(one, tuple):
-            parts = [move(each) for each in one]
-            return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
-        return one
-
-    return move(item)
 
 
 def arrays_in(item: object) -> Iterator[np.ndarray]:

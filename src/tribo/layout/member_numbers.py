@@ -26,26 +26,13 @@ VELOCITY, ASPERITE_PART = "velocity", "asperite"
 
 
 class MemberNumbers(NamedTuple):
-    """The numbers of some members, where they differ from the scene of all.
+    """The numbers of some members, where they differ from the scene of all."""
 
-    Attributes
-    ----------
-    asperites : ndarray, (members, n), of ASPERITE
-        With the slots of the scene's layout.
-    charges : ndarray, (members, n)
-        Of the bobs.
-    velocity : ndarray, (members, surfaces, 2)
-        Of each surface in the laboratory, x and y.
-    of_surfaces : ndarray, (members, surfaces, numbers)
-        The numbers of `OF_MEMBERS` of each surface.
-    potential : ndarray, (members, fields)
-        The numbers of the potential of the only interaction; without columns where it has others.
-    """
-
-    asperites: np.ndarray
-    charges: np.ndarray
-    velocity: np.ndarray
-    of_surfaces: np.ndarray
+    asperites: np.ndarray  # (members, n) of ASPERITE, with the slots of the scene's layout
+    charges: np.ndarray  # (members, n)
+    velocity: np.ndarray  # (members, surfaces, 2) in the laboratory
+    of_surfaces: np.ndarray  # (members, surfaces, numbers), see OF_MEMBERS
+    # (members, fields) of the only interaction; without columns where it has others.
     potential: np.ndarray
 
     def of_members(self, selected: np.ndarray | slice) -> MemberNumbers:
@@ -115,21 +102,9 @@ def _names_of_potential(layout: Layout) -> tuple[str, ...]:
 
 
 def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> MemberNumbers:
-    """The numbers of members.
+    """The numbers of members, from their values (members, 1), or (members, 2) of velocities.
 
-    Parameters
-    ----------
-    layout : Layout
-        Of the scene of all.
-    members : int
-        How many there are.
-    values : mapping
-        Key -> (members, 1), of a velocity (members, 2).
-
-    Raises
-    ------
-    InputError
-        A number cannot be used.
+    Raises InputError if a number cannot be used.
     """
     scene = layout.scene
     asperites = np.tile(np.asarray(layout.asperites).view(ASPERITE), (members, 1))
@@ -214,11 +189,6 @@ class LayoutOfMembers(Layout):
     """The layout of members that differ in numbers, as the ledger reads it.
 
     Parameters of asperites have a row for each time and member, as the samples have.
-
-    Attributes
-    ----------
-    numbers : MemberNumbers
-        Of the members.
     """
 
     numbers: MemberNumbers = field(kw_only=True)

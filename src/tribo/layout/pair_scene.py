@@ -16,22 +16,7 @@ from tribo.kernels.records import FREE
 from tribo.layout.layout import Layout
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import ENERGY
-from tribo.pair.step_rows import (
-    J_Y,
-    Q1,
-    Q2,
-    T1,
-    T2,
-    V1,
-    V2,
-    X1,
-    X2,
-    Y1,
-    Y2,
-    J,
-    K,
-    S,
-)
+from tribo.pair.step_rows import J_Y, Q1, Q2, T1, T2, V1, V2, X1, X2, Y1, Y2, J, K, S
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
 ARC1, ARC2 = ENERGY, ENERGY + 1
@@ -41,25 +26,13 @@ FIRST_ACCOUNT = J + 1
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The factors from a row of the loop's record, with its arcs, to the scene's layout.
+    """The factors from a row of the loop's record, with its arcs, to the scene's layout."""
 
-    Attributes
-    ----------
-    state : ndarray, (2 coordinates, columns)
-        Those of y.
-    accounts : ndarray, (accounts, columns)
-        Those of s.
-    linear : dict
-        Those of linear functions of s by their keys, (columns, ...); without the arcs where these
-        have no part.
-    driven : Layout or None
-        The scene's layout, if its bars are driven: the reactions on them are not linear.
-    """
-
-    state: np.ndarray
-    accounts: np.ndarray
+    state: np.ndarray  # (2 coordinates, columns) those of y
+    accounts: np.ndarray  # (accounts, columns) those of s
+    # Those of linear functions of s by their keys; without the arcs where they have no part.
     linear: dict[Hashable, np.ndarray]
-    driven: Layout | None
+    driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -116,20 +89,9 @@ def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
 def record_of(
     asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
 ) -> np.ndarray:
-    """Scenes as the loop reads them; driven bars take the place of centres of mass.
+    """Scenes as the loop reads them, (...) of PAIR; driven bars take the place of centres of mass.
 
-    Parameters
-    ----------
-    asperites : ndarray, (..., 2), of ASPERITE
-        Those of each scene.
-    depths : ndarray, (2,)
-        z of the bobs.
-    charges, mobility : ndarray, (..., 2)
-        Of the bobs; :func:`mobility_of`.
-
-    Returns
-    -------
-    ndarray, (...), of PAIR
+    Asperites, charges and mobility are (..., 2); `depths` are z of the two bobs.
     """
     a = asperites
     record = np.zeros(a.shape[:-1], PAIR)

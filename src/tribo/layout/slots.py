@@ -35,19 +35,11 @@ GROUPS = {
 
 @dataclass(frozen=True)
 class Numbering:
-    """The slots of all surfaces in one numbering.
-
-    Attributes
-    ----------
-    surfaces : ndarray of SURFACE
-        With their slots.
-    core, coordinates, accounts : int
-        Coordinates of the asperites; all coordinates, with the baths'; accounts.
-    """
+    """The slots of all surfaces in one numbering."""
 
     surfaces: np.ndarray
-    core: int
-    coordinates: int
+    core: int  # coordinates of the asperites
+    coordinates: int  # all of them, with the baths'
     accounts: int
 
     @property
@@ -160,12 +152,6 @@ def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, .
             asperites[name] = np.where(own[name] >= 0, own[name] + each * place, -1)
 
 
-def without_accounts(asperites: np.ndarray) -> None:
-    """Let asperites have no accounts of their own."""
-    for name in GROUPS:
-        asperites[name] = -1
-
-
 def arm_ratios(surface: Surface) -> np.ndarray:
     """l2 / l1 of each asperite."""
     each = surface.each
@@ -192,21 +178,11 @@ def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Places:
-    """Where the kernels have what samples have.
+    """Where the kernels have what samples have."""
 
-    Attributes
-    ----------
-    columns : ndarray, (n,)
-        Of the asperites, in the tables of the kernels.
-    q : ndarray, (coordinates,)
-        Of the coordinates.
-    s : ndarray, (accounts,)
-        Of the accounts.
-    """
-
-    columns: np.ndarray
-    q: np.ndarray
-    s: np.ndarray
+    columns: np.ndarray  # (n,) of the asperites, in the tables of the kernels
+    q: np.ndarray  # (coordinates,)
+    s: np.ndarray  # (accounts,)
 
 
 def spatial_order(bobs: np.ndarray) -> np.ndarray:

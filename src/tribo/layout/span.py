@@ -18,29 +18,15 @@ Asperites = SimpleNamespace  # the fields of kernels.records.ASPERITE, each an a
 
 @dataclass(frozen=True, eq=False)
 class Span:
-    """Some consecutive asperites.
+    """Some consecutive asperites."""
 
-    Attributes
-    ----------
-    place : slice
-        Of the asperites among all.
-    asperites : Asperites
-        Their parameters and slots.
-    velocity : ndarray, (2, asperites)
-        Initial velocity of their surface, in the laboratory.
-    held : ndarray, (asperites,)
-        1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
-    reservoir : ndarray, (2, asperites)
-        Velocity of the reservoir in the surface's first frame.
-    present : frozenset of str
-        Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has.
-    """
-
-    place: slice
-    asperites: Asperites
-    velocity: np.ndarray
+    place: slice  # of the asperites among all
+    asperites: Asperites  # their parameters and slots
+    velocity: np.ndarray  # (2, asperites) initial velocity of their surface, in the laboratory
+    # (asperites,) 1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
     held: np.ndarray
-    reservoir: np.ndarray
+    reservoir: np.ndarray  # (2, asperites) velocity of the reservoir in the surface's first frame
+    # Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has.
     present: frozenset[str]
     _consecutive: dict[str, bool] = field(default_factory=dict, init=False, repr=False)
 

@@ -9,20 +9,14 @@ import numpy as np
 from tribo.layout.slots import Numbering
 from tribo.model.bath import Bath, thermal_start, thermal_torsional_start
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
+
+Parts = dict[str, slice]  # surface -> its asperites
 
 
 class Draws:
     """Normal deviates of several runs, each from a generator of its own.
 
-    Parameters
-    ----------
-    seeds : sequence of int
-        Of the runs.
-    surface : int
-        The index of a surface.
-    of : int
-        What is drawn: 1 for oscillators, 3 for a start.
+    `of` says what is drawn for a surface: 1 for oscillators, 3 for a start.
     """
 
     def __init__(self, seeds: Sequence[int], surface: int, of: int) -> None:
@@ -33,9 +27,7 @@ class Draws:
         return np.array([own.standard_normal(shape) for own in self._generators])
 
 
-def start_of(
-    asperites: np.ndarray, scene: Scene, parts: dict[str, slice], numbering: Numbering
-) -> np.ndarray:
+def start_of(asperites: np.ndarray, scene: Scene, parts: Parts, numbering: Numbering) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * numbering.coordinates)
     q, v = y[: numbering.coordinates], y[numbering.coordinates :]
@@ -49,88 +41,65 @@ def start_of(
         turning = asperites["dof_phi"][part]
         if surface.bars != "clamped":
             q[turning], v[turning] = phi, nu
-        displace(asperites[part], initial, q, v)
-    draw_starts(asperites, scene, parts, q[None], v[None], [scene.seed])
-    start_baths(asperites, scene, parts, q[None], v[None], [scene.seed])
+        for name, values in (("x", q), ("y", q), ("vx", v), ("vy", v)):
+            given = initial[name]
+            if given is not None:
+                values[asperites[f"dof_{name[-1]}"][part]] = given
+    draw_starts(asperites, scene, parts, y[None], [scene.seed])
+    start_baths(asperites, scene, parts, y[None], [scene.seed])
     return y
-
-
-def displace(
-    asperites: np.ndarray, initial: dict[str, np.ndarray | None], q: np.ndarray, v: np.ndarray
-) -> None:
-    """Set the displacements of centres of mass and their rates that are given."""
-    for name, values in (("x", q), ("y", q), ("vx", v), ("vy", v)):
-        given = initial[name]
-        if given is not None:
-            values[asperites[f"dof_{name[-1]}"]] = given
 
 
 def draw_starts(
     asperites: np.ndarray,
     scene: Scene,
-    parts: dict[str, slice],
-    q: np.ndarray,
-    v: np.ndarray,
+    parts: Parts,
+    y: np.ndarray,
     seeds: Sequence[int],
 ) -> None:
     """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
 
-    Energies of torsion springs and of motion have Boltzmann's distribution.  q and v are
-    (runs, coordinates).
+    Energies of torsion springs and of motion have Boltzmann's distribution.  `y` is
+    (runs, 2 coordinates).
     """
+    q, v = np.split(y, 2, axis=1)
     for index, surface in enumerate(scene.surfaces):
-        if surface.initial.temperature:
-            part = parts[surface.name]
-            draws = Draws(seeds, index, 3)
-            _draw_start(asperites[part], scene, surface, part, q, v, draws)
+        temperature = surface.initial.temperature
+        if not temperature:
+            continue
+        part, draws = parts[surface.name], Draws(seeds, index, 3)
+        own = asperites[part]
 
+        def drawn(inertia: np.ndarray, T: float = temperature, draws: Draws = draws) -> np.ndarray:
+            return np.sqrt(T / inertia) * draws.standard_normal(np.shape(inertia))
 
-def _draw_start(
-    asperites: np.ndarray,
-    scene: Scene,
-    surface: Surface,
-    part: slice,
-    q: np.ndarray,
-    v: np.ndarray,
-    draws: Draws,
-) -> None:
-    """Draw the starts of one surface."""
-    temperature, count = surface.initial.temperature, asperites.size
-
-    def drawn(inertia: np.ndarray) -> np.ndarray:
-        return np.sqrt(temperature / inertia) * draws.standard_normal(np.shape(inertia))
-
-    q[:, part] = asperites["phi"]
-    if not surface.asperite.is_rigid:
-        q[:, part] += drawn(asperites["kappa"])
-        v[:, part] = drawn(asperites["inertia"] + asperites["mass"] * asperites["pivot"] ** 2)
-    if surface.bars != "clamped":
-        v[:, asperites["dof_phi"]] = drawn(asperites["i2"])
-    if scene.slides_along_x(surface):
-        mass = np.sum(asperites["mass"]) if surface.moves_as_one else asperites["mass"]
-        v[:, asperites["dof_x"]] = np.broadcast_to(drawn(mass).reshape(len(v), -1), (len(v), count))
-    if scene.slides_along_y(surface):
-        v[:, asperites["dof_y"]] = drawn(asperites["mass"])
+        q[:, part] = own["phi"]
+        if not surface.asperite.is_rigid:
+            q[:, part] += drawn(own["kappa"])
+            v[:, part] = drawn(own["inertia"] + own["mass"] * own["pivot"] ** 2)
+        if surface.bars != "clamped":
+            v[:, own["dof_phi"]] = drawn(own["i2"])
+        if scene.slides_along_x(surface):
+            mass = np.sum(own["mass"]) if surface.moves_as_one else own["mass"]
+            v[:, own["dof_x"]] = drawn(mass).reshape(len(v), -1)
+        if scene.slides_along_y(surface):
+            v[:, own["dof_y"]] = drawn(own["mass"])
 
 
 def start_baths(
     asperites: np.ndarray,
     scene: Scene,
-    parts: dict[str, slice],
-    q: np.ndarray,
-    v: np.ndarray,
+    parts: Parts,
+    y: np.ndarray,
     seeds: Sequence[int],
 ) -> None:
-    """Start oscillators at the bars, or drawn about them at temperature T.
-
-    q and v are (runs, coordinates), of runs with some seeds.
-    """
+    """Start oscillators at the bars, or drawn about them at temperature T, likewise."""
+    q, v = np.split(y, 2, axis=1)
     for index, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        own, bath = asperites[part], surface.bath
-        hang_baths(own, bath, part, q)
+        part, bath = parts[surface.name], surface.bath
+        hang_baths(asperites[part], bath, part, q)
         if bath.temperature > 0.0:
-            _draw_baths(own, bath, q, v, Draws(seeds, index, 1))
+            _draw_baths(asperites[part], bath, q, v, Draws(seeds, index, 1))
 
 
 def _draw_baths(

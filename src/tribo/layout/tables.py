@@ -43,32 +43,21 @@ def model_tables(
         ledger=None if scene.output.ledger == "none" else True,
         sums=True if scene.output.ledger == "surfaces" else None,
         contacts=(),
-        within=None,
-        calculators=None,
         species=contacts.species(scene, places.columns, n),
-        bobs=room((records.BOB_ROWS, n)),
-        drive=room((2, n)),
-        inner=None,
-        external=None,
-        internal=room((2, n)) if pulls else None,
-        displaced=room((2, n)) if pulls else None,
-        friction=room((2, n)) if on_bars else None,
-        swing_friction=room((1, n)) if on_swings else None,
+        bobs=True,
+        drive=True,
+        internal=True if pulls else None,
+        displaced=True if pulls else None,
+        friction=True if on_bars else None,
+        swing_friction=True if on_swings else None,
         pivots=_pivots(asperites, numbering.surfaces, shared),
         fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
         turning=True if np.any(numbering.surfaces["turning"]) else None,
-        end_forces=None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
         bath=bath,
-        bath_momentum=None if bath is None else room((2, n)),
+        bath_momentum=None if bath is None else True,
         torsional=torsional,
-        fields=None,
-        drives=None,
-        ends=None,
-        members=None,
-        own=None,
-        team=None,
     )
 
 
@@ -100,17 +89,7 @@ def count_of_constants(surfaces: np.ndarray) -> int:
 def columns_of_constants(
     surfaces: np.ndarray, owners: np.ndarray, columns: np.ndarray
 ) -> np.ndarray:
-    """The columns of the constants of some asperites.
-
-    Parameters
-    ----------
-    surfaces : ndarray of SURFACE
-        All surfaces.
-    owners : ndarray, (n,)
-        The surface of each asperite.
-    columns : ndarray, (n,)
-        Of the asperites.
-    """
+    """The columns of the constants of some asperites, from their surfaces and columns."""
     place = (columns - surfaces["start"][owners]) & surfaces["constants_mask"][owners]
     return np.asarray(surfaces["first_constants"][owners] + place)
 

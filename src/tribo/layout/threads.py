@@ -37,40 +37,16 @@ TILES = 48
 
 
 class Threads(NamedTuple):
-    """The number of threads of a run.
-
-    Attributes
-    ----------
-    number : int
-        Threads.
-    why : str
-        Why so many, as the end of a sentence.
-    """
+    """The number of threads of a run."""
 
     number: int
-    why: str
+    why: str  # as the end of a sentence
 
 
 def threads_of(model: Model, method: Method, threads: int | None) -> Threads:
-    """The number of threads of a run.
+    """The number of threads of a run: as wanted, by TRIBO_THREADS, or that of cores.
 
-    Parameters
-    ----------
-    model : Model
-        The scene; its `team` is None where threads do not pay.
-    method : Method
-        How time advances.
-    threads : int or None
-        The number wanted; None for TRIBO_THREADS, or without it as many as there are cores.
-
-    Returns
-    -------
-    Threads
-
-    Raises
-    ------
-    InputError
-        The number wanted is no positive integer.
+    One where they do not pay.  Raises InputError if the number wanted is no positive integer.
     """
     wanted, why = _wanted(threads)
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
@@ -94,16 +70,21 @@ def _wanted(threads: int | None) -> tuple[int, str]:
     return int(text), f"by {VARIABLE}"
 
 
-def team_of(scene: Scene, model: Model, contacts: tuple[Contact, ...]) -> Team | None:
-    """How threads share the work of a scene; None where a step is too short."""
+def shares(scene: Scene, contacts: tuple[Contact, ...]) -> bool:
+    """Whether a step of a scene takes so long that threads can share it."""
     counts = [surface.count for surface in scene.surfaces]
     pairs = 0
     for contact in contacts:
         for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
             blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
             pairs += counts[one] * blocks
-    if LANES * pairs < SHARED_PAIRS or config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return None
+    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+    return compiled and LANES * pairs >= SHARED_PAIRS
+
+
+def new_team(scene: Scene, model: Model) -> Team:
+    """How threads share the work of a loop."""
+    counts = [surface.count for surface in scene.surfaces]
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
     columns, tiles = model.each.shape[1], tiles_of(model)
     counters = np.zeros(COUNTERS, np.int64)

@@ -20,21 +20,11 @@ T = TypeVar("T")
 
 
 class MemberStarts(NamedTuple):
-    """Members before their runs.
+    """Members before their runs."""
 
-    Attributes
-    ----------
-    y : ndarray, (members, 2 coordinates)
-        Their states at t = 0.
-    seeds : ndarray, (members,)
-        From which noise is drawn.
-    numbers : MemberNumbers or None
-        Numbers of their own.
-    """
-
-    y: np.ndarray
-    seeds: np.ndarray
-    numbers: MemberNumbers | None = None
+    y: np.ndarray  # (members, 2 coordinates) at t = 0
+    seeds: np.ndarray  # (members,) from which noise is drawn
+    numbers: MemberNumbers | None = None  # where members have numbers of their own
 
     def of_members(self, selected: np.ndarray | slice) -> MemberStarts:
         """Some of them."""
@@ -48,20 +38,11 @@ class MemberStarts(NamedTuple):
 
 
 class MemberRuns(NamedTuple):
-    """The runs of some members.
+    """The runs of some members."""
 
-    Attributes
-    ----------
-    layout : Layout
-        Of the members, by which their samples are read.
-    samples : Samples
-        At all times; those of members that did not complete have no meaning.
-    counts : ndarray, (members, COUNTS)
-        Columns of :mod:`tribo.kernels.status`; PAUSED of those that need a run of their own.
-    """
-
-    layout: Layout
-    samples: Samples
+    layout: Layout  # by which the samples are read
+    samples: Samples  # without a meaning for members that did not complete
+    # (members, COUNTS); the code is PAUSED where a member needs a run of its own.
     counts: np.ndarray
 
     @property
@@ -92,13 +73,7 @@ class MemberLoop(Protocol):
 
 
 class RecordingLoop(ABC):
-    """A loop over members that records samples as those of single runs, member by member.
-
-    Attributes
-    ----------
-    layout : Layout
-        That of all members, but for what `MemberStarts` has.
-    """
+    """A loop over members that records samples as those of single runs, member by member."""
 
     layout: Layout
 
@@ -127,13 +102,7 @@ def padded(members: int) -> int:
 
 
 class Pool(Generic[T]):
-    """Loops of one kind, each of which one thread uses at a time.
-
-    Parameters
-    ----------
-    new : callable
-        Makes a loop.
-    """
+    """Loops of one kind, made by `new`, each of which one thread uses at a time."""
 
     def __init__(self, new: Callable[[], T]) -> None:
         self._new = new

@@ -33,16 +33,9 @@ def has_batches(layout: Layout) -> bool:
 
 
 class GeneralMembers(GeneralLoop, RecordingLoop):
-    """A time loop that runs one member after another.
+    """A time loop that runs one member after another of a scene for which `has_batches` is true.
 
-    Parameters
-    ----------
-    layout : Layout
-        That of all members, but for their starts and seeds; `has_batches` is true.
-    method : Method
-        How time advances.
-    first_step : float
-        The longest first step of an adaptive method [time].
+    `first_step` is the longest one of an adaptive method [time].
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from tribo.compiler.jit import EntryPoint, time_loop
@@ -29,15 +31,7 @@ MOST_STEPS = 2048
 class PairMembers:
     """The loop of single runs for many members, without Python between them.
 
-    Parameters
-    ----------
-    pair : Pair
-        The scene.
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
+    Raises InputError if the potential does not compile.
     """
 
     def __init__(self, pair: Pair) -> None:
@@ -46,8 +40,7 @@ class PairMembers:
         self._record, potential = pair.scene_arguments
         self._numbers = np.array([numbers_of(potential)], float)
         self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
-        starts, samples, counts = np.empty((1, self._size)), self._room(1), self._counts(1)
-        examples = self._arguments(self._record, self._numbers, starts, samples, counts)
+        examples = self._arguments(self._record, self._numbers, np.empty((1, self._size)))
         loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
             self._loop = EntryPoint(loop, (potential,), examples)
@@ -61,27 +54,16 @@ class PairMembers:
         if numbers is not None:
             record = records_of(self._pair.layout, numbers)
             potential = np.ascontiguousarray(numbers.potential)
-        members = len(starts.y)
-        samples, counts = self._room(members), self._counts(members)
-        y = np.ascontiguousarray(starts.y)
-        self._loop(*self._arguments(record, potential, y, samples, counts))
+        arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
+        self._loop(*arguments)
+        samples, counts = arguments[-3:-1]
         return pair_runs(self._pair, self._times, samples, counts, numbers)
 
-    def _room(self, members: int) -> np.ndarray:
-        return np.empty((self._times.size, members, COLUMNS))
-
-    def _counts(self, members: int) -> np.ndarray:
-        return np.empty((members, COUNTS), np.int64)
-
     def _arguments(
-        self,
-        record: np.ndarray,
-        potential: np.ndarray,
-        starts: np.ndarray,
-        samples: np.ndarray,
-        counts: np.ndarray,
-    ) -> tuple[np.ndarray | int, ...]:
-        """The arguments of the loop, behind the potential."""
+        self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the potential; samples and counts before the last."""
+        members, times = len(starts), self._times.size
         return (
             record,
             potential,
@@ -90,9 +72,9 @@ class PairMembers:
             starts,
             np.empty(self._size),
             self._times,
-            np.empty((self._times.size + 1, COLUMNS)),
-            samples,
-            counts,
+            np.empty((times + 1, COLUMNS)),
+            np.empty((times, members, COLUMNS)),
+            np.empty((members, COUNTS), np.int64),
             MOST_STEPS,
         )
 
@@ -108,9 +90,8 @@ def pair_runs(
 
     With numbers of their own, or those of the scene.
     """
-    layout, members = pair.layout, len(counts)
-    rows = samples.reshape(-1, COLUMNS)
-    found = PairSamples(np.repeat(times, members), rows, samples[0], pair.factors)
+    layout, each_time = pair.layout, np.repeat(times, len(counts))
+    found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
     mobility = mobility_of(layout, numbers.asperites)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.compiler.potential_numbers import numbers_of
-from tribo.integrators.lane_queue import Queue, queue_of
+from tribo.integrators.lane_queue import queue_of
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import CODE, PAUSED
@@ -41,23 +43,10 @@ def _follow_from_motion(records: np.ndarray) -> np.ndarray:
 
 
 class PairLanes:
-    """A loop over members of a scene of two asperites in lanes, by an explicit method.
+    """A loop over members of a scene with `has_lanes`, by an explicit method.
 
-    Members whose ledger does not follow from their motion have the status PAUSED.
-
-    Parameters
-    ----------
-    pair : Pair
-        The scene, for which `has_lanes` is true.
-    method : Nystrom
-        The method.
-    own_numbers : bool
-        Whether members have numbers of their own.
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
+    Members whose ledger does not follow from their motion have the status PAUSED.  Raises
+    InputError if the potential does not compile.
     """
 
     def __init__(self, pair: Pair, method: Nystrom, own_numbers: bool = False) -> None:
@@ -71,9 +60,8 @@ class PairLanes:
         numbers = len(PairScene._fields) + len(numbers_of(potential))
         scenes = np.zeros((1, numbers)) if own_numbers else None
         self._rows = GROUPS * (lanes.F + 3 * self._stages + (numbers if own_numbers else 0))
-        starts, samples = np.empty((1, pair.layout.start.size)), np.empty((2, 1, COLUMNS))
-        queue = queue_of(1, GROUPS * LANES)
-        examples = self._arguments(scenes, np.zeros((1, LANES)), starts, samples, queue)
+        starts = np.empty((1, pair.layout.start.size))
+        examples = self._arguments(scenes, np.zeros((1, LANES)), starts)
         loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins))
         with compiling(loop, pair.layout.named_plugins):
             self._loop = EntryPoint(loop, (PairScene(*record.item()), potential), examples)
@@ -82,13 +70,14 @@ class PairLanes:
         """Run members with tolerances."""
         assert isinstance(setting, Tolerance)
         y, numbers = np.ascontiguousarray(starts.y), starts.numbers
-        samples, queue = np.empty((2, len(y), COLUMNS)), queue_of(len(y), GROUPS * LANES)
         scenes, others = None, np.zeros(len(y), bool)
         if numbers is not None:
             records = records_of(self._pair.layout, numbers)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
-        self._loop(*self._arguments(scenes, self._bounds(setting), y, samples, queue))
+        arguments = self._arguments(scenes, self._bounds(setting), y)
+        self._loop(*arguments)
+        samples, queue = arguments[-3:-1]
         queue.counts[others, CODE] = PAUSED
         return pair_runs(self._pair, self._times, samples, queue.counts, numbers)
 
@@ -104,13 +93,9 @@ class PairLanes:
         return bounds
 
     def _arguments(
-        self,
-        scenes: np.ndarray | None,
-        bounds: np.ndarray,
-        starts: np.ndarray,
-        samples: np.ndarray,
-        queue: Queue,
-    ) -> tuple[np.ndarray | Queue | int | None, ...]:
-        """The arguments of the loop, behind the scene."""
-        memory = np.zeros((self._rows, LANES))
+        self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the scene; samples and queue before the last."""
+        memory, samples = np.zeros((self._rows, LANES)), np.empty((2, len(starts), COLUMNS))
+        queue = queue_of(len(starts), GROUPS * LANES)
         return scenes, memory, self._table, bounds, starts, samples, queue, self._stages

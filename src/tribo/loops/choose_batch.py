@@ -22,18 +22,8 @@ def choose_batch(
 ) -> Batch:
     """The fastest kind of batch that runs members of a scene by a method.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene; if it is no pair, `has_batches` is true.
-    method : Method
-        How time advances.
-    first_step : float
-        The longest first step of an adaptive method [time].
-    own_numbers : bool
-        Whether members differ in numbers too; if they are no pair, `fit_lanes` is true.
-    pair : Pair, optional
-        The scene as a pair, if it is one.
+    A scene that is no pair has `has_batches`, and `fit_lanes` too if members have numbers of their
+    own.  `first_step` is the longest one of an adaptive method [time].
     """
     if pair is not None:
         return Batch(lambda: PairMembers(pair))

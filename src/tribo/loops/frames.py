@@ -45,19 +45,8 @@ IDENTITY = "identity"
 class Frames:
     """A file of frames, of this process alone; a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    identity : dict
-        What is computed; see :func:`tribo.model.identity.identity_of`.
-    resume : bool
-        Whether to keep what the file has, if there is one; else the first frame replaces it.
-
-    Raises
-    ------
-    InputError
-        The file is of another computation, or cannot be read, or another process writes it.
+    With `resume` it keeps the frames that the file has; else the first new frame replaces them.
+    Raises InputError if the file is of another computation, cannot be read, or is in use.
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
@@ -130,7 +119,7 @@ class Frames:
         while True:
             try:
                 self.path.touch()
-                file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
+                file = open(self.path, "r+b", buffering=0)
             except OSError as error:
                 raise not_written(self.path, error) from None
             lock(file, self.path)
@@ -197,7 +186,7 @@ class Frames:
         new, places = self.path.with_name(self.path.name + NEW), {}
         end = len(MAGIC)
         try:
-            file = open(new, "w+b", buffering=0)  # noqa: SIM115
+            file = open(new, "w+b", buffering=0)
             lock(file, new)  # before it has the name that others look for
             file.write(MAGIC)
             for name, (offset, size) in self._places.items():

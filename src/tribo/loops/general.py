@@ -26,6 +26,8 @@ from tribo.loops.integrate import Columns, Memory, Setting
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 
+# The lists of neighbours, and when they were made.
+LISTS = ("start", "index", "place", "made", "listed")
 # Which blocks are active, and how long the others have not been advanced.
 SELECTION = ("blocks", "first", "since", "place", "selected")
 
@@ -33,37 +35,9 @@ SELECTION = ("blocks", "first", "since", "place", "selected")
 class GeneralLoop:
     """The time loop of a method for one scene, and the state of its run.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    method : Method
-        How time advances.
-    setting : float or Tolerance
-        The step, or the tolerances of an adaptive method.
-    start : ndarray, (2 coordinates,)
-        y at t = 0.
-    first_step : float
-        The first step of an adaptive method [time].
-    threads : int
-        Threads that share each step; the results do not depend on it.
-
-    Attributes
-    ----------
-    layout : Layout
-        The scene.
-    model : Model
-        The tables of the kernels, with scratch of this loop.
-    calls : tuple of Call
-        ASE calculators that it calls.
-    clocks : ndarray, (1,)
-        How far the run has come.
-    state : State
-        Coordinates, velocities, accounts, and what the method keeps of its last step.
-    adaptive : bool
-        Whether it chooses its steps.
-    compiled : callable
-        The loop, compiled at its first call.
+    It begins from `start`, y at t = 0, with the step, or the tolerances and the first step [time],
+    of its method.  Results do not depend on the number of threads that share each step.  `model`
+    has arrays that no other loop writes; `compiled` is compiled at its first call.
     """
 
     def __init__(
@@ -154,7 +128,7 @@ class GeneralLoop:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
-            for name in ("start", "index", "place", "made", "listed"):
+            for name in LISTS:
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
             if self._neighbours.active is not None:
                 for name in SELECTION:
@@ -169,13 +143,9 @@ class GeneralLoop:
         set_numbers(self.clocks, memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
-            self._neighbours = self._neighbours._replace(
-                start=memory["neighbours_start"].copy(),
-                index=memory["neighbours_index"].copy(),
-                place=with_spare_lanes(memory["neighbours_place"]),
-                made=memory["neighbours_made"].copy(),
-                listed=memory["neighbours_listed"].copy(),
-            )
+            lists = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
+            lists["place"] = with_spare_lanes(lists["place"])
+            self._neighbours = self._neighbours._replace(**lists)
             if self._neighbours.active is not None:
                 for name in SELECTION:
                     getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]

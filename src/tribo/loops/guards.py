@@ -33,14 +33,7 @@ def most_evaluations(scene: Scene) -> float:
 def reach_of(scene: Scene, whole: float, begin: float) -> str:
     """What a run would take and may take, and how far it may come, as a part of a sentence.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of the run.
-    whole : float
-        The evaluations that the whole run would take at its mean rate.
-    begin : float
-        When it begins [time].
+    At its mean rate the whole run from `begin` would take `whole` evaluations.
     """
     most = most_evaluations(scene)
     reach = begin + (scene.duration - begin) * min(1.0, most / whole)
@@ -53,19 +46,8 @@ def reach_of(scene: Scene, whole: float, begin: float) -> str:
 class ProgressGuard:
     """Predicts the evaluations of a run from its mean progress, after every so many trials.
 
-    No clock decides: the trials and the prediction are the same on every machine, and do not
-    depend on the chunks of steps in which a run is made.
-
-    Parameters
-    ----------
-    clocks : ndarray, (1,)
-        How far the run has come.
-    beginning, end : float
-        First and last time of the run [time].
-    asperites : int
-        How many there are.
-    most : float
-        Evaluations that the run may take.
+    No clock decides: the trials and the prediction are the same on every machine, and do not depend
+    on the chunks of steps in which a run is made.  The run may take `most` evaluations.
     """
 
     def __init__(

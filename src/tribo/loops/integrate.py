@@ -104,36 +104,18 @@ class PortionCheckpoints(Protocol):
 
 @dataclass(eq=False)
 class Integration:
-    """One integration of the equations of motion.
+    """One integration of the equations of motion."""
 
-    Attributes
-    ----------
-    recorded : callable
-        Returns the raw samples.
-    status : Status
-        How the integration ended.
-    counts : ndarray
-        Steps and evaluations of all forces, by the columns of :mod:`tribo.kernels.status`.
-    seconds : float
-        Wall time.
-    remembered : callable
-        Returns all that the time loop needs to continue from the end.
-    passages : tuple of int
-        Number of steps in which bobs passed an encounter far below k_B T, and the last two bobs.
-    failures : tuple of str
-        Errors that ASE calculators raised.
-    cut : bool
-        Whether the samples end before the memory, which is that of the original end.
-    """
-
-    recorded: Callable[[], Samples]
+    recorded: Callable[[], Samples]  # returns the raw samples
     status: Status
-    counts: np.ndarray
-    seconds: float
+    counts: np.ndarray  # (COUNTS,) steps, and evaluations of all forces
+    seconds: float  # wall time
+    # Returns all that the time loop needs to continue from the end.
     remembered: Callable[[], Memory]
+    # Steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     passages: tuple[int, ...] = (0, 0, 0)
-    failures: tuple[str, ...] = ()
-    cut: bool = False
+    failures: tuple[str, ...] = ()  # errors that ASE calculators raised
+    cut: bool = False  # whether the samples end before the memory
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _samples: Samples | None = None
 
@@ -187,27 +169,10 @@ def integrate(
     """Integrate through `times`.
 
     Ends at the last time, or where something stops it; then the state reached is the last sample.
-
-    Parameters
-    ----------
-    loop : TimeLoop
-        The state at the start.
-    times : ndarray, (times,)
-        The times to record.
-    progress : callable, optional
-        Called with the time reached.
-    streamed : StreamedLedger, optional
-        Takes in the samples, of which only the first and the last two are kept then.
-    checkpoints : Checkpoints, optional
-        Keeps what is reached, and has what was reached before; not of a streamed run.
-    portions : PortionCheckpoints, optional
-        The same of a streamed run.
-    columns : tuple of ndarray, optional
-        The samples of a loop that has begun.
-    before : Samples, optional
-        The first sample of the run that is continued; it comes before all others.
-    most : float, optional
-        Force evaluations that adaptive steps may take; those of the scene without it.
+    `streamed` takes in the samples, of which only the first and the last two are kept then; of such
+    a run `portions` keep what is reached, of others `checkpoints`.  `columns` are those of a loop
+    that has begun, `before` is the first sample of a run that is continued, and adaptive steps may
+    take `most` force evaluations, those of the scene without it.
     """
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
@@ -221,12 +186,7 @@ def integrate(
         if first > 0:
             loop.clocks["sample"] = 0
         status = _run_through(loop, portion, columns, progress, checkpoints, most)
-        memory = loop.memory()
-        if status != Status.COMPLETED:  # the loop goes on, to record where it stopped
-            memory = {name: array.copy() for name, array in memory.items()}
-        counts = np.zeros(COUNTS)
-        counts[[STEPS, EVALUATIONS]] = loop.clocks["steps"][0], loop.clocks["evaluations"][0]
-        passages = _passages(loop)
+        memory, counts, passages = _reached(loop, status)
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
             new = before.then(new)
@@ -255,11 +215,15 @@ def integrate(
     )
 
 
-def _passages(loop: TimeLoop) -> tuple[int, int, int]:
-    """Steps in which bobs passed an encounter far below k_B T, and the last two bobs."""
-    columns = [loop.clocks[name][0] for name in ("passing", "passed")]
-    one, other = (int(np.argmax(loop.layout.places.columns == column)) for column in columns)
-    return int(loop.clocks["passages"][0]), one, other
+def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[int, ...]]:
+    """Memory, counts and passages of a loop, which goes on to record where it has stopped."""
+    memory, counts = loop.memory(), np.zeros(COUNTS)
+    if status != Status.COMPLETED:
+        memory = {name: array.copy() for name, array in memory.items()}
+    names = ("steps", "evaluations", "passages", "passing", "passed")
+    counts[STEPS], counts[EVALUATIONS], passages, *last = (loop.clocks[name][0] for name in names)
+    bobs = (int(np.argmax(loop.layout.places.columns == column)) for column in last)
+    return memory, counts, (int(passages), *bobs)
 
 
 def _run_through(

@@ -43,20 +43,8 @@ class KeptIntegration:
 class Journal:
     """The journal of a run; a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    identity : dict
-        What is run; see :func:`tribo.model.identity.identity_of`.
-    resume : bool
-        Whether to continue what the file has, if there is one; else it is replaced by the first
-        integration.
-
-    Raises
-    ------
-    InputError
-        The file is of another run, or cannot be read, or another process writes it.
+    With `resume` it continues what the file has; else the first integration replaces the file.
+    Raises InputError if the file is of another run, cannot be read, or is in use.
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
@@ -79,7 +67,7 @@ class Journal:
         """Remove the file, as the result is complete."""
         self._frames.remove()
 
-    def integration(self, key: bytes) -> Entry:
+    def integration(self, key: bytes) -> JournaledIntegration:
         """The next integration of the run; `key` identifies its settings.
 
         Raises InputError if the one in the journal has other settings, or the file cannot be
@@ -95,7 +83,7 @@ class Journal:
                 str(self._frames.path),
                 "is of a run with other settings; start again without --resume",
             )
-        return Entry(self, number, self._kept[number])
+        return JournaledIntegration(self, number, self._kept[number])
 
     def write(self, number: int, name: object, arrays: Arrays) -> None:
         """Append a frame of an integration; it replaces the last one of the same name.
@@ -105,7 +93,7 @@ class Journal:
         self._frames.append((name, number), {"number": np.array(number)} | arrays)
 
 
-class Entry:
+class JournaledIntegration:
     """One integration in a journal; :class:`tribo.loops.integrate.Checkpoints`."""
 
     def __init__(self, journal: Journal, number: int, kept: KeptIntegration) -> None:
@@ -142,9 +130,12 @@ class Entry:
             rows = {f"column_{k}": c[self._done : done] for k, c in enumerate(columns)}
             self._journal.write(self._number, ("samples", self._done), rows)
             self._done = done
-        memory = {f"memory_{name}": array for name, array in loop.memory().items()}
-        memory["status"] = as_bytes(str(status or ""))
-        self._journal.write(self._number, "memory", memory)
+        self._keep_memory(loop.memory(), str(status or ""), began)
+
+    def _keep_memory(self, memory: Memory, status: str, began: float) -> None:
+        """Write what the loop needs to continue, at the end of a write that `began` then."""
+        arrays = {f"memory_{name}": array for name, array in memory.items()}
+        self._journal.write(self._number, "memory", arrays | {"status": as_bytes(status)})
         self._last = time.perf_counter()
         self._took = self._last - began
 
@@ -176,12 +167,9 @@ class Entry:
         new["portions"] = np.array(number)
         self._journal.write(self._number, ("portions", number), new)
         self._done = number
-        memory = {f"memory_loop_{name}": array for name, array in loop.memory().items()}
-        memory |= {f"memory_held_{each.name}": getattr(held, each.name) for each in fields(held)}
-        memory |= {"memory_portions": np.array(number), "status": as_bytes("")}
-        self._journal.write(self._number, "memory", memory)
-        self._last = time.perf_counter()
-        self._took = self._last - began
+        memory = {f"loop_{name}": array for name, array in loop.memory().items()}
+        memory |= {f"held_{each.name}": getattr(held, each.name) for each in fields(held)}
+        self._keep_memory(memory | {"portions": np.array(number)}, "", began)
 
 
 def _take_in(kept: KeptIntegration, arrays: Arrays) -> object:

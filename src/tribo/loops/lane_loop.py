@@ -43,26 +43,8 @@ class LaneLoop(RecordingLoop):
     """A scene for eight members of an ensemble, and memory of its own for their loop.
 
     A member that needs more care than the loop takes, at encounters that a step would jump or where
-    numbers are not finite, is run alone; one with numbers of its own is left with the status PAUSED
-    and samples of zeros.
-
-    Parameters
-    ----------
-    layout : Layout
-        That of all members, but for what `MemberStarts` has; `fit_lanes` is true.
-    method : Method
-        How time advances.
-    first_step : float
-        The longest first step of an adaptive method [time].
-    own_numbers : bool
-        Whether members differ in numbers too.
-    alone : Pool of GeneralMembers
-        Loops for members that are run alone.
-
-    Raises
-    ------
-    InputError
-        A plug-in does not compile.
+    numbers are not finite, is run by a loop of `alone`; one with numbers of its own is left with
+    the status PAUSED and samples of zeros.  Raises InputError if a plug-in does not compile.
     """
 
     def __init__(

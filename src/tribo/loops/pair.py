@@ -31,19 +31,7 @@ from tribo.loops.integrate import (
 from tribo.model.effects import Effect
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
-from tribo.pair.step_rows import (
-    FIRST,
-    LEVEL,
-    LIMITS,
-    OF_J,
-    OF_V1,
-    OF_V2,
-    ROWS,
-    STATE,
-    V1,
-    V2,
-    J,
-)
+from tribo.pair.step_rows import FIRST, LEVEL, LIMITS, OF_J, OF_V1, OF_V2, ROWS, STATE, V1, V2, J
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 
@@ -89,34 +77,10 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene of two asperites, and its compiled loops; threads can run it at the same time.
+    """A scene for which `has_pair_loop` is true, and its compiled loops.
 
-    Parameters
-    ----------
-    layout : Layout
-        Of a scene for which `has_pair_loop` is true.
-    method : Method
-        The collocation method.
-    first_step : float
-        A short first step [time].
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
-
-    Attributes
-    ----------
-    layout : Layout
-        Of the scene.
-    scene_arguments : tuple
-        The scene and its potential, the loop's first arguments.
-    factors : Factors
-        From the loop's record to the layout.
-    loops : Pool of PairLoop
-        One for each thread that runs the scene.
-    compile_seconds : float
-        Time taken to compile the loop, or to load it from disk.
+    Threads can run it at the same time: each takes a loop of its own.  Raises InputError if the
+    potential does not compile.
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
@@ -180,18 +144,7 @@ class Pair:
 
 
 class PairLoop:
-    """The time loop of a pair, and all that it writes; :class:`tribo.loops.integrate.TimeLoop`.
-
-    Parameters
-    ----------
-    pair : Pair
-        The scene.
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile.
-    """
+    """The time loop of a pair, and all that it writes; :class:`tribo.loops.integrate.TimeLoop`."""
 
     adaptive = True
     calls = ()

@@ -57,7 +57,7 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     stiffness = np.where(surfaces.drive == PULLED, pulling, 0.0)[..., a.surface]
     if springs is not None:
         columns = layout.places.columns
-        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.drive.shape[1])[columns]
+        stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
     return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members)))))
 
 
@@ -91,17 +91,8 @@ def longest_damped_step(
 ) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    gamma, swing_gamma, temperature, swing_temperature : ndarray, (..., surfaces), optional
-        Of the reservoirs, in place of those of the surfaces.
-
-    Returns
-    -------
-    float
-        The step [time]; infinite where no reservoir acts on pendulums that can swing.
+    Infinite where no reservoir acts on pendulums that can swing [time].  The numbers of reservoirs
+    are (..., surfaces); without them, those of the scene.
     """
     a, s, table = layout.asperites, layout.surfaces, layout.constants
     gamma = s.gamma if gamma is None else gamma

@@ -22,40 +22,10 @@ from tribo.model.scene import Scene
 class Integrator:
     """Integrates one layout by one method, with a loop that is compiled at construction.
 
-    A pair of asperites has a loop of its own where the method provides one.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    method : Method
-        How time advances.
-    first_step : float
-        The longest first step of an adaptive method [time].
-    progress : callable, optional
-        Called with the time reached, a few times a second.
-    origin : Origin, optional
-        The state from which the layout begins; its runs take the general loop.
-    journal : Journal, optional
-        Keeps what each integration reaches, and has what was reached before.
-    threads : int
-        Threads that share each step of the general loop.
-
-    Attributes
-    ----------
-    first_step : float
-        As given.
-    compile_seconds : float
-        Time to compile the loop, or to load it from disk.
-    threads : int
-        As given.
-    pair : Pair or None
-        The loop of a pair of asperites, where the method provides one.
-
-    Raises
-    ------
-    InputError
-        A plug-in cannot be compiled.
+    A pair of asperites has a loop of its own, `pair`, where the method provides one; runs that
+    begin from an `origin`, a state, take the general loop.  `first_step` is the longest one of an
+    adaptive method [time]; `threads` share each step.  Raises InputError if a plug-in cannot be
+    compiled.
     """
 
     def __init__(
@@ -96,24 +66,10 @@ class Integrator:
         streamed: StreamedLedger | None = None,
         most: float | None = None,
     ) -> Integration:
-        """Integrate through `times`.
+        """Integrate through `times` from `start`, y at t = 0; the scene's without it.
 
-        Parameters
-        ----------
-        setting : float or Tolerance
-            The step, or the tolerances of an adaptive method.
-        times : ndarray, (times,)
-            When to record.
-        start : ndarray, (2 coordinates,), optional
-            y at t = 0; the scene's without it.
-        streamed : StreamedLedger, optional
-            Takes the samples in, of which only the first and the last two are kept then.
-        most : float, optional
-            Force evaluations that adaptive steps may take; those of the scene without it.
-
-        Returns
-        -------
-        Integration
+        `streamed` takes the samples in, of which only the first and the last two are kept then.
+        Adaptive steps may take `most` force evaluations; those of the scene without it.
         """
         start = self.layout.start if start is None else start
         entry = None
@@ -133,14 +89,7 @@ class Integrator:
             before, times = self.origin.first, times[times >= self.layout.beginning]
         whole, portions = (entry, None) if streamed is None else (None, entry)
         run = integrate(
-            loop,
-            times,
-            self._progress,
-            streamed,
-            whole,
-            portions,
-            before=before,
-            most=most,
+            loop, times, self._progress, streamed, whole, portions, before=before, most=most
         )
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:

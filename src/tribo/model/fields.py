@@ -8,7 +8,8 @@ bob in the field's own frame.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.validation import InputError, choice, is_list, must_be, vector
 
@@ -53,6 +55,18 @@ def _complex_step(self, x, y):  # type: ignore[no-untyped-def]
     fx = -self.energy_at(x + 1e-100j, y + 0j).imag / 1e-100
     fy = -self.energy_at(x + 0j, y + 1e-100j).imag / 1e-100
     return fx, fy
+
+
+def _following(own: Mapping[str, Any]) -> dict[str, Any]:
+    return {"force_at": _complex_step} if "energy_at" in own and "force_at" not in own else {}
+
+
+@functools.cache
+def complete(cls: Any) -> Any:
+    """The class, or one with a force that fits its energy, derived from it if it is a user's."""
+    if is_own(cls):
+        return cls
+    return plugins.completed(cls, (), _following, complete, as_field_potential)
 
 
 BUILT_IN: dict[str, Any] = {"corrugation": Corrugation}
@@ -101,7 +115,9 @@ def as_field_potential(value: Any) -> Any:
     plugins.check_class(type(value), "kind", ENERGY_AT)
     if isinstance(value, Unloaded):
         return value
-    plugins.give(type(value), "force_at", lambda _: _complex_step, ["energy_at"])
+    if not hasattr(value, "made_by"):
+        cls: Any = type(value)
+        value = complete(cls)(*value)
     value = plugins.with_numbers(value)
     if isinstance(value, Corrugation) and value.period <= 0.0:
         raise must_be("period", "positive [length]", value.period)

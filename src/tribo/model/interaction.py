@@ -7,7 +7,7 @@ from typing import Any
 
 from tribo.model.tables import from_table
 from tribo.potentials.from_ase import Live
-from tribo.potentials.registry import as_potential
+from tribo.potentials.potential import as_potential
 from tribo.validation import POSITIVE, InputError, inside, is_list, must_be, number
 
 
@@ -46,7 +46,7 @@ class Interaction:
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential or NamedTuple
         A potential of :mod:`tribo.potentials`, or a user's own.
     between : (str, str), optional
         Names of the two surfaces; None for all pairs. The same name twice means contact among the

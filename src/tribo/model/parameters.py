@@ -32,8 +32,7 @@ from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
 from tribo.model.tables import changed, table_of
 from tribo.plugins.classes import instance
-from tribo.potentials.cutoff import AT_CUTOFF
-from tribo.potentials.registry import with_cutoff
+from tribo.potentials.potential import AT_CUTOFF
 from tribo.potentials.tables import CUTOFF_KEYS, MADE, class_named, from_table
 from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
 
@@ -289,7 +288,7 @@ def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
         return potential
     if "cutoff" not in cutoff:
         raise InputError(next(iter(cutoff)), "needs a cutoff")
-    return with_cutoff(potential, **cutoff)
+    return potential.with_cutoff(**cutoff)
 
 
 def _changed_field(field: Field, own: Mapping[str, Any]) -> Field:

@@ -26,7 +26,7 @@ from tribo.model.tables import table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
-from tribo.potentials.mixins import Potential
+from tribo.potentials.potential import Potential
 from tribo.validation import (
     POSITIVE,
     SHORTEST_DURATION,

@@ -343,28 +343,11 @@ def pair_members_in_lanes(
 ):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
-    Parameters
-    ----------
-    pair : PairScene
-        That of all members.
-    potential : NamedTuple
-        That of all members.
-    scenes : ndarray, (members, numbers), or None
-        The numbers of the pair of each member, and of its potential if that has floats alone.
-    memory : ndarray, (GROUPS * (F + 3 * stages + numbers), 8)
-        Zeros.
-    tables : ndarray, (n, 8)
-        :func:`coefficients` of the method, row by row.
-    bounds : ndarray, (1, 8)
-        UNIT1 to MOST_TRIALS.
-    starts : ndarray, (members, 2 coordinates)
-        y of the scene's layout at t = 0, for each member.
-    samples : ndarray, (2, members, COLUMNS)
-        Filled in with the samples at the start and at the end; J_Y and the integrals of q are 0.
-    queue : Queue
-        The members, all of which wait; GROUPS * 8 lanes.
-    stages : int
-        Of the method.
+    `scenes` (members, numbers) has the numbers of each member's pair, and of its potential if that
+    has floats alone; with None all have those of `pair` and `potential`.  `memory` has GROUPS * (F
+    + 3 stages + numbers) rows of zeros, `tables` the :func:`coefficients`, `bounds` UNIT1 to
+    MOST_TRIALS.  `starts` are (members, 2 coordinates) y of the scene's layout.  `samples` (2,
+    members, COLUMNS) become those at the start and at the end; J_Y and the integrals of q are 0.
     """
     work, table, limits = rows_of(memory), rows_of(tables), rows_of(bounds)
     members = starts.shape[0]

@@ -21,14 +21,7 @@ from tribo.integrators.step_control import (
     time_left,
     underflow_status,
 )
-from tribo.kernels.status import (
-    BOBS_COINCIDE,
-    COMPLETED,
-    EVALUATIONS,
-    NOT_FINITE,
-    PAUSED,
-    STEPS,
-)
+from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, EVALUATIONS, NOT_FINITE, PAUSED, STEPS
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import (
@@ -140,29 +133,10 @@ def begin(pair, potential, clock, start, work):
 def pair_collocation(pairs, potential, rows, clocks, start, times, record, budget):
     """Integrate from sample to sample with steps whose local errors stay within limits.
 
-    Parameters
-    ----------
-    pairs : ndarray, (1,), of PAIR
-        The scene.
-    potential : NamedTuple
-        The potential of the contact.
-    rows : ndarray, (ROWS, 8)
-        The method's table, the limits, and the state, from which a later call continues.
-    clocks : ndarray, (1,), of CLOCK
-        Where the run is; a clock without evaluations begins a run.
-    start : ndarray, (2 coordinates,)
-        y of the scene's layout at t = 0.
-    times : ndarray, (times,)
-        Of the samples, ascending.
-    record : ndarray, (times + 1, COLUMNS)
-        Filled in row by row; its last row is a summary.
-    budget : int
-        Steps after which the loop pauses.
-
-    Returns
-    -------
-    int
-        A status of :mod:`tribo.kernels.status`; PAUSED where the budget is used up.
+    `rows` (ROWS, 8) has the method's table, the limits, and the state, from which a later call
+    continues; a clock without evaluations begins a run from `start`, y of the scene's layout.
+    `record` (times + 1, COLUMNS) has a summary in its last row.  Returns a code of a status; PAUSED
+    after `budget` steps.
     """
     pair = pairs[0]
     clock = clocks[0]

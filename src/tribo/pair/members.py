@@ -12,28 +12,13 @@ integrate_pair = kernel(pair_collocation)
 def pair_members(
     potential, pairs, numbers, rows, clocks, starts, start, times, record, samples, counts, budget
 ):
-    """Integrate each member from its own start; a member has the bits of a single run.
+    """Run members with the steps of :func:`tribo.pair.loop.pair_collocation`.
 
-    Parameters
-    ----------
-    potential, rows, clocks, times
-        As for :func:`tribo.pair.loop.pair_collocation`.
-    pairs : ndarray, (members or 1,), of PAIR
-        The scene of each member, or of all.
-    numbers : ndarray, (members or 1, fields)
-        The numbers of the potential of each member, or of all; without columns if it has others.
-    starts : ndarray, (members, 2 coordinates)
-        y of the scene's layout at t = 0, for each member.
-    start : ndarray, (2 coordinates,)
-        Memory for the start of one member.
-    record : ndarray, (times + 1, COLUMNS)
-        Memory for the samples of one member.
-    samples : ndarray, (times, members, COLUMNS)
-        Filled in with the samples; those of a member that did not complete have no meaning.
-    counts : ndarray, (members, COUNTS), of int64
-        Filled in: status, steps, evaluations.
-    budget : int
-        Steps after which a member is left with the status PAUSED.
+    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1, fields) of the potential, without
+    columns if it has others, are those of each member, or of all.  `starts` are (members, 2
+    coordinates); `start` and `record` are memory for one member.  `samples` (times, members,
+    COLUMNS) have no meaning for members that did not complete; `counts` (members, COUNTS) are
+    PAUSED after `budget` steps.
     """
     clock = clocks[0]
     for member in range(starts.shape[0]):

@@ -13,15 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.compiler.jit import inlined
-from tribo.compiler.lanes import (
-    LANES,
-    absolute,
-    broadcast,
-    lane,
-    maximum,
-    sum_of_lanes,
-    with_lane,
-)
+from tribo.compiler.lanes import LANES, absolute, broadcast, lane, maximum, sum_of_lanes, with_lane
 from tribo.compiler.lanes_memory import load, store
 from tribo.integrators.collocation import (
     MAX_EXTRAPOLATION,

@@ -1,8 +1,6 @@
 """The rows and columns of the memory of the pair's loop."""
 
-from tribo.compiler.lanes import (
-    LANES,
-)
+from tribo.compiler.lanes import LANES
 
 # The loop's memory is an array of rows of eight numbers.  Rows of the method's table:
 AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22

@@ -7,11 +7,9 @@ NamedTuple by its class, finds its methods when a kernel is compiled, and inline
 from __future__ import annotations
 
 import linecache
-import math
 import re
 import traceback
-import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,41 +22,47 @@ from tribo.validation import InputError, known_keys, number, short_repr
 # How many numbers a method returns; 1 if it is not listed.
 RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
 
-# The methods that classes have been given, since they follow from methods that they define.
-_GIVEN: weakref.WeakSet[Callable[..., Any]] = weakref.WeakSet()
 
+def completed(
+    cls: Any,
+    bases: tuple[type, ...],
+    following: Callable[[dict[str, Any]], dict[str, Any]],
+    complete: Callable[[Any], Any],
+    make: Callable[[Any], Any],
+) -> Any:
+    """A class derived from a user's, with the methods that follow from those it defines.
 
-def generation(cls: type, method: str) -> float:
-    """How many generations above a class define a method; infinity if it is given or absent."""
-    for above, ancestor in enumerate(cls.__mro__):
-        function = vars(ancestor).get(method)
-        if function is not None and function not in _GIVEN:
-            return above
-    return math.inf
-
-
-def give(cls: type, method: str, make: Callable[[Any], Any], sources: Iterable[str] = ()) -> None:
-    """Give a class a method, made for it from its `sources`, if it has none that fits them.
-
-    A method that the class inherits does not fit a source that is defined nearer to the class, nor
-    does one that was given to a parent.
+    Parameters
+    ----------
+    cls : type
+        The user's class, to which nothing is written.
+    bases : tuple of type
+        What has the defaults of all other methods.
+    following : callable
+        The methods that follow from those that one class defines; they replace inherited ones.
+    complete : callable
+        What makes the new class from `cls`, in another process too.
+    make : callable
+        What makes an instance of the new class from one of `cls`.
     """
-    if method in vars(cls):
-        return
-    found = generation(cls, method)
-    if math.isinf(found) or any(generation(cls, source) < found for source in sources):
-        function = make(cls)
-        _GIVEN.add(function)
-        setattr(cls, method, function)
+    methods: dict[str, Any] = {}
+    for ancestor in reversed(cls.__mro__[: cls.__mro__.index(tuple)]):
+        public = (name for name in vars(ancestor) if not name.startswith("_"))
+        own = {name: vars(ancestor)[name] for name in public if name not in cls._fields}
+        methods |= following(own) | own
+    names = {name: getattr(cls, name) for name in ("__module__", "__qualname__", "__doc__")}
+    pickled = {"made_by": (complete, cls), "__reduce__": lambda self: (make, (cls(*self),))}
+    kind: Any = type(bases[0]) if bases else type
+    return kind(cls.__name__, (cls, *bases), methods | names | pickled)
 
 
-def check_class(cls: object, field: str, method: str) -> None:
+def check_class(cls: object, field: str, method: str, otherwise: str = "") -> None:
     """Raise InputError, about `field`, if a class is not a plug-in that has `method`."""
     if cls is Unloaded:
         return
     name = getattr(cls, "__name__", repr(cls))
     if not (isinstance(cls, type) and issubclass(cls, tuple) and hasattr(cls, "_fields")):
-        raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers")
+        raise InputError(field, f"{name} must be a NamedTuple whose fields are numbers{otherwise}")
     if not cls._fields:
         raise InputError(field, f"{name} has no parameters; give it at least one field")
     if not callable(getattr(cls, method.partition("(")[0], None)):

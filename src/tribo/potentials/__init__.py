@@ -17,10 +17,10 @@ from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
-from tribo.potentials.registry import BUILT_IN, as_potential, scaled, sum_of, with_cutoff
+from tribo.potentials.potential import Potential, Scaled, Sum, as_potential
+from tribo.potentials.registry import BUILT_IN
 from tribo.potentials.soft_sphere import SoftSphere
 from tribo.potentials.spline import Table, from_csv, from_points, tabulated
-from tribo.potentials.sum import Scaled, Sum
 from tribo.potentials.tables import named
 from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
 from tribo.potentials.yukawa import Yukawa
@@ -40,6 +40,7 @@ __all__ = [
     "Mie",
     "Morse",
     "Plummer",
+    "Potential",
     "Scaled",
     "Shifted",
     "SoftSphere",
@@ -57,10 +58,7 @@ __all__ = [
     "from_dimer",
     "from_points",
     "named",
-    "scaled",
-    "sum_of",
     "tabulated",
-    "with_cutoff",
 ]
 
 
@@ -69,7 +67,7 @@ def as_calculator(potential: object) -> Calculator:
 
     Parameters
     ----------
-    potential : NamedTuple or dict
+    potential : Potential, NamedTuple or dict
         The potential between all atoms, or a mapping from two elements, as ("Cu", "O"), to the
         potential between them; its numbers are in eV and Angstrom.
 

@@ -3,15 +3,15 @@
 M. Born, J. E. Mayer, Z. Phys. 75 (1932) 1.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+
+from tribo.potentials.potential import Potential
 
 # Distance at which U has fallen to 3e-7 of A [rho].
 WEAK_FROM = 15.0
 
 
-class BornMayer(NamedTuple):
+class BornMayer(Potential):
     """U = A exp(-r/rho): the repulsion of closed shells.
 
     Attributes

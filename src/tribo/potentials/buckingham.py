@@ -8,15 +8,15 @@ r = -7 rho W(-x) with x = (6 C/(A rho^6))^(1/7) / 7, on the two real branches of
 x > 1/e neither exists.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+
+from tribo.potentials.potential import Potential
 
 # Distance at which the repulsion has fallen to 3e-7 of A [rho].
 WEAK_FROM = 15.0
 
 
-class Buckingham(NamedTuple):
+class Buckingham(Potential):
     """U = A exp(-r/rho) - C/r^6: repulsion of closed shells, attraction of induced dipoles.
 
     Attributes

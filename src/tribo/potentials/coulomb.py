@@ -3,10 +3,10 @@
 C.-A. de Coulomb, Histoire de l'Academie Royale des Sciences (1785) 569.
 """
 
-from typing import NamedTuple
+from tribo.potentials.potential import Potential
 
 
-class Coulomb(NamedTuple):
+class Coulomb(Potential):
     """U = strength q_i q_j / r: the electric potential between two charges.
 
     Attributes

@@ -10,16 +10,12 @@ M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, Oxford 1987, secti
 polynomial is the smoothest of degree five with S = 1, 0 and S' = S'' = 0 at the ends.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
-from tribo.potentials.mixins import (
+from tribo.potentials.potential import (
+    AT_CUTOFF,
     BetweenCharges,
-    Constraint,
-    Potential,
     Wrapper,
-    inherits,
     must_be_potential,
 )
 
@@ -28,6 +24,13 @@ class WithCutoff(BetweenCharges, Wrapper):
     """The methods that all cutoffs share.
 
     Cutoffs are linear in U, so they apply to the potential between any two charges.
+
+    Attributes
+    ----------
+    potential : Potential
+        The potential without a cutoff.
+    cutoff : float
+        Distance from which U and the force are zero [length], positive.
     """
 
     cutoff: float
@@ -40,7 +43,7 @@ class WithCutoff(BetweenCharges, Wrapper):
         """Distance from which U and the force are zero [length]."""
         return min(self.cutoff, self.potential.range())
 
-    def constraints(self: Any) -> tuple[Constraint, ...]:
+    def constraints(self):
         """For each constraint: the parameter, whether it is met, and the message if not."""
         repeated = type(self.potential) in AT_CUTOFF.values()
         return (
@@ -50,20 +53,16 @@ class WithCutoff(BetweenCharges, Wrapper):
         )
 
 
-@inherits(WithCutoff)
-class Truncated(NamedTuple):
+class Truncated(WithCutoff):
     """U below the cutoff, zero beyond: U and the force jump.
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential
         The potential without a cutoff.
     cutoff : float
         Distance from which U and the force are zero [length], positive.
     """
-
-    potential: Potential
-    cutoff: float
 
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
@@ -78,20 +77,16 @@ class Truncated(NamedTuple):
         return min(-1, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(WithCutoff)
-class Shifted(NamedTuple):
+class Shifted(WithCutoff):
     """U - U(cutoff) below the cutoff, zero beyond: the force jumps.
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential
         The potential without a cutoff.
     cutoff : float
         Distance from which U and the force are zero [length], positive.
     """
-
-    potential: Potential
-    cutoff: float
 
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
@@ -107,20 +102,16 @@ class Shifted(NamedTuple):
         return min(0, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(WithCutoff)
-class ForceShifted(NamedTuple):
+class ForceShifted(WithCutoff):
     """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink.
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential
         The potential without a cutoff.
     cutoff : float
         Distance from which U and the force are zero [length], positive.
     """
-
-    potential: Potential
-    cutoff: float
 
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
@@ -139,15 +130,14 @@ class ForceShifted(NamedTuple):
         return min(1, smoothness_below(self.potential, self.cutoff))
 
 
-@inherits(WithCutoff)
-class Switched(NamedTuple):
+class Switched(WithCutoff):
     """U S(u): U reduced to zero between switch_from and cutoff, twice continuously differentiable.
 
     S = 1 - 10 u^3 + 15 u^4 - 6 u^5 with u = (r - switch_from) / (cutoff - switch_from) in [0, 1].
 
     Attributes
     ----------
-    potential : NamedTuple
+    potential : Potential
         The potential without a cutoff.
     cutoff : float
         Distance from which U and the force are zero [length], positive.
@@ -155,8 +145,6 @@ class Switched(NamedTuple):
         Distance from which U is reduced [length], positive and below the cutoff.
     """
 
-    potential: Potential
-    cutoff: float
     switch_from: float
 
     def energy_between(self, r, one, other):
@@ -200,8 +188,7 @@ def smoothness_below(potential, cutoff):
     return potential.smoothness()
 
 
-# The words of scene files.
-AT_CUTOFF: dict[str, Any] = {
+AT_CUTOFF |= {
     "switch": Switched,
     "truncate": Truncated,
     "shift": Shifted,

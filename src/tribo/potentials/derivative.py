@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import linecache
 import math
+from collections.abc import Callable
 from types import CodeType, FunctionType
 
 import numpy as np
@@ -224,11 +225,13 @@ def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     rules = Rules(arguments[1], WHERE)
     body = _slopes(definition.body, rules, arguments, energy.__globals__)
     head = ", ".join(arguments)
-    tree = ast.Module([ast.parse(f"def force({head}): pass").body[0]], [])
-    tree.body[0].body = body  # type: ignore[attr-defined]
-    (code,) = _codes(compile(ast.unparse(ast.fix_missing_locations(tree)), "<force>", "exec"))
-    force = FunctionType(code, energy.__globals__ | {WHERE: np.where}, "force")
-    force.__module__ = __name__
+    tree = ast.parse(f"def make({WHERE}):\n    def force({head}): pass\n    return force")
+    tree.body[0].body[0].body = body  # type: ignore[attr-defined]
+    made: dict[str, Callable[..., FunctionType]] = {}
+    code = compile(ast.unparse(ast.fix_missing_locations(tree)), "<force>", "exec")
+    exec(code, energy.__globals__, made)  # names that follow the class are found when it runs
+    force = made["make"](np.where)
+    force.__module__, force.__qualname__ = __name__, "force"
     return force
 
 

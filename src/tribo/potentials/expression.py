@@ -14,8 +14,7 @@ from functools import cache
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
 from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules
-from tribo.potentials.mixins import Potential
-from tribo.potentials.registry import as_potential
+from tribo.potentials.potential import Potential, as_potential
 from tribo.validation import InputError, short_repr
 
 # The functions that an expression may have, and their names in numpy.
@@ -50,9 +49,9 @@ RESERVED = (
     ),
 )
 HEAD = '''"""A potential that was given as an expression."""
-from typing import NamedTuple
 import numpy as np
-class Expression(NamedTuple):
+from tribo import Potential
+class Expression(Potential):
     """{text}"""
 '''
 BODY = '''
@@ -80,15 +79,15 @@ def expression(text: str, /, **parameters: float) -> Potential:
 
     Returns
     -------
-    NamedTuple
-        The potential; its force is minus the derivative of the expression.
+    Potential
+        Its force is minus the derivative of the expression.
 
     Raises
     ------
     InputError
         If the expression has other parts, or a parameter is missing.
     """
-    return as_potential(plugins.instance(class_of(text), parameters))
+    return as_potential(plugins.instance(class_of(text), parameters))  # type: ignore[no-any-return]
 
 
 def is_expression(text: str) -> bool:

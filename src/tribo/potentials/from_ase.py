@@ -17,12 +17,13 @@ import importlib
 import math
 import threading
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 import numpy as np
 
 from tribo.plugins.unloaded import refuse_code
+from tribo.potentials.potential import Potential
 from tribo.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -77,7 +78,7 @@ class Live:
         return math.inf
 
 
-class ZeroForce(NamedTuple):
+class ZeroForce(Potential):
     """No force: time loops use it to detect encounters of bobs whose force a calculator computes.
 
     Attributes

@@ -3,15 +3,15 @@
 F. H. Stillinger, J. Chem. Phys. 65 (1976) 3968.
 """
 
-from typing import NamedTuple
-
 import numpy as np
+
+from tribo.potentials.potential import Potential
 
 # Distance at which U has fallen to 3e-7 of its height [width].
 WEAK_FROM = 5.5
 
 
-class Gaussian(NamedTuple):
+class Gaussian(Potential):
     """U = height exp(-r^2 / (2 width^2)): a soft core of finite height, smooth at every r.
 
     Attributes

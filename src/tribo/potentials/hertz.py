@@ -3,12 +3,12 @@
 L. D. Landau, E. M. Lifshitz, Theory of Elasticity, Pergamon 1970, section 9.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from tribo.potentials.potential import Potential
 
-class Hertz(NamedTuple):
+
+class Hertz(Potential):
     """U = A (1 - r/d)^(5/2) below d, else 0: the contact of two elastic spheres.
 
     Two equal spheres of diameter d, Young's modulus E and Poisson's ratio nu have

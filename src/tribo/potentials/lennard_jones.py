@@ -3,10 +3,10 @@
 J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463.
 """
 
-from typing import NamedTuple
+from tribo.potentials.potential import Potential
 
 
-class LennardJones(NamedTuple):
+class LennardJones(Potential):
     """U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6): a minimum of depth epsilon, zero at sigma.
 
     Attributes

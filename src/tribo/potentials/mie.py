@@ -3,10 +3,10 @@
 G. Mie, Ann. Phys. (Leipzig) 316 (1903) 657.
 """
 
-from typing import NamedTuple
+from tribo.potentials.potential import Potential
 
 
-class Mie(NamedTuple):
+class Mie(Potential):
     """U = c epsilon ((sigma/r)^n - (sigma/r)^m) with c = n/(n - m) (n/m)^(m/(n - m)).
 
     n = 12 and m = 6 give Lennard-Jones.

@@ -3,12 +3,12 @@
 P. M. Morse, Phys. Rev. 34 (1929) 57.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from tribo.potentials.potential import Potential
 
-class Morse(NamedTuple):
+
+class Morse(Potential):
     """U = D (exp(-2 alpha (r - r0)) - 2 exp(-alpha (r - r0))): a minimum of depth D at r0.
 
     Attributes

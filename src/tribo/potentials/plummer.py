@@ -3,12 +3,12 @@
 H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from tribo.potentials.potential import Potential
 
-class Plummer(NamedTuple):
+
+class Plummer(Potential):
     """U = strength q_i q_j / sqrt(r^2 + softening^2): Coulomb's potential, finite at r = 0.
 
     Attributes

@@ -3,10 +3,10 @@
 W. G. Hoover et al., J. Chem. Phys. 52 (1970) 4931.
 """
 
-from typing import NamedTuple
+from tribo.potentials.potential import Potential
 
 
-class SoftSphere(NamedTuple):
+class SoftSphere(Potential):
     """U = epsilon (sigma/r)^n: a repulsion by an inverse power, smooth at every r.
 
     Attributes

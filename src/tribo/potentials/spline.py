@@ -12,10 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Self
 
 import numpy as np
 
+from tribo.potentials.potential import Potential
 from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, as_path, must_be, number, vector
 
 # Smallest number of points: a "not a knot" spline through four points is one cubic.
@@ -36,7 +37,7 @@ ROUND_OFF = 1e-12
 WEAK = 1e-3
 
 
-class Table(NamedTuple):
+class Table(Potential):
     """A cubic spline, zero from its last point on and nan below its first.
 
     Made by :func:`from_points`, :func:`from_csv`, :func:`tabulated` or :func:`from_dimer`.
@@ -111,15 +112,15 @@ class Table(NamedTuple):
         """Smallest and largest valid r [length]: the first and the last point."""
         return float(self.r[0]), float(self.r[-1])
 
+    def with_checked_fields(self) -> Self:
+        """The same, made from its points again.  Raises InputError."""
+        return from_points(self.r, self.values, self.error)  # type: ignore[return-value]
+
     def __eq__(self, other):
         """Whether the other is a table of the same numbers."""
         if not isinstance(other, Table) or self.error != other.error:
             return False
         return np.array_equal(self.r, other.r) and np.array_equal(self.values, other.values)
-
-    def __ne__(self, other):
-        """Whether the other differs."""
-        return not self == other
 
     def __hash__(self):
         """A hash of the points and the error."""

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from pathlib import Path
 from typing import Any
 
 from tribo.plugins import classes as plugins
 from tribo.plugins.unloaded import left
 from tribo.potentials import from_ase
-from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import class_of, is_expression
-from tribo.potentials.mixins import Potential
-from tribo.potentials.registry import (
-    BUILT_IN,
-    as_potential,
-    complete,
-    scaled,
-    sum_of,
-    with_cutoff,
-)
+from tribo.potentials.potential import AT_CUTOFF, Potential, Scaled, Sum, as_potential, complete
+from tribo.potentials.registry import BUILT_IN
 from tribo.potentials.spline import Table, from_csv, from_points
-from tribo.potentials.sum import Scaled, Sum
 from tribo.validation import InputError, inside, is_list, known_keys, must_be, shortened
 
 # Keys of a cutoff.
@@ -41,8 +34,7 @@ def named(name: str, /, **parameters: object) -> Potential:
 
     Returns
     -------
-    NamedTuple
-        The potential.
+    Potential
 
     Raises
     ------
@@ -74,7 +66,7 @@ def from_table(table: object, folder: Path) -> Any:
         return potential
     if "cutoff" not in cutoff:
         raise InputError(next(iter(cutoff)), "needs a cutoff")
-    return with_cutoff(potential, **cutoff)
+    return potential.with_cutoff(**cutoff)
 
 
 def class_named(name: object, folder: Path) -> type:
@@ -82,7 +74,7 @@ def class_named(name: object, folder: Path) -> type:
     if not isinstance(name, str):
         raise must_be("potential", "a name", name)
     if plugins.is_named(name):
-        return complete(plugins.class_named("potential", name, folder))
+        return complete(plugins.class_named("potential", name, folder))  # type: ignore[no-any-return]
     if name in BUILT_IN:
         return BUILT_IN[name]
     if is_expression(name):
@@ -127,14 +119,16 @@ def _sum(parameters: dict[str, Any], folder: Path) -> Potential:
     for i, item in enumerate(items):
         with inside(f"of[{i}]"):
             parts.append(from_table(item, folder))
-    return sum_of(*parts)
+    if len(parts) < 2:
+        raise InputError("of", f"must be two or more potentials, got {len(parts)}")
+    return functools.reduce(operator.add, parts)
 
 
 def _scaled(parameters: dict[str, Any], folder: Path) -> Potential:
     parameters = known_keys(parameters, ["factor", "of"], ["factor", "of"])
     with inside("of"):
         potential = from_table(parameters["of"], folder)
-    return scaled(potential, parameters["factor"])
+    return potential * parameters["factor"]
 
 
 def _table(parameters: dict[str, Any], folder: Path) -> Table:

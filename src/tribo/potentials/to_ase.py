@@ -22,15 +22,14 @@ from ase.calculators.calculator import Calculator, all_changes
 from ase.neighborlist import neighbor_list
 from ase.stress import full_3x3_to_voigt_6_stress
 
-from tribo.potentials.mixins import Potential
-from tribo.potentials.registry import as_potential
+from tribo.potentials.potential import Potential, as_potential
 from tribo.validation import InputError, must_be
 
 
 class PairCalculator(Calculator):
     """A calculator of ASE for a potential between all atoms, or one for each pair of elements."""
 
-    implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]  # noqa: RUF012
+    implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]
 
     def __init__(self, potential: object, **settings: Any) -> None:
         super().__init__(**settings)
@@ -74,7 +73,7 @@ class PairCalculator(Calculator):
             i, j, d, r = neighbor_list("ijDd", atoms, reach)
             return i, j, d, r
         if np.any(atoms.pbc):
-            raise InputError("potential", "needs a cutoff for periodic atoms; see with_cutoff")
+            raise InputError("potential", "needs a cutoff for periodic atoms; see .with_cutoff")
         i, j = np.nonzero(~np.eye(len(atoms), dtype=bool))
         d = atoms.positions[j] - atoms.positions[i]
         return i, j, d, np.linalg.norm(d, axis=1)

@@ -5,13 +5,13 @@ It ends at r = 2^(1/6) sigma, from which U = 0.
 J. D. Weeks, D. Chandler, H. C. Andersen, J. Chem. Phys. 54 (1971) 5237.
 """
 
-from typing import NamedTuple
+from tribo.potentials.potential import Potential
 
 # Distance of the minimum of Lennard-Jones, where this potential ends [sigma].
 END = 2.0 ** (1.0 / 6.0)
 
 
-class WeeksChandlerAndersen(NamedTuple):
+class WeeksChandlerAndersen(Potential):
     """U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) + epsilon below 2^(1/6) sigma, else 0.
 
     The repulsive part of Lennard-Jones, which ends where U and the force are zero.

@@ -4,12 +4,12 @@ H. Yukawa, Proc. Phys.-Math. Soc. Jpn. 17 (1935) 48; for charges in a solution, 
 E. Hueckel, Phys. Z. 24 (1923) 185.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from tribo.potentials.potential import Potential
 
-class Yukawa(NamedTuple):
+
+class Yukawa(Potential):
     """U = strength q_i q_j exp(-screening r) / r: the potential between two screened charges.
 
     Attributes

@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tribo.potentials.from_ase import Live
-from tribo.potentials.mixins import Potential
-from tribo.potentials.registry import as_potential
+from tribo.potentials.potential import Potential, as_potential
 from tribo.potentials.tables import as_table
-from tribo.report_card.agreement import check_agreement
+from tribo.report_card.agreement import check_agreement, check_third_law
 from tribo.report_card.ase_peers import check_ase
 from tribo.report_card.card import Check, Report
 from tribo.report_card.derivatives import check_force, check_minimum, curves
-from tribo.report_card.invariances import check_laws, check_work
 from tribo.report_card.limits import check_finite, check_limits
-from tribo.report_card.motion import check_motion
 from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import check_cutoff, check_smoothness
 from tribo.validation import InputError
@@ -33,7 +30,7 @@ def check(
 
     Parameters
     ----------
-    potential : NamedTuple
+    potential : Potential or NamedTuple
         A potential, of this package or the user's own.
     ase : ase.calculators.calculator.Calculator, optional
         A calculator of the Atomic Simulation Environment to compare with, in eV and Angstrom.
@@ -51,8 +48,6 @@ def check(
     InputError
         If it is not a potential between pairs of bobs, or does not compile, or the calculator
         fails.
-    KeyboardInterrupt
-        The check was interrupted.
     """
     if isinstance(potential, Live):
         name = as_table(potential)["calculator"]
@@ -71,11 +66,9 @@ def check(
         *check_smoothness(scan),
         *check_cutoff(scan),
         check_limits(scan),
-        *check_laws(scan),
-        *check_work(scan),
+        check_third_law(scan),
         *check_agreement(scan),
         *check_ase(scan, ase, symbols),
-        *check_motion(scan),
     ]
     return Report(_name(scan.potential), tuple(checks), found)
 

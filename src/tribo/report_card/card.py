@@ -15,7 +15,7 @@ from tribo.report_card.figure import Curves, card_figure
 EPSILON = float(np.finfo(float).eps)
 
 _CONTINUOUS = "make {} there, or declare smoothness() (inside a range: smoothness_within()) = {}"
-_AT_END = "let {} end at zero (as with_cutoff does), mend range(), or declare smoothness() = {}"
+_AT_END = "let {} end at zero (as .with_cutoff does), mend range(), or declare smoothness() = {}"
 # What to change where a check fails.
 ADVICE = {
     "finite": "mend the energy there, or declare domain(), the distances for which it is valid",
@@ -29,17 +29,11 @@ ADVICE = {
     "slope at the cutoff": _AT_END.format("the slope of the force", 1),
     "limits": "let force() vanish where the energy is constant, or declare domain()",
     "third law": "make coupling(one, other) symmetric in the two bobs",
-    "translation": "let energy() and force() depend on r and the parameters only",
-    "mirror": "let energy() and force() depend on r and the parameters only",
-    "work": "mend force() or energy(); without force(), the energy is differentiated",
-    "closed loop": "let energy() and force() depend on r and the parameters only",
     "arrays": "compute each value from its own r: np.maximum instead of np.max",
     "compiled": "avoid what Python and numba compute differently, as globals that change; "
     "tribo doctor names the folder of compiled code, which can be removed",
     "ase": "compare the parameters and their units, eV and Angstrom, or the calculator's cutoff",
 }
-# The same for checks by a run, which have the names of methods.
-ADVICE_FOR_RUNS = "declare the smoothness() that the force has, and in feature() a shorter length"
 
 
 @dataclass(frozen=True)
@@ -79,7 +73,7 @@ class Check:
     @property
     def advice(self) -> str:
         """What to change if the check failed; empty if it passed."""
-        return "" if self.passed else ADVICE.get(self.name, ADVICE_FOR_RUNS)
+        return "" if self.passed else ADVICE[self.name]
 
     @property
     def grade(self) -> float | None:

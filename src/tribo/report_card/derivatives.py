@@ -54,24 +54,6 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
     or the end of a table within that distance spoils the first differences, so shorter ones are
     tried too, and the estimate with the least uncertainty counts.  The uncertainty includes the
     round-off of energies in double precision, as functions of ``math`` have it.
-
-    Parameters
-    ----------
-    function : callable
-        Takes an array of ``numpy.longdouble`` and returns one.
-    r : array_like
-        The distances of the derivatives.
-    reach : array_like
-        Largest distance from r, on either side, at which the function is evaluated.
-
-    Returns
-    -------
-    derivative, uncertainty : ndarray
-        In the shape of r; nan and infinity where no estimate is finite.
-
-    See Also
-    --------
-    scipy.differentiate.derivative
     """
     place, length = np.broadcast_arrays(
         np.asarray(r, np.longdouble), np.asarray(reach, np.longdouble)

@@ -30,22 +30,8 @@ FLOOR = 1e-17
 class Curves:
     """The curves of a report card's figure, at n distances.
 
-    Attributes
-    ----------
-    r : ndarray, (n,)
-        Distances [length].
-    energy, force : ndarray, (n,)
-        [energy], [energy / length]
-    disagreement : ndarray, (n,)
-        |F + dU/dr| relative to the scale of the force.
-    uncertainty : ndarray, (n,)
-        Uncertainty of dU/dr by differences, relative to the same.
-    bound : float
-        Largest acceptable disagreement.
-    cutoff : float
-        Infinite without a cutoff [length].
-    length : float
-        Typical distance: that of the minimum if there is one [length].
+    Of |F + dU/dr| and of the uncertainty of dU/dr by differences, relative to the scale of the
+    force; the typical distance `length` is that of the minimum if there is one.
     """
 
     r: np.ndarray
@@ -59,19 +45,7 @@ class Curves:
 
 
 def card_figure(curves: Curves, title: str) -> Figure:
-    """Draw energy, force and their disagreement at all distances of the card.
-
-    Parameters
-    ----------
-    curves : Curves
-    title : str
-        The name of the potential.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Its Axes are those of the energy, the force, and the disagreement.
-    """
+    """Energy, force and their disagreement at all distances of the card, with a title."""
     from matplotlib.figure import Figure
 
     with style():

@@ -16,7 +16,7 @@ from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.potentials.mixins import Potential
+from tribo.potentials.potential import Potential
 from tribo.validation import LARGEST_NUMBER, InputError
 
 if TYPE_CHECKING:
@@ -68,9 +68,6 @@ FAINT = 1e-30
 # Seed of the random distances.
 SEED = 5
 
-# Bobs of each surface in checks of groups.
-GROUP = 3
-
 
 # Of distances, energies and forces: where it holds.
 Condition = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -81,7 +78,7 @@ class PotentialScan:
 
     Parameters
     ----------
-    potential : NamedTuple
+    potential : Potential
         A potential, as :func:`tribo.potentials.as_potential` returns it.
 
     Attributes
@@ -115,7 +112,7 @@ class PotentialScan:
     def __init__(self, potential: Potential) -> None:
         self.potential = potential
         self.cutoff = float(potential.range())
-        self._probes = {count: _contact_probe(potential, count) for count in (1, GROUP)}
+        self._probe = _contact_probe(potential)
         self.domain = _domain(potential)
         self.length = self._typical()
         self.low, self.high = self._felt()
@@ -169,16 +166,8 @@ class PotentialScan:
         """U and -dU/dr at each r, in the shape of r: two bobs at a distance r along x."""
         positions = np.zeros((r.size, 2, 3))
         positions[:, 0, 0] = r.ravel()
-        energies, forces = self.probe(positions, np.ones((r.size, 2)))
-        return energies.reshape(r.shape), forces[:, 0, 0].reshape(r.shape)
-
-    def probe(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Contact energy (k,) and forces (k, n, 2) on bobs at `positions` (k, n, 3).
-
-        The first half of the bobs belong to one surface, the others to another.
-        """
         try:
-            return self._probes[positions.shape[1] // 2](positions, charges)
+            energies, forces = self._probe(positions, np.ones((r.size, 2)))
         except InputError as error:
             raise InputError("potential", error.problem) from None
         except Exception as error:
@@ -188,6 +177,7 @@ class PotentialScan:
                 f"{name} raises {type(error).__name__}: {error}; "
                 "must return nan where it has no energy",
             ) from None
+        return energies.reshape(r.shape), forces[:, 0, 0].reshape(r.shape)
 
     # --- scales ----------------------------------------------------------------------------------
 
@@ -321,11 +311,10 @@ class PotentialScan:
         return {float(x) for x in near if self.low <= x <= self.high}
 
 
-def _contact_probe(potential: Potential, count: int) -> ContactProbe:
-    """Two surfaces of `count` bobs each, with the potential between them."""
-    one = Surface("one", shape=(count, 1), spacing=(1.0, 0.0))
-    other = Surface("other", facing="up", shape=(count, 1), spacing=(1.0, 0.0))
-    return ContactProbe(Scene((one, other), (Interaction(potential),), 1.0))
+def _contact_probe(potential: Potential) -> ContactProbe:
+    """Two surfaces of one bob each, with the potential between them."""
+    surfaces = Surface("one"), Surface("other", facing="up")
+    return ContactProbe(Scene(surfaces, (Interaction(potential),), 1.0))
 
 
 def _parts(potential: Any) -> Iterator[Any]:

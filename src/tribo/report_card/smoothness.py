@@ -25,8 +25,8 @@ from tribo.report_card.scan import PotentialScan
 # Number of halvings: a cell of one percent of r ends at 1e-12 of r.
 LEVELS = 32
 
-# Largest acceptable jump, kink and bend, relative to the scale of the potential.
-JUMP, KINK, BEND = 1e-9, 1e-3, 1e-2
+# Largest acceptable jump and kink, relative to the scale of the potential.
+JUMP, KINK = 1e-9, 1e-3
 
 # Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
 LENGTH = 60.0
@@ -76,32 +76,11 @@ def check_smoothness(scan: PotentialScan) -> list[Check]:
     return lines
 
 
-def smooth_stretch(scan: PotentialScan) -> tuple[float, float]:
-    """Ends of the interval around the typical distance in which the force is smooth."""
-    force = strengths(scan, lambda r: scan.compiled(r)[1], 0)
-    rough = (force[0] > JUMP) | (force[1] > KINK) | (force[2] > BEND)
-    nearer = scan.edges[2:][rough & (scan.edges[2:] <= scan.length)]
-    farther = scan.edges[:-2][rough & (scan.edges[2:] > scan.length)]
-    low = max(nearer, default=scan.low)
-    return float(low), float(min(farther, default=scan.high))
-
-
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
-    """Jump, kink and bend of a function in every cell.
+    """Jump, kink and bend of a function in every cell, (3, cells).
 
-    Parameters
-    ----------
-    scan : PotentialScan
-    function : callable
-        Takes distances of any shape and returns values of that shape.
-    power : int
-        Values are relative to the scale of the force times r^power.
-
-    Returns
-    -------
-    ndarray, (3, cells)
-        Distances are in units of LENGTH cells.  Cells overlap by half, so that every distance is in
-        the interior of one.
+    Values are relative to the scale of the force times r^power, and distances are in units of
+    LENGTH cells.  Cells overlap by half, so that every distance is in the interior of one.
     """
     begin, end = scan.edges[:-2], scan.edges[2:]
     middle = scan.edges[1:-1]

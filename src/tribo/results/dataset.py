@@ -8,7 +8,7 @@ import json
 import re
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,8 @@ OSCILLATORS = ".oscillators"
 # Before the hash of a file, which is computed with zeros in its place.
 HASH = b"blake2b:"
 NO_DIGEST = b"0" * 64
+# The note of a file that another program has written again.
+REWRITTEN = "the file was written again by another program, with the same values"
 # A variable of a data set: its dimensions, its values and its attributes.
 Variable = tuple[tuple[str, ...], np.ndarray | float, dict[str, str]]
 
@@ -135,6 +137,9 @@ def content(result: RunResult) -> bytes:
         dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
         state[f"{STATE}{name}"] = (dimensions, array, {})
     data = dataset(result).assign(state)
+    for name, variable in data.variables.items():
+        variable.attrs["checksum"] = _checksum(str(name), variable)
+    data.attrs["checksum"] = _checksum_of(data.attrs)
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
     image = bytes(data.to_netcdf(engine="h5netcdf"))
     return image.replace(HASH + NO_DIGEST, HASH + _digest(image))
@@ -144,10 +149,25 @@ def _digest(image: bytes) -> bytes:
     return hashlib.blake2b(image, digest_size=32).hexdigest().encode()
 
 
-def load(path: Path) -> xarray.Dataset:
-    """The data set in a file that `save` wrote.
+def _checksum(name: str, variable: xarray.Variable) -> str:
+    """Of the name, the dimensions, the values and the attributes of a variable."""
+    values = np.ascontiguousarray(variable.values)
+    kind = f"{name} {variable.dims} {values.dtype.kind}{values.dtype.itemsize}"
+    return _checksum_of({"": kind} | variable.attrs, values.tobytes())
 
-    Raises InputError if the file cannot be read, or if any bit of it has changed.
+
+def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
+    """Of values and of all attributes but checksums."""
+    kept = attributes.keys() - {"checksum", "hash", "_NCProperties"}
+    known = {k: str(np.ravel(attributes[k])[0]) for k in kept}
+    text = json.dumps(known, sort_keys=True).encode()
+    return hashlib.blake2b(text + values, digest_size=16).hexdigest()
+
+
+def load(path: Path) -> xarray.Dataset:
+    """The data set in a file that `save` wrote, or that another program has written again.
+
+    Raises InputError if the file cannot be read, or if any value of it has changed.
     """
     import xarray
 
@@ -155,13 +175,29 @@ def load(path: Path) -> xarray.Dataset:
         image = path.read_bytes()
     except (OSError, ValueError) as error:
         raise InputError(str(path), f"cannot be read ({_reason(error)})") from None
-    if not _is_intact(image):
+    if _is_intact(image):
+        return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+    try:
+        data = xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+        changed = _changed(data)
+    except Exception:  # bytes that are no file, or a damaged one, may raise anything
+        changed = "it"
+    if changed:
         raise InputError(
             str(path),
-            "cannot be read: it is damaged, or no result that this version of tribo has written "
-            "(xarray.open_dataset reads data sets of ensembles and sweeps)",
+            f"cannot be read: {changed} is damaged, or the file is no result that this version of "
+            "tribo has written (xarray.open_dataset reads data sets of ensembles and sweeps)",
         )
-    return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+    data.attrs["notes"] = json.dumps([*json.loads(data.attrs["notes"]), REWRITTEN])
+    return data
+
+
+def _changed(data: xarray.Dataset) -> str:
+    """The first variable whose checksum does not fit, or what else does not; empty if all do."""
+    for name, variable in data.variables.items():
+        if variable.attrs.get("checksum") != _checksum(str(name), variable):
+            return f"{name}"
+    return "" if data.attrs.get("checksum") == _checksum_of(data.attrs) else "its description"
 
 
 def _is_intact(image: bytes) -> bool:

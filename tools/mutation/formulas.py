@@ -1,7 +1,7 @@
 """Checks of single functions of the package against a formula or a search written out here.
 
 They are for what no run of a short scene shows: costs, limits, and cells of large lists.  Each
-returns what is wrong, or nothing.  They import the package when they run: see support/judge.py.
+returns what is wrong, or nothing.  They import the package when they run: see `judge`.
 """
 
 import itertools
@@ -11,10 +11,10 @@ from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
+from tools.mutation.registers import registers_as_arrays
+from tools.mutation.scenes import SCENES
 
 from support import reference
-from support.mutation_scenes import SCENES
-from support.registers import registers_as_arrays
 
 EPSILON = np.finfo(float).eps
 
@@ -74,6 +74,7 @@ def arguments_of_a_drive() -> str:
     from tribo.kernels.records import FX, FY
     from tribo.kernels.user_forces import custom_drives
     from tribo.layout.layout import lay_out
+    from tribo.layout.loop_memory import own_model
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
 
@@ -83,14 +84,15 @@ def arguments_of_a_drive() -> str:
     layout = lay_out(replace(scene, surfaces=[replace(s, drive=drive) for s in scene.surfaces]))
     q, v = (np.zeros(layout.room[0]) for _ in range(2))
     q[layout.places.q], v[layout.places.q] = np.split(layout.start, 2)
-    place_bobs(layout.model, t, q)
+    model, _ = own_model(layout)
+    place_bobs(model, t, q)
     count = layout.asperites.size
     fx, fy = 1.0 + np.arange(count), -2.0 - np.arange(count)
-    layout.model.bobs[[[FX], [FY]], layout.places.columns] = fx, fy
+    model.bobs[[[FX], [FY]], layout.places.columns] = fx, fy
     CALLS.clear()
-    custom_drives(layout.model, layout.model.drives, t, q, v)
-    model = reference.Model(table)
-    motion = model.motion(t, model.start())
+    custom_drives(model, model.drives, t, q, v)
+    expected_model = reference.Model(table)
+    motion = expected_model.motion(t, expected_model.start())
     expected = [np.full(count, t), *motion.r2, *motion.v2, fx, fy]
     names = ("t", "x", "y", "vx", "vy", "fx", "fy")
     for name, found, truth in zip(names, np.array(CALLS).T, expected, strict=True):
@@ -155,6 +157,7 @@ def listed_pairs() -> str:
     from tribo.kernels.neighbours import refresh
     from tribo.kernels.records import X, Y
     from tribo.layout import layout as layouts
+    from tribo.layout.loop_memory import own_model
     from tribo.model.scene_file import scene_from
 
     rng = np.random.default_rng(3)
@@ -169,7 +172,7 @@ def listed_pairs() -> str:
         places = rng.uniform(0.0, extent, (count, 3)) * [1.0, 0.08, 0.7] + [0.0, 0.0, 5.0]
         with mock.patch("tribo.layout.contacts.UNLISTED_PAIRS", 0):
             layout = layouts.lay_out(scene_from(two_clouds(places, box)))
-        columns = layout.places.columns
+        model, columns = own_model(layout)[0], layout.places.columns
         neighbours = layout.neighbours()
         neighbours = neighbours._replace(index=np.zeros(60 * count, np.int32))
         near, far = 0.49 * layout.skin, 0.51 * layout.skin
@@ -183,8 +186,8 @@ def listed_pairs() -> str:
         ):
             moves = np.arange(count) < UPPER
             place = places[:, 0] + slide * moves, places[:, 1] + rise * moves
-            layout.model.bobs[[[X], [Y]], columns] = place
-            refresh(layout.model, neighbours)
+            model.bobs[[[X], [Y]], columns] = place
+            refresh(model, neighbours)
             if neighbours.made[0] != lists_made:
                 return f"slide {slide}: list {neighbours.made[0]} instead of {lists_made}"
             if near in (slide, rise):
@@ -531,12 +534,13 @@ def lists_in_chunks() -> str:
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
     from tribo.layout.layout import lay_out
+    from tribo.layout.loop_memory import own_model
 
     rng = np.random.default_rng(3)
     upper, lower = (rng.uniform(-6.0, 6.0, (n, 3)) * [1.0, 0.05, 1.0] for n in (70, 90))
     contacts = [tribo.Interaction(POTENTIAL, ("upper", name)) for name in ("lower", "upper")]
     layout = lay_out(replace(scene(upper, lower, {}), interactions=contacts))
-    model = layout.model
+    model, _ = own_model(layout)
     place_bobs(model, 0.0, np.zeros(layout.room[0]))
     alone, shared = layout.neighbours(), layout.neighbours()
     rebuild(model, alone)

@@ -33,7 +33,7 @@ EQUIVALENT = {
     "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
-    "kernels/powers.py: powers_in_ledger: "
+    "kernels/powers.py: all_powers: "
     "powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power) -> "
     "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
@@ -66,7 +66,7 @@ EQUIVALENT = {
     ),
 }
 
-# Functions that uncompiled code cannot reach -> where they are tested.
+# Functions that these checks cannot reach -> where they are tested.
 NEEDS_COMPILER = {
     "call_calculator": "tests/potentials/test_live_calculators.py",
     "add_calculated": "tests/potentials/test_live_calculators.py",
@@ -79,4 +79,5 @@ NEEDS_COMPILER = {
     "next_row": "tests/ensembles/test_lanes.py",
     "spread_of_travel": "tests/integrators/test_mobility.py",
     "_normals_of_members": "tests/ensembles/test_lanes.py",
+    "complete": "tests/potentials/test_composed.py",
 }

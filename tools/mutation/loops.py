@@ -1,15 +1,14 @@
 """Checks of what completed runs of a time loop do not show: the rounding of time, and stops.
 
 Each returns what is wrong, or nothing. They import the package when they run:
-see support/judge.py.
+see `judge`.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-
-from support.mutation_scenes import SCENES
+from tools.mutation.scenes import SCENES
 
 
 def loop_of(table, method, setting, first_step=0.0):

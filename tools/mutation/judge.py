@@ -22,14 +22,14 @@ from unittest import mock
 
 import numpy as np
 from scipy.linalg import expm
+from tools.mutation.formulas import FORMULAS
+from tools.mutation.loops import LOOPS
+from tools.mutation.registers import registers_as_arrays
+from tools.mutation.scenes import COULOMB, LOWER, PAIRS, SCENES
 
 from support import inactive, reference
-from support.formulas import FORMULAS
 from support.laws import identities, kind, tables
-from support.loops import LOOPS
-from support.mutation_scenes import COULOMB, LOWER, PAIRS, SCENES
 from support.package import SOURCE
-from support.registers import registers_as_arrays
 
 ALL = SCENES | PAIRS
 IDENTITIES_ALONE = ("held", "open", "swinging", "damped twice", "twisting", "waves", "damped")

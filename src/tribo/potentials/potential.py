@@ -1,0 +1,420 @@
+"""Potentials: small frozen classes of numbers with methods, which can be added and multiplied.
+
+A potential derives from :class:`Potential` or is a NamedTuple of floats, with ``energy(self, r)``.
+A class that defines ``energy`` inherits no force, and no energy between charges.  It inherits what
+describes U, as feature and smoothness, which assumes no more than the defaults do; but it must
+define a range where its parent has one.  A potential may define further methods:
+
+    force(self, r)   -dU/dr; without it, the derivative of the energy's source where that is a
+                     formula, else by a complex step: both to round-off
+    feature(self)    (length over which the force changes, distance beyond which it is weak), from
+                     which steps are limited so that none jumps over an encounter; without it, the
+                     length is r itself
+    clearance(self, r)
+                     distance that a pair at r may move before the force changes considerably;
+                     without it, from feature and range
+    coupling(self, one, other)
+                     factor of U for bobs of charges one and other, as one * other; without it, 1
+    energy_between(self, r, one, other), force_between(self, r, one, other)
+                     U and -dU/dr for bobs of charges one and other, where these are not coupling
+                     times energy and force
+    range(self)      distance from which U is zero; without it, infinity
+    smoothness(self) number of continuous derivatives of U at every r > 0, -1 where U jumps;
+                     without it, infinity
+    smoothness_within(self)
+                     the same at every 0 < r < range; without it, as smoothness
+    minimum(self)    (r, U, d2U/dr2) at the minimum, to be checked against U
+    domain(self)     (smallest r, largest r) at which the potential is valid; without it, r > 0
+    constraints(self)
+                     for each constrained parameter (its name, whether the constraint is met, the
+                     message if not), as ("sigma", self.sigma > 0.0, "must be positive [length]")
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from tribo.plugins import classes as plugins
+from tribo.plugins.sources import is_own
+from tribo.plugins.unloaded import Unloaded
+from tribo.potentials.potential_type import PotentialType, energy_of_charges, following
+from tribo.validation import InputError, choice, number, short_repr
+
+# A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
+Real = Any
+# A parameter's name, whether its constraint is met, and the message if not.
+Constraint = tuple[str, bool, str]
+
+# The classes that `with_cutoff` makes, by the words of scene files; tribo.potentials.cutoff.
+AT_CUTOFF: dict[str, Any] = {}
+# Distance from which a switched potential is reduced, if it is not given [cutoff].
+SWITCH_FROM = 0.9
+
+
+class Potential(tuple[Any, ...], metaclass=PotentialType):
+    """The base of potentials: ``a + b``, ``2.0 * a`` and ``a.with_cutoff(2.5)`` are potentials.
+
+    A class that derives from it annotates its parameters, as ``epsilon: float``, and defines
+    ``energy(self, r)``; all other methods have defaults.
+    """
+
+    _fields: ClassVar[tuple[str, ...]] = ()
+    _field_defaults: ClassVar[dict[str, Any]] = {}
+    # Arithmetic with numbers and arrays of numpy is that of this class.
+    __array_ufunc__ = None
+
+    if TYPE_CHECKING:
+
+        def _asdict(self) -> dict[str, Any]: ...
+        def _replace(self, **fields: Any) -> Self: ...
+        def energy(self, r: Real) -> Real: ...
+        def force(self, r: Real) -> Real: ...
+        def energy_between(self, r: Real, one: Real, other: Real) -> Real: ...
+        def force_between(self, r: Real, one: Real, other: Real) -> Real: ...
+
+    def coupling(self, one: Real, other: Real) -> Real:
+        """Factor of the energy and the force of two charges: 1."""
+        return 1.0
+
+    def feature(self) -> tuple[float, float]:
+        """Length over which the force changes [length]: r itself, at all distances."""
+        return 0.0, 0.0
+
+    def clearance(self, r: Real) -> Real:
+        """Distance that a pair at r may move before the force changes considerably."""
+        length, reach = self.feature()
+        return max(length, r - min(reach, self.range()))
+
+    def range(self) -> float:
+        """Distance from which U is zero [length]: infinity."""
+        return math.inf
+
+    def smoothness(self) -> float:
+        """Number of continuous derivatives of U at every r > 0."""
+        return math.inf
+
+    def smoothness_within(self) -> float:
+        """Number of continuous derivatives of U within its range."""
+        return self.smoothness()
+
+    def domain(self) -> tuple[float, float]:
+        """Smallest and largest valid r [length]."""
+        return 0.0, math.inf
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """For each constraint: the parameter, whether it is met, and the message if not."""
+        return ()
+
+    def with_cutoff(
+        self, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None
+    ) -> Potential:
+        """The potential, made zero from a cutoff on.
+
+        Parameters
+        ----------
+        cutoff : float
+            Distance from which U and the force are zero [length].
+        at_cutoff : str
+            "switch" (U and two derivatives continuous), "force-shift" (U and the force
+            continuous), "shift" (U continuous) or "truncate".
+        switch_from : float, optional
+            Distance from which a switched potential is reduced [length]; 0.9 cutoff if None.
+
+        Returns
+        -------
+        Switched, ForceShifted, Shifted or Truncated
+
+        Raises
+        ------
+        InputError
+            If a parameter is invalid, or the potential has a cutoff.
+        """
+        kind = AT_CUTOFF[choice("at_cutoff", at_cutoff, AT_CUTOFF)]
+        cutoff = number("cutoff", cutoff, unit="length")
+        if at_cutoff == "switch":
+            begin = SWITCH_FROM * cutoff if switch_from is None else switch_from
+            return as_potential(kind(self, cutoff, begin))
+        if switch_from is not None:
+            raise InputError("switch_from", f'cannot go with at_cutoff = "{at_cutoff}"')
+        return as_potential(kind(self, cutoff))
+
+    def with_checked_fields(self) -> Self:
+        """The same with floats and checked potentials as its fields.  Raises InputError."""
+        values = {
+            name: as_potential(item) if hasattr(item, "_fields") else number(name, item)
+            for name, item in self._asdict().items()
+        }
+        return type(self)(**values)
+
+    def __add__(self, other: object) -> Potential:  # type: ignore[override]
+        """The sum; only charged parts are multiplied by the charges."""
+        return _sum(self, _added(other))
+
+    def __radd__(self, other: object) -> Potential:
+        """The sum; 0, with which `sum` begins, changes nothing."""
+        if isinstance(other, int) and other == 0:
+            return self
+        return _sum(_added(other), self)
+
+    def __sub__(self, other: object) -> Potential:
+        """The difference."""
+        return _sum(self, -1.0 * _added(other))
+
+    def __neg__(self) -> Potential:
+        """The potential with the other sign."""
+        return -1.0 * self
+
+    def __mul__(self, factor: object) -> Potential:  # type: ignore[override]
+        """The potential times a number of either sign."""
+        return as_potential(Scaled(self, number("factor", factor)))
+
+    __rmul__ = __mul__  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other is of the same class with the same numbers."""
+        return type(self) is type(other) and tuple.__eq__(self, other)  # type: ignore[arg-type]
+
+    def __ne__(self, other: object) -> bool:
+        """Whether the other differs."""
+        return not self == other
+
+    def __hash__(self) -> int:
+        """A hash of the class and the numbers."""
+        return hash((type(self), tuple(self)))
+
+
+@functools.cache
+def complete(cls: Any) -> Any:
+    """The class, or one with all methods that is derived from it if it is a plain NamedTuple.
+
+    Raises InputError if it is no potential, or inherits a range beside an energy of its own, which
+    would end there.
+    """
+    plugins.check_class(cls, "potential", "energy(self, r)", " or derive from tribo.Potential")
+    if _inherits_range(cls):
+        problem = "defines an energy but inherits range; define range too, beyond which U is zero"
+        raise InputError("potential", f"{cls.__name__} {problem}")
+    if issubclass(cls, Potential):
+        return cls
+    return plugins.completed(cls, (Potential,), following, complete, as_potential)
+
+
+def _inherits_range(cls: type) -> bool:
+    """Whether a user's class defines an energy and inherits a range that is not infinite."""
+    energies = (None, energy_of_charges)
+    for ancestor in cls.__mro__:
+        methods = vars(ancestor)
+        if "range" in methods or is_own(ancestor):
+            return False
+        if "energy" in methods or methods.get("energy_between") not in energies:
+            return getattr(cls, "range", Potential.range) is not Potential.range
+    return False
+
+
+def as_potential(value: Any) -> Any:
+    """A potential with all methods that runs need, and finite, valid parameters.
+
+    Parameters
+    ----------
+    value : Potential or NamedTuple
+        An instance of a built-in or user-defined class.
+
+    Returns
+    -------
+    Potential
+
+    Raises
+    ------
+    InputError
+        If the class is no potential, or a parameter is not valid.
+    """
+    if isinstance(value, Unloaded):
+        return value  # only a scene that is run needs more
+    if not hasattr(value, "_fields"):
+        reason = "must be a potential, of a class that derives from tribo.Potential or a NamedTuple"
+        raise InputError("potential", f"{reason}, got {short_repr(value)}")
+    cls: Any = type(value)
+    potential = complete(cls)(*value).with_checked_fields()
+    _check(potential)
+    return potential
+
+
+def _check(potential: Potential) -> None:
+    """Raise InputError for parameters, or results of the class's own methods, that are invalid."""
+    constraints = plugins.call_method(potential, "potential", "constraints")
+    try:
+        broken = [(name, problem) for name, met, problem in constraints if not met]
+    except (TypeError, ValueError):
+        reason = "must return (parameter, whether its constraint is met, message) for each"
+        raise InputError(
+            "potential", plugins.located(potential, "constraints", None, reason)
+        ) from None
+    for name, problem in broken:
+        raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
+    for method in ("range", "feature", "smoothness", "smoothness_within"):
+        plugins.returned_numbers(potential, "potential", method)
+
+
+def _added(part: object) -> Potential:
+    """A part of a sum.  Raises InputError if it is no potential."""
+    if not hasattr(part, "_fields"):
+        raise InputError("potential", f"can be added to potentials only, not to {short_repr(part)}")
+    return as_potential(part)
+
+
+def _sum(first: Potential, second: Potential) -> Potential:
+    """The sum, of three potentials that of the first and of a sum, whatever the brackets."""
+    if type(first) is Sum:
+        return as_potential(Sum(first.first, _sum(first.second, second)))
+    return as_potential(Sum(first, second))
+
+
+def must_be_potential(name: str, part: object) -> Constraint:
+    """The constraint on a parameter that must be a potential."""
+    return name, hasattr(part, "energy"), "must be a potential"
+
+
+class BetweenCharges(Potential):
+    """A class that defines energy and force between any two charges."""
+
+    def energy(self, r):
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
+        return self.energy_between(r, 1.0, 1.0)
+
+    def force(self, r):
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
+        return self.force_between(r, 1.0, 1.0)
+
+
+class Sum(BetweenCharges):
+    """The sum of two potentials: U = U_first + U_second.
+
+    Each part multiplies its own energy by the charges, so in a sum of a charged and an uncharged
+    potential only the charged one is multiplied by q_i q_j.
+
+    Attributes
+    ----------
+    first, second : Potential
+        Each is zero from its own range on.
+    """
+
+    first: Potential
+    second: Potential
+
+    def energy_between(self, r, one, other):
+        """Energy U(r) [energy] of two charges at distance r [length]."""
+        first = (r < self.first.range()) * self.first.energy_between(r, one, other)
+        second = (r < self.second.range()) * self.second.energy_between(r, one, other)
+        return first + second
+
+    def force_between(self, r, one, other):
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
+        first = (r < self.first.range()) * self.first.force_between(r, one, other)
+        second = (r < self.second.range()) * self.second.force_between(r, one, other)
+        return first + second
+
+    def feature(self):
+        """The shorter length of the two, and the larger distance."""
+        length, reach = self.first.feature()
+        other_length, other_reach = self.second.feature()
+        return min(length, other_length), max(reach, other_reach)
+
+    def clearance(self, r):
+        """Distance that a pair at r may move before either force changes considerably."""
+        return min(self.first.clearance(r), self.second.clearance(r))
+
+    def range(self):
+        """Distance from which both parts are zero."""
+        return max(self.first.range(), self.second.range())
+
+    def smoothness(self):
+        """That of the less smooth part."""
+        return min(self.first.smoothness(), self.second.smoothness())
+
+    def smoothness_within(self):
+        """That of the less smooth part, without the point where the sum ends."""
+        end = self.range()
+        return min(
+            part.smoothness_within() if part.range() == end else part.smoothness() for part in self
+        )
+
+    def domain(self):
+        """The distances that are in both domains."""
+        (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
+        return max(low, other_low), min(high, other_high)
+
+    def constraints(self):
+        """For each constraint: the parameter, whether it is met, and the message if not."""
+        return tuple(map(must_be_potential, self._fields, self))
+
+
+class Wrapper(Potential):
+    """A potential whose methods other than energy and force are those of another.
+
+    Attributes
+    ----------
+    potential : Potential
+        The other.
+    """
+
+    potential: Potential
+
+    def feature(self):
+        """The value of the wrapped potential."""
+        return self.potential.feature()
+
+    def clearance(self, r):
+        """The value of the wrapped potential."""
+        return self.potential.clearance(r)
+
+    def range(self):
+        """The value of the wrapped potential."""
+        return self.potential.range()
+
+    def smoothness(self):
+        """The value of the wrapped potential."""
+        return self.potential.smoothness()
+
+    def smoothness_within(self):
+        """The value of the wrapped potential."""
+        return self.potential.smoothness_within()
+
+    def domain(self):
+        """The value of the wrapped potential."""
+        return self.potential.domain()
+
+    def constraints(self):
+        """For each constraint: the parameter, whether it is met, and the message if not."""
+        return (must_be_potential("potential", self.potential),)
+
+
+class Scaled(Wrapper):
+    """A potential times a number: U = factor U_potential.
+
+    Attributes
+    ----------
+    potential : Potential
+        The potential.
+    factor : float
+        A number of either sign.
+    """
+
+    factor: float
+
+    def energy(self, r):
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
+        return self.factor * self.potential.energy(r)
+
+    def force(self, r):
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
+        return self.factor * self.potential.force(r)
+
+    def energy_between(self, r, one, other):
+        """Energy U(r) [energy] of two charges at distance r [length]."""
+        return self.factor * self.potential.energy_between(r, one, other)
+
+    def force_between(self, r, one, other):
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
+        return self.factor * self.potential.force_between(r, one, other)
