@@ -363,7 +363,7 @@ import sys, tribo
 from pathlib import Path
 result = tribo.load_result(sys.argv[1])
 print(result.status, result, result.scene.duration, result.state().t)
-tribo.plotting.save(tribo.plotting.snapshot(result, 0.5), sys.argv[2])
+tribo.plotting.save(result.plot.snapshots([0.5]), sys.argv[2])
 result.save(sys.argv[1])
 assert not Path(sys.argv[1]).with_name("loaded").exists()
 try:
