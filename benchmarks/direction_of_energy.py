@@ -16,7 +16,7 @@ from scipy.special import expit
 
 import tribo
 from tribo import paper, plotting
-from tribo.plotting.style import note
+from tribo.plotting.marks import note
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "measured"
 NUMBERS = FOLDER / "statistics.json"

@@ -17,7 +17,11 @@ from typing import Any
 import page_code
 
 HERE = Path(__file__).parent
-PAGES = [HERE / "tutorials" / f"{name}.md" for name in ("from_the_paper", "friction_law")]
+PAGES = [
+    HERE / "tutorials" / f"{name}.md"
+    for name in ("from_the_paper", "friction_law", "new_potential")
+]
+INCLUDE = re.compile(r"^```\{include\} /(\S+)\n```$", re.MULTILINE)
 DIRECTIVE = re.compile(r"^```\{.*?^```$\n?", re.MULTILINE | re.DOTALL)
 IMAGE = re.compile(
     r"^```\{image\} \S*?([\w.-]+)\n.*?:alt: ([^\n]*)\n.*?^```$", re.MULTILINE | re.DOTALL
@@ -57,6 +61,7 @@ class Notebook:
 
     def _add_prose(self, text: str) -> None:
         """Add a cell without directives and without links to pages that are not there."""
+        text = INCLUDE.sub(lambda found: (HERE / found[1]).read_text(encoding="utf-8"), text)
         text = DOWNLOAD.sub("", DIRECTIVE.sub("", IMAGE.sub(self._picture, text)))
         prose = TARGET.sub("]", UNNAMED.sub(self._title, text)).strip()
         prose = re.sub(r"(?<!!)\[([^\]\[]+)\](?!\()", r"\1", prose)

@@ -45,7 +45,7 @@ def main(folder="."):
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 4.2), layout="constrained")
         above, below = figure.subplots(2, height_ratios=(1.0, 1.4))
-        tribo.plotting.snapshot(result, 0.5 * result.t[-1], ax=above)
+        result.plot.snapshots([0.5 * result.t[-1]], ax=above)
         above.set(xlim=(10.0, 35.0), xlabel="$x$", ylabel="$y$")
         below.stackplot(result.t, *parts, labels=("contact", "surfaces", "heat in the reservoirs"))
         below.plot(result.t, work, color=tribo.plotting.INK, label="work of drives and reservoirs")

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from tribo.plotting.plots import Plots
+
 
 # The ending of names of tables.
 CSV = ".csv"
@@ -228,13 +230,9 @@ class Result(RunResult):
             dataset.save(self, netcdf_path("path", path, " or .csv"))
 
     @property
-    def plot(self) -> Any:
-        """Plots, each with ``ax=None``, that return the Axes.
-
-        ``angles()``, ``work()``, ``energy_budget()``, ``snapshots()`` and ``phase()``: see
-        :class:`tribo.plotting.Plots`.
-        """
-        from tribo.plotting import Plots
+    def plot(self) -> Plots:
+        """The plots, as ``result.plot.work()``: see :class:`tribo.plotting.Plots`."""
+        from tribo.plotting.plots import Plots
 
         return Plots(self)
 
@@ -246,15 +244,16 @@ class Result(RunResult):
         path : str or Path
             The file, which is replaced if it exists; its name ends in .gif or .mp4.
         **settings
-            ``frames``, ``rate``, ``surface``, ``width`` and ``bath`` of
-            :func:`tribo.plotting.animate`.
+            ``frames`` (120, evenly spaced in time) and ``rate`` (20 a second) of the pictures,
+            ``surface`` whose works are shown (the first), ``width`` (1000 pixels), and ``bath``
+            (whether bath oscillators are drawn).
 
         Returns
         -------
         Path
             The file.
         """
-        from tribo.plotting import animate
+        from tribo.plotting.animation import animate
 
         return animate(self, path, **settings)
 

@@ -9,10 +9,13 @@ from scipy import stats
 from scipy.stats import qmc
 
 import tribo
-from tribo import ensemble, paper
+from tribo import ensemble, paper, plotting
 from tribo.commands.cli import main
 from tribo.ensembles import batches
+from tribo.model.parameters import with_values
 from tribo.progress import ProgressBar
+
+HISTOGRAM = plotting.histogram
 
 
 def test_the_file_has_the_members(tmp_path, capsys):
@@ -38,6 +41,31 @@ def test_the_file_has_the_members(tmp_path, capsys):
     assert numbers["mean"] == pytest.approx(np.mean(values), rel=1e-14)
     # Of a sample of 70 members.
     assert numbers["deviation"] == pytest.approx(np.std(values, ddof=1), rel=1e-12)
+
+
+def test_a_histogram(tmp_path, capsys, monkeypatch):
+    """Of the first quantity, of a scene with the values of --set; members are needed."""
+    path, figure = tmp_path / "a.toml", tmp_path / "a.png"
+    paper.scene("A").save(path)
+    drawn = []
+
+    def histogram(*arguments):
+        drawn.append(arguments)
+        return HISTOGRAM(*arguments)
+
+    monkeypatch.setattr(plotting, "histogram", histogram)
+    vary = ["--vary", "upper.theta=normal(0,0.1)", "--set", "interaction.strength=0.3"]
+    command = ["ensemble", str(path), *vary, "--members", "20", "--figure", str(figure)]
+    assert main(command) == 0
+    assert main([*command, "--keep", "lower.w1,upper.W"]) == 0
+    scene = with_values(paper.scene("A"), {"interaction.strength": 0.3})
+    data = ensemble(scene, 20, {"upper.theta": stats.norm(0.0, 0.1)}, keep=["upper.W", "lower.w1"])
+    for (values, name), want in zip(drawn, ("upper.W", "lower.w1"), strict=True):
+        assert name == want
+        np.testing.assert_allclose(values, np.ravel(data[want]), rtol=1e-6)
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert main([*command, "--statistics"]) == 2
+    assert "--figure: needs the members" in capsys.readouterr().err
 
 
 def test_statistics_of_a_grid(tmp_path, capsys):

@@ -18,7 +18,6 @@ from tribo.explanation import summary
 from tribo.layout.layout import lay_out
 from tribo.layout.threads import Threads
 from tribo.loops.pair import is_pair
-from tribo.plotting.series import work_curves
 
 TESTS = Path(__file__).parents[1]
 
@@ -111,7 +110,7 @@ def test_text_and_curves(results):
         with pytest.raises(
             tribo.InputError, match=r"output\.ledger: must be .asperites. for works"
         ):
-            work_curves(results[kind])
+            results[kind].plot.work("upper", 0)
 
 
 def test_files_and_json(results, tmp_path):

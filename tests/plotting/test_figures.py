@@ -9,10 +9,10 @@ import tribo
 from tribo import paper, plotting
 from tribo.paper import figures as paper_figures
 from tribo.plotting.encounter import encounter_times
-from tribo.plotting.geometry import scene_geometry
-from tribo.plotting.series import spread
-from tribo.plotting.snapshots import draw_asperite
-from tribo.plotting.style import FILES, drawing_axes
+from tribo.plotting.picture import Picture
+from tribo.plotting.pose import pose
+from tribo.plotting.style import FILES, drawing_on
+from tribo.plotting.works import spread
 from tribo.validation import InputError
 
 
@@ -51,19 +51,24 @@ def test_a_file_is_no_folder(tmp_path, end):
 @pytest.mark.parametrize("surface", ["upper", "lower"])
 def test_an_asperite_is_drawn_where_it_is(result, surface):
     k = 232
-    (asperite,) = scene_geometry(result, result.t[k])[surface]
-    parts = draw_asperite(drawing_axes(), asperite)
+    now = pose(result, result.t[k])
+    with drawing_on(None, plotting.COLUMN) as ax:
+        _, _, _, bars, rods, bobs, pivots, cms = Picture(ax, now, 0.01).artists
     series = result[surface]
-    for name, place in (("bob", "bob"), ("cm", "cm"), ("pivot", "bar")):
-        expected = [series[f"{axis}_{place}"][k, 0] for axis in "xy"]
-        assert parts[name].center == pytest.approx(expected, abs=1e-12)
-    rod = parts["rod"].get_corners().mean(axis=0)
-    assert rod == pytest.approx((asperite.bob + asperite.bar) / 2)
-    assert parts["bar"].get_corners().mean(axis=0) == pytest.approx(asperite.bar)
+    bob, cm, bar = (
+        np.array([series[f"{axis}_{place}"][k, 0] for axis in "xy"])
+        for place in ("bob", "cm", "bar")
+    )
+    for part, centre in (
+        *((bobs, bob), (pivots, bar), (cms, cm)),
+        *((rods, 0.5 * (bob + bar)), (bars, bar)),
+    ):
+        outline = part.get_paths()[now.index(surface, 0)].vertices[:-1]
+        assert outline.mean(axis=0) == pytest.approx(centre, abs=1e-12)
 
 
 def test_pseudowork_is_dashed(result):
-    *lines, _ = plotting.work_curves(result, "upper").get_lines()
+    *lines, _ = result.plot.work("upper", 0).get_lines()
     names = [line.get_label() for line in lines]
     assert names == ["w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps"]
     for name, line in zip(names, lines, strict=True):
@@ -73,17 +78,16 @@ def test_pseudowork_is_dashed(result):
 
 
 def test_a_sequence_measures_displacements(result):
-    ax = plotting.sequence(result, (15.0, 23.2, 26.0))
+    ax = result.plot.sequence((15.0, 23.2, 26.0))
     arrows = [a for a in ax.texts if a.arrow_patch and a.xy[1] == a.xyann[1]]
     moved = [a.xy[0] - a.xyann[0] for a in arrows]
     assert moved == pytest.approx([4.4844, 4.1, 3.3314, 0.6653, 1.4, 2.8694], abs=6e-3)
 
 
 DRAWN = {
-    "angle": lambda result, ax: plotting.angle_curve(result, ax=ax),
-    "works": lambda result, ax: plotting.work_curves(result, ax=ax),
-    "snapshot": lambda result, ax: plotting.snapshot(result, 20.0, ("upper", 0), ax=ax),
-    "sequence": lambda result, ax: plotting.sequence(result, (15.0, 26.0), ax=ax),
+    "angles": lambda result, ax: result.plot.angles(ax=ax),
+    "phase": lambda result, ax: result.plot.phase(ax=ax),
+    "sequence": lambda result, ax: result.plot.sequence((15.0, 26.0), ax=ax),
 }
 
 
@@ -105,9 +109,7 @@ def test_axes_are_given_or_made(result, name, tmp_path):
 @pytest.mark.parametrize("suffix", FILES)
 def test_a_figure_is_always_the_same_file(result, tmp_path, suffix):
     """Two files of the same result are equal, byte for byte."""
-    one, other = (
-        plotting.save(plotting.angle_curve(result), tmp_path / f"{k}{suffix}") for k in range(2)
-    )
+    one, other = (plotting.save(result.plot.angles(), tmp_path / f"{k}{suffix}") for k in range(2))
     assert one.read_bytes() == other.read_bytes()
 
 
@@ -120,7 +122,7 @@ def test_a_figure_is_always_the_same_file(result, tmp_path, suffix):
 )
 def test_a_file_that_cannot_be_written(result, tmp_path, name, problem):
     with pytest.raises(InputError, match=problem):
-        plotting.save(plotting.angle_curve(result), tmp_path / name)
+        plotting.save(result.plot.angles(), tmp_path / name)
 
 
 def test_labels_keep_their_distance_and_their_order():
@@ -156,7 +158,7 @@ def test_figures_show_themselves():
     import matplotlib.pyplot as plt
 
     result = tribo.simulate(tribo.paper.scene("A"))
-    for drawn in (result.plot.work("upper"), result.plot.sequence(), plotting.overview(result)):
+    for drawn in (result.plot.work("upper"), result.plot.sequence(), result.plot.overview()):
         picture, size = drawn._repr_png_()
         assert picture.startswith(b"\x89PNG") and 300 < size["width"] < 900
     figure, ax = plt.subplots()
@@ -170,4 +172,4 @@ def test_works_in_words():
     ax = tribo.simulate(tribo.paper.scene("A")).plot.work("upper")
     assert ax.get_ylabel() == "work on upper"
     words = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert words[:2] == ["friction (contact)", "drive"] and words[-1] == "all forces"
+    assert words[:2] == ["friction", "drive"] and words[-1] == "all external"

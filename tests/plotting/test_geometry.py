@@ -2,7 +2,6 @@
 
 import tomllib
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +11,9 @@ from ase.calculators.lj import LennardJones
 
 import tribo
 from support import reference
-from tribo import Interaction, paper, plotting
-from tribo.plotting.geometry import Contacts, scene_geometry
+from tribo import Interaction, paper
+from tribo.plotting.contacts import Contacts
+from tribo.plotting.pose import pose
 from tribo.potentials import from_calculator
 from tribo.validation import InputError
 
@@ -50,11 +50,7 @@ def rows():
     state[: model.n] = (0.2, -0.1, 0.3, 0.1, -0.3)  # swings
     model.set_regions(0.0, state)
     motion = model.motion(0.0, state)
-    geometry = {
-        surface.name: [SimpleNamespace(bob=bob) for bob in motion.r1.T[part]]
-        for surface, part in zip(scene.surfaces, model.slices, strict=True)
-    }
-    return scene, geometry, model.forces(0.0, motion)
+    return scene, motion.r1.T, model.forces(0.0, motion)
 
 
 def copper_rows(calculator):
@@ -93,34 +89,36 @@ def arrows(ax):
 @pytest.mark.parametrize("surface", ["upper", "lower"])
 def test_positions(result, surface, t):
     """At a sample those of the series, bit for bit; between samples on the same rigid rod."""
-    (asperite,) = scene_geometry(result, t)[surface]
+    now = pose(result, t)
+    place = now.index(surface, 0)
     series = result[surface]
     k = int(np.searchsorted(result.t, t))
     recorded = {p: [series[f"{axis}_{p}"][k, 0] for axis in "xy"] for p in ("cm", "bob", "bar")}
     for point, expected in recorded.items():
         if result.t[k] == t:
-            assert getattr(asperite, point).tolist() == expected
+            assert getattr(now, f"{point}s")[place].tolist() == expected
     sizes = result.scene.surfaces[0].asperite.for_each(1)
-    assert asperite.length == pytest.approx(sizes["l1"][0] + sizes["l2"][0], rel=1e-12)
-    rod = (asperite.bob - asperite.bar) / asperite.length
-    assert rod == pytest.approx([np.sin(asperite.theta), -np.cos(asperite.theta)], abs=1e-12)
+    assert now.rods[place] == pytest.approx(sizes["l1"][0] + sizes["l2"][0], rel=1e-12)
+    rod = (now.bobs[place] - now.bars[place]) / now.rods[place]
+    theta = now.theta[place]
+    assert rod == pytest.approx([np.sin(theta), -np.cos(theta)], abs=1e-12)
+    assert now.swing[place] == pytest.approx(theta - np.pi * (surface == "lower"), abs=1e-12)
 
 
 def test_between_samples(result):
     """Bobs are interpolated: with samples four times as far apart they are near the finer run's."""
     coarse = tribo.simulate(replace(paper.scene("A"), output=tribo.Output(samples=101)), 1e-6)
-    (exact,) = scene_geometry(result, 22.1)["upper"]
-    (interpolated,) = scene_geometry(coarse, 22.1)["upper"]
-    assert interpolated.bob == pytest.approx(exact.bob, abs=1e-3)
-    with pytest.raises(InputError, match="t: must be from 0 to 40, got 41"):
-        scene_geometry(result, 41.0)
+    exact, interpolated = (pose(each, 22.1).bobs[0] for each in (result, coarse))
+    assert interpolated == pytest.approx(exact, abs=1e-3)
+    with pytest.raises(InputError, match="times: must be from 0 to 40, got 41"):
+        pose(result, 41.0)
 
 
 def test_forces_of_a_pair(result):
     """The force is minus the slope of the potential, and opposite on the other bob."""
-    geometry = scene_geometry(result, 20.0)
-    away = geometry["upper"][0].bob - geometry["lower"][0].bob
-    contacts = Contacts(result.scene, geometry)
+    bobs = pose(result, 20.0).bobs
+    away = bobs[0] - bobs[1]
+    contacts = Contacts(result.scene, bobs)
     force = contacts.force("upper", 0)
     assert force == pytest.approx(0.2 * away / np.hypot(*away) ** 3)
     assert contacts.force("lower", 0) == pytest.approx(-force)
@@ -129,9 +127,9 @@ def test_forces_of_a_pair(result):
 
 def test_forces_of_rows(rows):
     """Species, cutoffs, charges and periods count; contact within a surface is not in f1."""
-    scene, geometry, expected = rows
-    contacts = Contacts(scene, geometry)
-    found = [contacts.force(name, k) for name, group in geometry.items() for k in range(len(group))]
+    scene, bobs, expected = rows
+    contacts = Contacts(scene, bobs)
+    found = [contacts.force(s.name, k) for s in scene.surfaces for k in range(s.count)]
     assert np.transpose(found) == pytest.approx(expected.f1, rel=1e-12, abs=1e-15)
     assert not contacts.force("lower", 2).any()  # species c has no interaction with the other row
     assert np.abs(expected.within).max() > 0.01
@@ -139,11 +137,10 @@ def test_forces_of_rows(rows):
 
 def test_the_nearest_bob(rows):
     """It may be nearest across the period."""
-    scene, geometry, _ = rows
-    contacts = Contacts(scene, geometry)
-    others = np.array([each.bob for each in geometry["lower"]])
-    for k, each in enumerate(geometry["upper"]):
-        x, y = np.abs(each.bob - others).T
+    scene, bobs, _ = rows
+    contacts = Contacts(scene, bobs)
+    for k, bob in enumerate(bobs[:2]):
+        x, y = np.abs(bob - bobs[2:]).T
         distances = np.sqrt(np.minimum(x, 5.0 - x) ** 2 + y**2 + 0.3**2)
         nearest = int(np.argmin(distances))
         found = ("lower", nearest, pytest.approx(distances[nearest]))
@@ -153,21 +150,21 @@ def test_the_nearest_bob(rows):
 def test_where_nothing_acts_there_is_no_arrow():
     """A calculator whose forces are zero at that distance."""
     result = tribo.simulate(copper_rows(LennardJones(rc=1.0)), method="verlet", step=0.02)
-    assert arrows(plotting.snapshot(result, 0.0, forces=("upper", 0))) == []
+    assert arrows(result.plot.snapshots([0.0], ("upper", 0))) == []
 
 
 def test_a_calculator_is_drawn(copper):
     """Arrows of a snapshot have the directions of the forces that EMT gives."""
-    geometry = scene_geometry(copper, 1.0)
-    upper, lower = (np.array([each.bob for each in geometry[s]]) for s in ("upper", "lower"))
+    bobs = pose(copper, 1.0).bobs
+    upper, lower = bobs[:2], bobs[2:]
 
     def forces(bobs):
         atoms = Atoms(["Cu"] * len(bobs), np.pad(bobs, ((0, 0), (0, 1))), calculator=EMT())
         return atoms.get_forces()[:, :2]
 
     expected = (forces(np.concatenate([upper, lower]))[:2] - forces(upper))[0]
-    assert Contacts(copper.scene, geometry).force("upper", 0) == pytest.approx(expected, rel=1e-9)
-    drawn = arrows(plotting.snapshot(copper, 1.0, forces=("upper", 0)))
+    assert Contacts(copper.scene, bobs).force("upper", 0) == pytest.approx(expected, rel=1e-9)
+    drawn = arrows(copper.plot.snapshots([1.0], ("upper", 0)))
     assert len(drawn) == 2
     _, direction = drawn[0]
     assert direction / np.hypot(*direction) == pytest.approx(expected / np.hypot(*expected))
@@ -176,6 +173,6 @@ def test_a_calculator_is_drawn(copper):
 def test_a_failing_calculator_says_so(copper):
     """An arrow needs its forces; a snapshot without arrows does not."""
     copper.scene.interactions[0].potential.calculator.failing = True
-    plotting.snapshot(copper, 1.0)
+    copper.plot.snapshots([1.0])
     with pytest.raises(InputError, match="potential: the calculator raises RuntimeError: no such"):
-        plotting.snapshot(copper, 1.0, forces=("upper", 0))
+        copper.plot.snapshots([1.0], ("upper", 0))

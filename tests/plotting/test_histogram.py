@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from tribo import InputError, plotting
 
@@ -27,3 +28,18 @@ def test_refusals(wrong):
     """One sentence says what would do."""
     with pytest.raises(InputError):
         plotting.reflected_histogram(**({"work": [1.0, -2.0]} | wrong))
+
+
+def test_members():
+    """The bars count the finite values; the mean has the interval of Student's t."""
+    values = np.random.default_rng(2).normal(3.0, 0.5, 200)
+    ax = plotting.histogram([*values, np.nan], "upper.W")
+    counts, _, _ = ax.patches[1].get_data()
+    assert counts.sum() == 200 and ax.get_xlabel() == "upper.W"
+    (mean,) = (line.get_xdata()[0] for line in ax.lines)
+    assert mean == pytest.approx(values.mean(), rel=1e-12)
+    low, high = stats.t.interval(0.95, 199, values.mean(), stats.sem(values))
+    span = ax.patches[2].get_extents().transformed(ax.transData.inverted())
+    assert (span.x0, span.x1) == pytest.approx((low, high), rel=1e-9)
+    with pytest.raises(InputError, match="values: must have two finite ones, got 1"):
+        plotting.histogram([1.0, np.inf], "upper.W")

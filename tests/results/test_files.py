@@ -204,6 +204,7 @@ def test_written_again(program, tmp_path):
         (lambda file: file["upper.theta"].__setitem__((-1, 0), 0.1), "upper.theta"),
         (lambda file: file["upper.w1"].attrs.__setitem__("units", "J"), "upper.w1"),
         (lambda file: file.attrs.__setitem__("method", "verlet"), "its description"),
+        (lambda file: file.__delitem__("upper.w1"), "its description"),
         (lambda file: file["state.y"].__setitem__(0, 0.3), "state.y"),
     ):
         rewrite(first, second)
@@ -363,7 +364,7 @@ import sys, tribo
 from pathlib import Path
 result = tribo.load_result(sys.argv[1])
 print(result.status, result, result.scene.duration, result.state().t)
-tribo.plotting.save(tribo.plotting.snapshot(result, 0.5), sys.argv[2])
+tribo.plotting.save(result.plot.snapshots([0.5]), sys.argv[2])
 result.save(sys.argv[1])
 assert not Path(sys.argv[1]).with_name("loaded").exists()
 try:

@@ -9,7 +9,6 @@ import pytest
 import tribo
 from tribo.commands.cli import main
 from tribo.kernels.status import Status
-from tribo.plotting import overview
 from tribo.results import report
 
 HOW = {"method": "verlet", "step": 0.02}
@@ -127,7 +126,7 @@ def test_the_summary_prints_friction_heat_and_budget(result):
     assert f"heat {result['tip'].heat[-1, 0]:.6g} to the reservoir" in text
     assert f"energy: work applied {result.system['applied_work'][-1]:.6g}, change of the" in text
     assert "friction force" in result._repr_html_() and "energy: work" in result._repr_html_()
-    drawn = [ax.get_ylabel() for ax in overview(result).axes]
+    drawn = [ax.get_ylabel() for ax in result.plot.overview().axes]
     assert "friction force on tip" in drawn
     plain = tribo.simulate(tip(series=()), **HOW)
     assert 'friction force: not recorded; series = ["forces"] under [output]' in str(plain)

@@ -23,8 +23,8 @@ def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
 def test_a_forced_surface_at_rest_that_receives_work_is_noted(numerics):
     """With an estimate of errors and with a given step."""
     (note,) = notes(Forced(), **numerics)
-    assert note.startswith('"lower" is forced and at rest, but its bars swing')
-    assert note.endswith('drive = "bars" holds bars without work')
+    assert note.startswith('the drive holds the centre of mass of "lower" at rest, and does 0.')
+    assert note.endswith('drive = "bars" holds the bars instead')
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from support.pages import ARGUMENTS, CHROMIUM, assert_same, held, numbers
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.commands.cli import main
+from tribo.plotting import animation
+from tribo.plotting.works import WORKS
 from tribo.viewer import contents
 from tribo.viewer.sentence import sentence
 
@@ -48,7 +51,7 @@ def test_the_page_holds_the_run(result, page):
             for one, other in zip(numbers(curve["values"]), want, strict=True):
                 assert f"{one:.6g}" == f"{other:.6g}", (name, curve["name"])
     drawn = [curve["name"] for curve in groups["upper"] if curve["drawn"]]
-    assert drawn == ["w1", "w1_ps", "w2", "w2_ps", "w", "w_ps"]
+    assert drawn == ["w1", "w1_ps", "w2", "w2_ps", "W", "W_ps"]
     for surface in data["surfaces"]:
         for name in contents.PLACES:
             places = numbers(surface["places"][name]).reshape(len(result.t), 1)
@@ -74,6 +77,40 @@ def test_the_sentence(result):
     rigid = replace(result.scene.surfaces[0], asperite=tribo.Asperite(kappa=np.inf))
     scene = replace(result.scene, surfaces=(rigid, result.scene.surfaces[1]))
     assert "equals its pseudowork" in sentence(tribo.simulate(scene, accuracy=1e-8))
+
+
+def test_one_work_on_a_surface():
+    """Summary, plot, film and page: the work of external forces; what springs do is beside it."""
+    springs = tribo.Springs(stiffness=1.0)
+    row = {"shape": (2, 1), "spacing": (2.0, 0.0), "springs": springs, "drive": "free"}
+    upper = Surface("upper", bob=(-5.0, 0.3), velocity=(0.5, 0.0), **row)
+    scene = Scene(
+        (upper, Surface("lower", facing="up")), Coulomb(0.2), 8.0, output=Output(samples=9)
+    )
+    result = tribo.simulate(scene, accuracy=1e-6)
+    table, film = result["upper"], animation.Film(result, "upper", 400)
+    film.show(8)
+    lines = {line.get_label(): line.get_ydata() for line in result.plot.work("upper").lines}
+    curves = next(g["curves"] for g in contents.contents(result)["groups"] if g["name"] == "upper")
+    page = {curve["name"]: numbers(curve["values"]) for curve in curves}
+    for name in ("W", "w_int", "w1"):
+        want = table[name].reshape(9, -1).sum(axis=1)
+        assert abs(want[-1]) > 1e-4
+        for found in (lines[name], film.lines[name].get_ydata(), page[name]):
+            np.testing.assert_allclose(found, want, rtol=1e-5, atol=1e-12)
+    assert not {"w", "w_ps"} & {*lines, *film.lines, *page}
+    assert f"upper: work {table['W'][-1]: .6g}, pseudowork {table['W_ps'][-1]: .6g}" in str(result)
+    outer = sum(table[name].sum(axis=1) for name in ("w1", "w2", "wL", "wR"))
+    np.testing.assert_allclose(table["W"], outer, rtol=1e-12, atol=1e-15)
+
+
+def test_a_quantity_has_one_colour():
+    """Works have that of figures in the page on a light background."""
+    style = (files("tribo.viewer") / "parts" / "style.css").read_text(encoding="utf-8")
+    colours = dict(re.findall(r"--(\w+): (#\w+)", style.partition("@media")[0]))
+    for name, work in WORKS.items():
+        if name not in ("w", "W"):
+            assert colours[name.replace("_", "")] == work.colour, name
 
 
 def test_the_page_loads_nothing(page):

@@ -62,8 +62,8 @@ def test_the_server_simulates(server):
     assert status == 200
     values = {"interaction.strength": 0.3, "upper.drive": "free"}
     result = tribo.simulate(with_values(SCENE, values))
-    for name in ("w1", "w1_ps", "w"):
-        want = result["upper"][name][-1, 0]
+    for name in ("w1", "w1_ps", "W"):
+        want = np.ravel(result["upper"][name][-1])[0]
         assert f"{end_of(json.loads(content), name):.6g}" == f"{want:.6g}"
 
 
@@ -188,7 +188,7 @@ def assert_end(tab, scene, values):
     tab.keyboard.press("End")
     tab.wait_for_timeout(200)
     result = tribo.simulate(with_values(scene, values))
-    for name in ("w1", "w1_ps", "w2", "w", "delta_E_int"):
+    for name in ("w1", "w1_ps", "w2", "W", "delta_E_int"):
         cell = tab.locator(f'td[data-quantity="{name}"][data-column="shown"]')
         want = np.ravel(result["upper"][name][-1])[0]
         assert_same(cell.inner_text(), want)
@@ -260,6 +260,27 @@ def test_accessible(browser, server, scheme, width):
     context.close()
     assert found.violations_count == 0, found.generate_report()
     assert wide <= width
+
+
+def test_reduced_motion(browser, tmp_path):
+    """Nothing moves by itself, also where motion is welcome; every control goes there at once."""
+    page = tribo.simulate(SCENE).to_html(tmp_path / "a.html")
+    for motion in ("reduce", "no-preference"):
+        context = browser.new_context(reduced_motion=motion)
+        tab = context.new_page()
+        tab.goto(page.as_uri())
+        tab.wait_for_timeout(200)
+        before = tab.screenshot()
+        tab.wait_for_timeout(800)
+        assert tab.screenshot() == before
+        assert tab.evaluate("document.getAnimations().length") == 0
+        tab.locator("[data-part=play]").focus()
+        tab.keyboard.press("End")
+        tab.wait_for_timeout(300)
+        after = tab.screenshot()
+        tab.wait_for_timeout(400)
+        assert tab.screenshot() == after != before
+        context.close()
 
 
 def test_widget():

@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.commands.scene_options import as_number, check_files, load, numerics_of, split
+from tribo.commands.scene_options import (
+    as_number,
+    check_figure,
+    check_files,
+    load_with_values,
+    numerics_of,
+    split,
+)
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Distribution, Source
 from tribo.ensembles.sampling import Sampler, dimensions
@@ -148,13 +155,35 @@ def run_ensemble(options: argparse.Namespace) -> int:
     """Run the ensemble and print its summary; the exit status."""
     from tribo.ensembles import ensemble
 
-    scene = load(options)
+    check_figure(options.figure)
+    if options.figure is not None and options.statistics:
+        raise InputError("--figure", "needs the members, which --statistics does not keep")
+    scene = load_with_values(options)
     settings = settings_of(options, scene)
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
+    if options.figure is not None:
+        _draw(data, settings["keep"], options.figure)
     found = summary(data, options.out)
     print(strict_json(found) if options.json else in_words(found))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
+
+
+def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
+    """Draw a histogram of the first quantity that is asked for, at the end."""
+    from tribo.plotting import histogram, save
+
+    known = [str(name) for name in data.data_vars if "member" in data[name].dims]
+    works = [name for name in known if name.endswith(".W")]
+    name = next(name for name in (keep or works or known))
+    values = data[name if name in data else f"{name}_end"]
+    values = values.isel(time=-1) if "time" in values.dims else values
+    if values.size != data.sizes["member"]:
+        raise InputError("--figure", f"needs one value a member, as upper.W; {name} has more")
+    if "status" in data:
+        values = values[(data["status"] == Status.COMPLETED).values]
+    with inside("--figure"):
+        save(histogram(values.values.ravel(), name), path)
 
 
 def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:

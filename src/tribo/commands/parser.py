@@ -92,7 +92,11 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
 
 def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
     add_scene(ensemble)
+    add_set(ensemble)
     add_many_runs(ensemble, "number of members; with grids, by default that of their points")
+    add_figure(
+        ensemble, "draw a histogram of the first name of --keep at the end (default: upper.W)"
+    )
     ensemble.set_defaults(command=_ensemble)
 
 
@@ -197,13 +201,12 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _plot(options: argparse.Namespace) -> int:
-    from tribo import plotting
-    from tribo.plotting.style import figure_path
+    from tribo.plotting.style import figure_path, save
     from tribo.result import load_result
 
     path = figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)
-    print(plotting.save(plotting.overview(load_result(options.file)), path))
+    print(save(load_result(options.file).plot.overview(), path))
     return COMPLETED
 
 

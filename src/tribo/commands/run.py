@@ -46,7 +46,7 @@ def add_run(run: argparse.ArgumentParser) -> None:
         "(default: TRIBO_THREADS, or the number of cores)",
     )
     add_set(run)
-    add_figure(run, "write a figure of the works on the first asperite")
+    add_figure(run, "write a figure of the works on the first surface")
     run.set_defaults(command=_run)
 
 
@@ -104,9 +104,8 @@ def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
 
 
 def _draw(result: Result, path: Path) -> None:
-    """Draw the works on the first asperite, or its angle where works are not kept."""
-    from tribo import plotting
+    """Draw the works on the first surface, or the swings where works are not kept."""
+    from tribo.plotting.style import save
 
-    name = result.scene.surfaces[0].name
-    kept = "w" in result.ledger.surfaces[name]
-    plotting.save((plotting.work_curves if kept else plotting.angle_curve)(result, name), path)
+    has_works = "W" in result.ledger.blocks[result.scene.surfaces[0].name]
+    save(result.plot.work() if has_works else result.plot.angles(), path)

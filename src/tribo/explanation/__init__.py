@@ -3,6 +3,7 @@
 The effects that a scene calls for, and the reason for each; the method, and the predicted cost.
 """
 
-from tribo.explanation.summary import Explanation, explain
+from tribo.explanation.explanation import Explanation
+from tribo.explanation.summary import explain
 
 __all__ = ["Explanation", "explain"]

@@ -1,20 +1,17 @@
-"""What a run will do and cost, as data and as text."""
+"""What a run will do and cost: found from its scene, before it is run."""
 
 from __future__ import annotations
 
-import json
-import textwrap
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numba import config
 
 from tribo.accuracy.choose_method import Choice, choose
-from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.run_time import pairs_of_bobs
 from tribo.compiler.plugin_methods import type_of
+from tribo.explanation.explanation import Contact, Explanation, Predicted
 from tribo.explanation.fastest_motion import fastest_motion
 from tribo.explanation.measured import (
     bytes_of_run,
@@ -24,243 +21,20 @@ from tribo.explanation.measured import (
 )
 from tribo.explanation.prediction import Prediction, Search, predict
 from tribo.explanation.reasons import why_absent, why_present
-from tribo.integrators.methods import Method, noisy
+from tribo.integrators.methods import Method
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
-from tribo.layout.threads import Threads, threads_of
+from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
 from tribo.model.effects import Effect
 from tribo.model.scene import Scene
 from tribo.validation import InputError, inside
 
-# Width of the text [columns].
-WIDTH = 100
 # Time of a run from which on the explanation says what makes it slow [s].
 LONG = 45 * 60.0
 # The phase of the fastest motion in a step [rad] that is still well resolved.
 RESOLVED = 0.1
-
-
-@dataclass(frozen=True)
-class Predicted:
-    """Predicted cost of a run.
-
-    Attributes
-    ----------
-    force_evaluations : int
-        Evaluations of all forces, in the run and in those that estimate its error.
-    seconds : float
-        Time of these runs on this machine, without compiling [s].
-    memory_bytes : int
-        Bytes of the arrays of the scene, of the loop and of all samples.
-    basis : str
-        Source of the number of evaluations: "counted" from a given step, "searched" by the runs
-        that find the settings, or "extrapolated" from the first of these.
-    met : bool or None
-        Whether the run will meet its accuracy, as far as the search shows; None where it was not
-        completed, or with a given step.
-    stop : str
-        Why the run will stop as NoProgress, and what would do; empty if it should not.
-    """
-
-    force_evaluations: int
-    seconds: float
-    memory_bytes: int
-    basis: str
-    met: bool | None
-    stop: str = ""
-
-
-@dataclass(frozen=True)
-class Contact:
-    """How contact is computed.
-
-    Attributes
-    ----------
-    pairs : int
-        Pairs of bobs in each evaluation; of a neighbour list about as many.
-    by_list : bool
-        Whether neighbour lists hold them, or all pairs are visited.
-    arithmetic : str
-        "lanes" where the forces of eight pairs are computed at once, or "scalar".
-    scalar : tuple of str
-        The potentials whose formula does not compile for eight distances at once.
-    inactive : int
-        Asperites that are out of reach at the start, and not stepped until they come within reach.
-    """
-
-    pairs: int
-    by_list: bool
-    arithmetic: str
-    scalar: tuple[str, ...]
-    inactive: int
-
-
-@dataclass(frozen=True, eq=False)
-class Explanation:
-    """Prediction of what a run of a scene does and costs; :func:`explain` makes one.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene to explain.
-    effects : dict
-        Each effect that is present -> the keys of the scene that require it.
-    absent : dict
-        Each other effect -> the reason for its absence.
-    coordinates : dict
-        Kind of coordinate ("swings", "bars", "x", "y", "baths") -> number of integrated ones.
-    contact : Contact
-        How contact is computed.
-    method : str
-        The integration method.
-    why : str
-        Reason for the choice; empty where the method was given.
-    threads : Threads
-        Number of threads that share each step, and the reason.
-    accuracy : float, dict or None
-        The requested accuracy; None with a given step.
-    step : float or None
-        The step [time]; None where the method chooses its steps, or where the step is not known
-        yet.
-    compiled : bool
-        Whether the time loop had been compiled before.
-    predicted : Predicted
-        The cost.
-    evaluations_used : int
-        Evaluations of all forces that the prediction itself took.
-    slow : str
-        For a run of 45 minutes or more, the motion that limits its steps, and a way to slow that
-        motion; else empty.
-    """
-
-    scene: Scene
-    effects: dict[str, str]
-    absent: dict[str, str]
-    coordinates: dict[str, int]
-    contact: Contact
-    method: str
-    why: str
-    threads: Threads
-    accuracy: Accuracy | None
-    step: float | None
-    compiled: bool
-    predicted: Predicted
-    evaluations_used: int
-    slow: str = ""
-
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Number of coordinates that are integrated."""
-        return sum(self.coordinates.values())
-
-    def to_json(self) -> str:
-        """The whole explanation as JSON, as ``tribo explain --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
-        table: dict[str, Any] = vars(self) | {
-            "effects": list(self.effects),
-            "absent": list(self.absent),
-            "reasons": self.effects | self.absent,
-            "degrees_of_freedom": self.degrees_of_freedom,
-            "contact": vars(self.contact),
-            "ledger": self.scene.output.ledger,
-            "keep": self.scene.output.keep,
-            "threads": self.threads._asdict(),
-            "predicted": vars(self.predicted),
-        }
-        del table["scene"]
-        return json.dumps(table, indent=1, allow_nan=False)
-
-    def __repr__(self) -> str:
-        cost = self.predicted
-        return (
-            f"<Explanation: {len(self.effects)} effects, {self.degrees_of_freedom} degrees of "
-            f"freedom, {self.method}, about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_time(cost.seconds)}; print it for the reasons>"
-        )
-
-    def __str__(self) -> str:
-        scene = self.scene
-        title = f"{scene.title}: " if scene.title else ""
-        surfaces = "1 surface" if len(scene.surfaces) == 1 else f"{len(scene.surfaces)} surfaces"
-        count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {surfaces}"
-        lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
-        for name, why in self.effects.items():
-            what = next(effect.description for effect in Effect if effect == name)
-            lines.append(_wrapped(f"  {name:<15} {what}: {why}", 18))
-        lines += ["", "Absent, at no cost:"]
-        lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.absent.items()]
-        return "\n".join([*lines, *self._plan()])
-
-    def _plan(self) -> list[str]:
-        """Sentences on coordinates, contact, method and cost."""
-        made_of = [f"{n} {kind}" for kind, n in self.coordinates.items() if n]
-        cost = self.predicted
-        sentences = [
-            f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
-            f"Contact: {self._contact()}.",
-            *self._inactive(),
-            *self._ledger(),
-            f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
-            f"Threads: {self.threads.number}, {self.threads.why}.",
-            f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
-            f"{self._basis()}{self._shortcoming()}",
-            *([f"Slow: {self.slow}."] if self.slow else []),
-            f"The time loop {'was' if self.compiled else 'had not been'} compiled before"
-            f"{'' if self.compiled else '; it is now, and is kept on disk'}.",
-        ]
-        return ["", *(_wrapped(sentence.strip(), 2) for sentence in sentences)]
-
-    def _contact(self) -> str:
-        if self.contact.pairs == 0:
-            return "none"
-        place = "neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
-        names = ", ".join(self.contact.scalar)
-        how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
-        return f"{place} {self.contact.pairs:,}; forces are computed {how}"
-
-    def _inactive(self) -> list[str]:
-        live = self.scene.count - self.contact.inactive
-        if live == self.scene.count:
-            return []
-        return [
-            f"Live: {live:,} of {self.scene.count:,} asperites at the start. The others are out of "
-            "reach, and are computed in closed form until they come within reach."
-        ]
-
-    def _ledger(self) -> list[str]:
-        kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
-        ledger = self.scene.output.ledger
-        found = [f"Ledger: {kept[ledger]}."] if ledger in kept else []
-        keep = self.scene.output.keep
-        return found if keep is None else [*found, f"Recorded: only {', '.join(keep)}."]
-
-    def _request(self) -> str:
-        step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
-        if self.accuracy is None:
-            return step
-        wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
-        return f"accuracy {wanted}, {step}"
-
-    def _shortcoming(self) -> str:
-        if self.predicted.stop:
-            return f" The run will stop as NoProgress: {self.predicted.stop}."
-        return " The run will fall short of its accuracy." if self.predicted.met is False else ""
-
-    def _basis(self) -> str:
-        used = f"{self.evaluations_used:,} evaluations"
-        return {
-            "counted": "Counted from the step.",
-            "searched": f"The search for settings, with which a run begins, took {used}.",
-            "extrapolated": f"Extrapolated from the first {used} of the search for settings.",
-        }[self.predicted.basis]
 
 
 def explain(scene: Scene) -> Explanation:
@@ -398,39 +172,3 @@ def _slow(layout: Layout, choice: Choice) -> str:
         f"the fastest motion is that of {motion.name}, at {motion.frequency:.3g} rad per unit of "
         f"time, for {motion.frequency * layout.scene.duration:.2g} rad in all; {cure}"
     )
-
-
-def reason_of_method(scene: Scene, why: str) -> str:
-    """Why a run has its method, as the end of a sentence."""
-    if why:
-        return f"chosen because {why}"
-    if scene.numerics.method is not None:
-        return "which the scene names"
-    return "which integrates thermal noise" if noisy(scene) else "the default with a given step"
-
-
-def _wrapped(text: str, indent: int) -> str:
-    return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent)
-
-
-def _rounded(count: int) -> str:
-    """A count to three digits."""
-    return f"{float(f'{count:.3g}'):,.0f}"
-
-
-def _time(seconds: float) -> str:
-    for unit, size in (("hours", 3600.0), ("minutes", 60.0), ("s", 1.0), ("ms", 1e-3)):
-        if seconds >= size:
-            return f"{_two_digits(seconds / size)} {unit}"
-    return f"{_two_digits(1e6 * seconds)} us"
-
-
-def _bytes(count: int) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6)):
-        if count >= size:
-            return f"{_two_digits(count / size)} {unit}"
-    return f"{_two_digits(count / 1e3)} kB"
-
-
-def _two_digits(number: float) -> str:
-    return f"{float(f'{number:.2g}'):g}"

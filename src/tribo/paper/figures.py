@@ -9,15 +9,17 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from tribo import plotting
 from tribo.paper.cases import END, Run
-from tribo.plotting.geometry import AsperiteGeometry, SceneGeometry, scene_geometry, shifted
-from tribo.plotting.snapshots import draw_asperite, draw_asperites, extent
-from tribo.plotting.style import COLUMN, INK, WIDE, arrow, drawing_on, frame, note, time_labels
+from tribo.plotting.marks import arrow, frame, note, point_length, time_labels
+from tribo.plotting.picture import Picture
+from tribo.plotting.pose import Pose, pose
+from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on
+from tribo.plotting.works import WORKS
 from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
@@ -76,67 +78,82 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
 
 
 def _angle(case: str) -> Axes:
-    ax = plotting.angle_curve(Run.extended(case).result)
+    result, ax = Run.extended(case).result, plotting.axes()
+    ax.plot(result.t, result["upper"].theta[:, 0], color=WORKS["w1"].colour)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    ax.set_xlim(0.0, END[case])
-    ax.set_ylim(-0.9, 0.9)
+    ax.set(xlabel="$t$", ylabel=r"$\theta$ (rad)", xlim=(0.0, END[case]), ylim=(-0.9, 0.9))
     return ax
 
 
 def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     """Snapshots side by side, each with a line at the lower centre of mass, which stays."""
     result = Run.extended(case).result
-    drawn: list[SceneGeometry] = []
+    drawn: list[Pose] = []
     right = 0.0
     for t in times:
-        geometry = scene_geometry(result, t)
-        left = extent(geometry)[0]
-        drawn.append(shifted(geometry, (right - left, 0.0)))
-        right = extent(drawn[-1])[1] + SNAPSHOT_GAP
-    box = extent(*drawn)
+        now = pose(result, t)
+        drawn.append(now.shifted((right - now.box[0], 0.0)))
+        right = drawn[-1].box[1] + SNAPSHOT_GAP
+    boxes = np.array([now.box for now in drawn])
+    box = (boxes[0, 0], boxes[-1, 1], boxes[:, 2].min(), boxes[:, 3].max())
     with drawing_on(None, WIDE) as ax:
-        for geometry, label in zip(drawn, time_labels(times), strict=True):
-            draw_asperites(ax, geometry)
-            left, right, *_ = extent(geometry)
-            note(ax, (0.5 * (left + right), box[2]), label, (0.0, -8.0))
-            (lower,) = geometry["lower"]
-            ax.plot(2 * [lower.cm[0]], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
+        for now, label in zip(drawn, time_labels(times), strict=True):
+            Picture(ax, now, point_length(ax, *box[:2]))
+            note(ax, (0.5 * (now.box[0] + now.box[1]), box[2]), label, (0.0, -8.0))
+            lower = now.cms[now.index("lower", 0), 0]
+            ax.plot(2 * [lower], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
         frame(ax, box, bottom=18.0)
     return ax
 
 
 def _works(case: str) -> Axes:
-    return plotting.work_curves(Run.extended(case).result, span=(10.0, END[case]))
+    result, ax = Run.extended(case).result, plotting.axes(COLUMN, 0.72 * COLUMN)
+    return result.plot.work("upper", 0, (10.0, END[case]), ax)
 
 
 def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axes:
     result = Run.extended(case).result
-    return plotting.sequence(result, times, points=points, phases=("approach", "recede"))
+    return result.plot.sequence(times, points=points, phases=("approach", "recede"))
+
+
+class Asperite(NamedTuple):
+    """The places and angles that the drawing of the model names."""
+
+    bar: np.ndarray
+    cm: np.ndarray
+    bob: np.ndarray
+    ends: np.ndarray
+    phi: float
+    theta: float
 
 
 def _model() -> Axes:
     """The upper asperite with every quantity that the equations of motion name."""
-    theta, l1, l2 = np.pi / 6, 1.7, 1.6
-    rod = np.array([np.sin(theta), -np.cos(theta)])  # from the bar, at the origin, to the bob
-    asperite = AsperiteGeometry(
-        cm=l2 * rod,
-        bob=(l1 + l2) * rod,
-        bar=np.zeros(2),
-        theta=theta,
-        phi=np.pi / 12,
-        bar_length=5.0,
+    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 1.7, 1.6, (-3.05, 3.2, -3.6, 1.8)
+    rod = np.array([[np.sin(theta), -np.cos(theta)]])  # from the bar, at the origin, to the bob
+    now = Pose(
+        parts={"upper": slice(0, 1)},
+        bars=np.zeros((1, 2)),
+        cms=l2 * rod,
+        bobs=(l1 + l2) * rod,
+        phi=np.array([phi]),
+        theta=np.array([theta]),
+        bar_lengths=np.array([5.0]),
+        up=np.ones(1),
+        is_twisted=np.ones(1, bool),
     )
+    asperite = Asperite(now.bars[0], now.cms[0], now.bobs[0], now.ends[0], phi, theta)
     with drawing_on(None, COLUMN) as ax:
-        draw_asperite(ax, asperite)
+        Picture(ax, now, point_length(ax, *box[:2]))
         _model_lengths(ax, asperite)
         _model_angles(ax, asperite)
         _model_positions(ax, asperite)
         _model_forces(ax, asperite)
-        frame(ax, (-3.05, 3.2, -3.6, 1.8))
+        frame(ax, box)
     return ax
 
 
-def _model_lengths(ax: Axes, asperite: AsperiteGeometry) -> None:
+def _model_lengths(ax: Axes, asperite: Asperite) -> None:
     rod = np.array([np.cos(asperite.theta), np.sin(asperite.theta)])  # across it, to the right
     bar = np.array([-np.sin(asperite.phi), np.cos(asperite.phi)])  # across it, upwards
     left, right = asperite.ends
@@ -152,7 +169,7 @@ def _model_lengths(ax: Axes, asperite: AsperiteGeometry) -> None:
         note(ax, position, text)
 
 
-def _model_angles(ax: Axes, asperite: AsperiteGeometry) -> None:
+def _model_angles(ax: Axes, asperite: Asperite) -> None:
     from matplotlib.patches import Arc
 
     for tip in ((2.75, 0.0), (0.0, -1.45)):
@@ -164,7 +181,7 @@ def _model_angles(ax: Axes, asperite: AsperiteGeometry) -> None:
     note(ax, (0.31, -1.2), r"$\theta$")
 
 
-def _model_positions(ax: Axes, asperite: AsperiteGeometry) -> None:
+def _model_positions(ax: Axes, asperite: Asperite) -> None:
     origin = np.array([-2.4, -3.45])
     for axis, text in zip(1.3 * np.eye(2), ("$x$", "$y$"), strict=True):
         arrow(ax, origin, origin + axis, linewidth=0.6, linestyle=(0, (4, 2)), mutation_scale=6)
@@ -184,7 +201,7 @@ def _model_positions(ax: Axes, asperite: AsperiteGeometry) -> None:
         note(ax, end + shift, text)
 
 
-def _model_forces(ax: Axes, asperite: AsperiteGeometry) -> None:
+def _model_forces(ax: Axes, asperite: Asperite) -> None:
     for start, force, shift, text in (
         (asperite.bob, (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
         (asperite.bar, (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),

@@ -11,16 +11,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.files import checked_target, replace_file
-from tribo.plotting.picture import Picture, pose
-from tribo.plotting.plots import typical_swing
-from tribo.plotting.series import WORKS, works_of
-from tribo.plotting.style import EDGE, INK, POINTS_PER_INCH, frame, style
+from tribo.plotting.marks import EDGE, POINTS_PER_INCH, frame
+from tribo.plotting.picture import Picture
+from tribo.plotting.pose import Pose, pose
+from tribo.plotting.snapshots import typical_swing
+from tribo.plotting.style import INK, style
+from tribo.plotting.works import WORKS, look, symbol, works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, as_path, integer
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 # Names of files end on one of these, each with matplotlib's writer for it.
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
@@ -38,8 +41,7 @@ MOTION = (1.0, 3.4)
 COLOURS = 128
 
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
-DRAWN = ("w1", "w2", "w_int", "w")
-SHORT = {"w1": "friction", "w2": "drive", "w_int": "inside", "w": "all"}
+DRAWN = ("w1", "w2", "w_int", "W")
 
 
 def animate(
@@ -51,37 +53,7 @@ def animate(
     width: int = 1000,
     bath: bool = False,
 ) -> Path:
-    """Write a moving picture of the run: GIF, or MP4 where ffmpeg is installed.
-
-    Parameters
-    ----------
-    result : RunResult
-    path : str or Path
-        The file, which is replaced if it exists; its name ends in .gif or .mp4.
-    frames : int
-        Pictures, evenly spaced in time; at most one for each sample.
-    rate : int
-        Pictures a second.
-    surface : str, optional
-        The surface whose works are shown, summed over its asperites; the first without it.
-    width : int
-        Width of the picture [pixels].
-    bath : bool
-        Whether bath oscillators are drawn; the scene's output must ask for the series
-        "oscillators".
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        If the name ends otherwise, ffmpeg is missing, the file cannot be written, the run was
-        too large to keep the places of its asperites, or those of the bath's oscillators are not
-        recorded.
-    """
+    """Write a moving picture of the run: see :meth:`tribo.Result.animate`."""
     from matplotlib.animation import writers
 
     path = as_path(path)
@@ -121,34 +93,20 @@ def _write_gif(film: Film, samples: np.ndarray, path: Path, rate: int) -> None:
     """Write the pictures in the colours of the middle one: to choose colours takes long."""
     from PIL import Image
 
-    middle = film.pixels(int(samples[len(samples) // 2]))
-    colours = Image.fromarray(middle).quantize(COLOURS, dither=Image.Dither.NONE)
-    plain = Image.Dither.NONE
-    pictures = [
-        Image.fromarray(film.pixels(k)).quantize(palette=colours, dither=plain)
-        for k in _counted(samples)
-    ]
+    middle = film.picture(int(samples[len(samples) // 2]))
+    plain: Any = {"dither": Image.Dither.NONE}
+    colours = middle.quantize(COLOURS, **plain)
+    palette = np.array(colours.getpalette(), int).reshape(-1, 3)
+    palette[np.argmax(palette.sum(axis=1))] = 255  # of the paper
+    colours.putpalette(palette.ravel().tolist())
+    pictures = [film.picture(k).quantize(palette=colours, **plain) for k in _counted(samples)]
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=1000 // rate, loop=0)
 
 
 class Film:
-    """A figure of the asperites and of their works up to a sample.
+    """A figure of the asperites and of the works on a surface up to a sample, `width` pixels wide.
 
-    Parameters
-    ----------
-    result : RunResult
-    surface : str
-        The surface whose works are shown.
-    width : int
-        Width of the picture [pixels].
-    bath : bool
-        Whether bath oscillators are drawn.
-
-    Attributes
-    ----------
-    figure : matplotlib.figure.Figure
-    lines : dict of str to matplotlib.lines.Line2D
-        The work of each name, up to the sample shown.
+    `lines` has the line of each work, by its name.
     """
 
     def __init__(self, result: RunResult, surface: str, width: int, bath: bool = False) -> None:
@@ -156,7 +114,8 @@ class Film:
         from matplotlib.figure import Figure
 
         self._result = result
-        boxes = np.array([pose(result, k, bath).box for k in _some(len(result.t))])
+        self._bath = bath
+        boxes = np.array([self._pose(k).box for k in _some(len(result.t))])
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
@@ -173,7 +132,7 @@ class Film:
         above.set_axis_off()
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
         scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
-        self._picture = Picture(above, result, scale, typical_swing(result), bath)
+        self._picture = Picture(above, self._pose(0), 1.0 / scale, typical_swing(result))
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
         self._works = _named_works(result, surface)
@@ -183,7 +142,8 @@ class Film:
         self._values = {}
         for row, name in enumerate(self._works):
             y, colour = (CURVES - 0.24 - 0.2 * row) / total, self.lines[name].get_color()
-            self.figure.text(0.74, y, _named(name), color=colour)
+            word = "pseudowork" if name.endswith("_ps") else WORKS[name].meaning
+            self.figure.text(0.74, y, f"{symbol(name)} {word}", color=colour)
             self._values[name] = self.figure.text(0.99, y, "", color=colour, ha="right")
         self._limits = below.get_ylim()
         self._moving = [
@@ -194,8 +154,10 @@ class Film:
             *self._values.values(),
         ]
 
-    def pixels(self, sample: int) -> np.ndarray:
-        """The picture at a sample, (height, width, 3); what does not move is drawn once."""
+    def picture(self, sample: int) -> Image:
+        """The picture at a sample; what does not move is drawn once."""
+        from PIL import Image
+
         if self._still is None:
             for artist in self._moving:
                 artist.set_animated(True)
@@ -205,13 +167,18 @@ class Film:
         self.show(sample)
         for artist in self._moving:
             self.figure.draw_artist(artist)
-        return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
+        size = self._canvas.get_width_height()
+        pixels = self._canvas.buffer_rgba()
+        return Image.frombuffer("RGBA", size, pixels, "raw", "RGBA", 0, 1).convert("RGB")
+
+    def _pose(self, sample: int) -> Pose:
+        return pose(self._result, float(self._result.t[sample]), self._bath)
 
     def show(self, sample: int) -> None:
         """Show the run at a sample."""
         t = self._result.t
-        self._picture.show(sample)
-        self._clock.set_text(f"$t$ = {t[sample]:.4g}")
+        self._picture.show(self._pose(sample))
+        self._clock.set_text(f"t = {t[sample]:.4g}")  # plain: formulas take long
         self._now.set_data([t[sample]] * 2, self._limits)
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
@@ -234,19 +201,8 @@ def _curves(ax: Axes, result: RunResult, works: dict[str, np.ndarray]) -> dict[s
     """Faint curves of all times, and a line for each that `show` fills."""
     lines = {}
     for name, values in works.items():
-        look: dict[str, Any] = {"color": WORKS[name.removesuffix("_ps")][1]}
-        look |= {"linestyle": (0, (4, 2))} if name.endswith("_ps") else {}
-        ax.plot(result.t, values, alpha=0.2, **look)
-        (lines[name],) = ax.plot([], [], label=name, **look)
+        ax.plot(result.t, values, **look(name) | {"alpha": 0.2})
+        (lines[name],) = ax.plot([], [], **look(name))
     ax.set_xlim(result.t[0], result.t[-1])
     ax.set_xlabel("$t$", labelpad=1.0)
     return lines
-
-
-def _named(name: str) -> str:
-    """The symbol of a work, and its force in words."""
-    work = name.removesuffix("_ps")
-    subscript, is_pseudo = WORKS[work][0], name.endswith("_ps")
-    parts = ",".join([subscript] * bool(subscript) + [r"{\rm ps}"] * is_pseudo)
-    word = "pseudowork" if is_pseudo else SHORT[work]
-    return (f"$w_{{{parts}}}$" if parts else "$w$") + f" {word}"

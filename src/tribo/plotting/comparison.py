@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tribo.plotting.plots import ASPECT, Plots
+from tribo.plotting.curves import ASPECT, Look
+from tribo.plotting.plots import Plots
 from tribo.plotting.style import WIDE, drawing_on
 from tribo.results.run_result import RunResult
 from tribo.validation import must_be
@@ -50,7 +51,7 @@ def compare(
         raise must_be("results", f"1 to {len(DASHES)} results", len(results))
     with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
         for dashes, (label, result) in zip(DASHES, results.items(), strict=False):
-            getattr(Plots(result, label, dashes), kind)(ax=ax)
+            getattr(Plots(result, Look(label, dashes)), kind)(ax=ax)
         if kind != "phase":
             ax.set_xlim(
                 min(r.t[0] for r in results.values()), max(r.t[-1] for r in results.values())

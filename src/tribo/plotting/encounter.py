@@ -16,16 +16,8 @@ def encounter_times(result: RunResult, number: int) -> list[float]:
 
     A single encounter is thus shown on its way in, at its closest, and on its way out.
 
-    Parameters
-    ----------
-    result : RunResult
-    number : int
-        How many times; fewer where samples are few.
-
-    Returns
-    -------
-    list of float
-        Evenly spaced from start to end where no contact energy is recorded, or it does not change.
+    They are fewer than `number` where samples are few, and evenly spaced from start to end where no
+    contact energy is recorded, or it does not change.
     """
     parts = np.linspace(BEFORE, 1.0 - BEFORE, number)
     energy = np.asarray(result.system.get("contact_energy", 0))

@@ -1,4 +1,4 @@
-"""A histogram of works with its mirror image: which of w and -w is more probable."""
+"""Histograms of the members of an ensemble: of a quantity, and of works with their mirror image."""
 
 from __future__ import annotations
 
@@ -16,6 +16,50 @@ if TYPE_CHECKING:
 OWN_COLOUR, MIRROR_COLOUR = "#0b62a4", "#d55e00"
 # Height of the graph over its width.
 ASPECT = 0.7
+# Part of the height above the bars, for the legend.
+ABOVE = 0.22
+
+
+def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
+    """Draw how many members have a value, with the mean and its 95 % interval.
+
+    Parameters
+    ----------
+    values : array_like, (members,)
+        Values of a quantity; those that are not finite are left out.
+    label : str
+        Name of the quantity.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        Fewer than two values are finite.
+    """
+    from scipy.stats import t as student
+
+    known = np.ravel(np.asarray(values, float))
+    known = known[np.isfinite(known)]
+    if known.size < 2:
+        raise InputError("values", f"must have two finite ones, got {known.size}")
+    mean, half = float(known.mean()), float(known.std(ddof=1)) / np.sqrt(known.size)
+    half *= float(student.ppf(0.975, known.size - 1))
+    with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+        counts, edges = np.histogram(known, "auto")
+        filled: Any = {"color": OWN_COLOUR, "alpha": 0.25, "linewidth": 0.0}
+        ax.stairs(counts, edges, fill=True, **filled)
+        ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
+        interval = f"mean {mean:.4g} ± {half:.1g}"
+        ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
+        ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=interval)
+        ax.set(xlabel=label, ylabel="members", ylim=(0.0, counts.max() * (1.0 + ABOVE)))
+        ax.legend(frameon=False, fontsize=7, loc="upper left", ncols=2)
+    return ax
 
 
 def reflected_histogram(

@@ -27,29 +27,9 @@ BAR = (1.03, 0.0, 0.04, 1.0)
 def surface_map(
     result: RunResult, name: str, quantity: str, sample: int, ax: Axes | None = None
 ) -> Axes:
-    """Draw a quantity of every asperite of a grid in colour, over the place of its bob at rest.
+    """Draw a quantity of every asperite of a grid at a sample, over the place of its bob at rest.
 
-    Parameters
-    ----------
-    result : RunResult
-    name : str
-        Of the grid.
-    quantity : str
-        "height" about the mean [length], or a series of each asperite: "w1", "theta", or "f1_y"
-        where the scene's output asks for the series "forces".
-    sample : int
-        Index of the time.
-    ax : matplotlib.axes.Axes, optional
-        The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If the surface is no grid, or has no such series.
+    Raises InputError if the surface is no grid, or has no such series.
     """
     index = [surface.name for surface in result.scene.surfaces].index(name)
     surface = result.scene.surfaces[index]

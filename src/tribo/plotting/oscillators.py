@@ -21,22 +21,9 @@ PART = 0.9
 
 
 def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndarray]:
-    """The places of the dots at some samples.
+    """The places of the dots at some samples: surface -> x and y, (n, asperites, dots, 2) [length].
 
-    Parameters
-    ----------
-    result : RunResult
-    samples : ndarray of int, (n,)
-
-    Returns
-    -------
-    dict of str to ndarray, (n, asperites, dots, 2)
-        Surface with a bath -> x and y [length].
-
-    Raises
-    ------
-    InputError
-        There are no oscillators, or their displacements are not recorded.
+    Raises InputError if there are no oscillators, or their displacements are not recorded.
     """
     factor = magnification(result)
     return {s.name: _dots(result, s, samples, factor) for s in _with_bath(result)}

@@ -1,89 +1,42 @@
-"""Plots of a whole result: lines for few asperites, bands and points for many."""
+"""``result.plot``: every drawing of a result."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from tribo.model.surface import Surface
+from tribo.plotting import budget, curves, snapshots
+from tribo.plotting.curves import ASPECT, PLAIN, Look
 from tribo.plotting.encounter import encounter_times
 from tribo.plotting.maps import surface_map
-from tribo.plotting.picture import Picture, pose
-from tribo.plotting.series import MEANINGS, WORKS, work_curves
-from tribo.plotting.snapshots import sequence
-from tribo.plotting.style import (
-    COLUMN,
-    CYCLE,
-    EDGE,
-    INK,
-    POINTS_PER_INCH,
-    WIDE,
-    colour_bar,
-    drawing_on,
-    note,
-    point_length,
-    time_labels,
-)
-from tribo.results.force_averages import friction_force
+from tribo.plotting.pose import nearest_sample
+from tribo.plotting.style import WIDE, drawing_on, style
+from tribo.plotting.works import WORKS, draw_works, works_of
+from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be
+from tribo.validation import must_be
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-# Above this number of asperites of a surface, angles are a band rather than lines.
-MOST_LINES = 6
-
-# Percentiles of the asperites between which a band lies.
-BAND = (5.0, 95.0)
-
-# Most paths of a phase plot: more cover one another.
-MOST_PATHS = 200
-
-# Widths of lines, one surface after the other: equal curves are both seen [points].
-WIDTHS = (2.6, 1.0)
-
-# Width of lines where there is one surface, and of all paths in a phase plot [points].
-WIDTH, PATH_WIDTH = 1.1, 0.7
-
-# Height of a graph over its width.
-ASPECT = 0.66
-
-# Distance between two snapshots [points].
-GAP = 9.0
-
-# Distance of the gap of an energy budget from the axes, beside the label of the times [points].
-GAP_BELOW = 22.0
-
-# Margin for times left of snapshots [points].
-MARGIN = 50.0
-
-# Height that the colours of many asperites take below snapshots [points].
-BAR_ROOM = 30.0
-
-# Percentile of the magnitudes of swings that has the strongest colour.
-STRONGEST = 99.0
+# Width and height of the overview [inch].
+SIZE = (7.0, 7.6)
 
 
 class Plots:
-    """The plots of a result.  Each takes ``ax=None`` and returns the Axes.
+    """The plots of a result.
 
     Parameters
     ----------
     result : RunResult
-    label : str
-        Text before the names of lines in legends.
-    linestyle : str or tuple
-        Line style of matplotlib.
+    look : Look
+        What tells its lines from those of other results in the same graph.
     """
 
-    def __init__(self, result: RunResult, label: str = "", linestyle: Any = "-") -> None:
+    def __init__(self, result: RunResult, look: Look = PLAIN) -> None:
         self._result = result
-        self._label = label
-        self._line = {"linestyle": linestyle}
+        self._look = look
 
     def angles(self, ax: Axes | None = None) -> Axes:
         """Draw swings (angles of pendulums from rest) over time [rad].
@@ -94,32 +47,26 @@ class Plots:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to draw in.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
         matplotlib.axes.Axes
         """
-        result, surfaces = self._result, self._result.scene.surfaces
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            for k, (colour, surface) in enumerate(zip(_colours(), surfaces, strict=False)):
-                swing = _swing(result, surface)
-                look: dict[str, Any] = {"linewidth": self._width(k)} | self._line
-                look |= {"color": colour, "label": self._named(surface.name)}
-                if surface.count <= MOST_LINES:
-                    for line in ax.plot(result.t, swing, **look)[1:]:
-                        line.set_label("_")
-                    continue
-                low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
-                ax.plot(result.t, middle, **look)
-                ax.fill_between(result.t, low, high, color=colour, alpha=0.2, linewidth=0.0)
-            self._over_time(ax, "swing (rad)")
-        return ax
+        return curves.angles(self._result, self._look, ax)
 
     def work(
-        self, surface: str | None = None, asperite: int | None = None, ax: Axes | None = None
+        self,
+        surface: str | None = None,
+        asperite: int | None = None,
+        span: tuple[float, float] | None = None,
+        ax: Axes | None = None,
     ) -> Axes:
         """Draw the works on a surface over time, or those on one asperite; pseudoworks are dashed.
+
+        The work of a force on a surface is the sum of its works on the asperites, and the total W
+        that of all external forces.  Works that are zero throughout are left out, and so is the
+        total pseudowork.
 
         Parameters
         ----------
@@ -127,24 +74,33 @@ class Plots:
             The first without it.
         asperite : int, optional
             All together without it.
+        span : tuple of float, optional
+            Times between which curves are shown; labels stand at the later one [time].
         ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
+            The axes to draw on; by default a new figure, with the forces in words.
 
         Returns
         -------
         matplotlib.axes.Axes
+            The label of each line is the name of the work in the ledger, as "w1_ps".
+
+        Raises
+        ------
+        InputError
+            The result has no works, or none of single asperites.
         """
         name = self._surface(surface)
+        if self._result.scene.output.ledger == "none":
+            raise must_be("output.ledger", "another one: no works are kept", "none")
+        works = works_of(self._result, name, asperite)
         is_new = ax is None
         with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
-            work_curves(self._result, name, asperite, ax=ax)
+            lines = draw_works(ax, self._result, works, span)
             of_one = "" if asperite is None else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
-            drawn = {str(line.get_label()): line for line in ax.lines}
-            words = {work: MEANINGS[work] for work in WORKS if work in drawn}
+            words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
             if is_new and words:
-                handles = [drawn[work] for work in words]
-                _legend(ax, handles, list(words.values()))
+                curves.legend(ax, list(words.values()), list(words))
         return ax
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
@@ -160,33 +116,13 @@ class Plots:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to draw in.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
         matplotlib.axes.Axes
         """
-        result = self._result
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            below = np.zeros(result.t.size)
-            for colour, (name, values) in zip(_colours(), _budget(result).items(), strict=False):
-                edge = below + values
-                look: dict[str, Any] = {"linewidth": PATH_WIDTH} | self._line
-                ax.plot(result.t, edge, color=colour, label=self._named(name), **look)
-                if not self._label:  # stacks of several results would cover one another
-                    shade: dict[str, Any] = {"color": colour, "alpha": 0.35, "linewidth": 0.0}
-                    ax.fill_between(result.t, below, edge, **shade)
-                below = edge
-            put_in, name = _work_put_in(result)
-            if put_in is not None:
-                look = {"linewidth": WIDTHS[0] / 2.0, "linestyle": (0, (4.0, 3.0))}
-                ax.plot(result.t, put_in, color=INK, label=self._named(name), **look)
-                if not self._label:
-                    gap = f"gap {np.max(np.abs(below - put_in)):.1e}"
-                    below_axes: dict[str, Any] = {"xycoords": "axes fraction", "ha": "right"}
-                    note(ax, (1.0, 0.0), gap, (0.0, -GAP_BELOW), **below_axes)
-            self._over_time(ax, "energy")
-        return ax
+        return budget.energy_budget(self._result, self._look, ax)
 
     def friction_force(
         self, surface: str | None = None, after: float | str | None = None, ax: Axes | None = None
@@ -201,7 +137,7 @@ class Plots:
             When the average begins, to leave out the run-in; by default the scene's
             ``output.run_in`` [time].
         ax : matplotlib.axes.Axes, optional
-            Axes to draw in.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
@@ -212,19 +148,9 @@ class Plots:
         InputError
             The forces were not recorded, or there are too few samples.
         """
-        result, name = self._result, self._surface(surface)
-        found = friction_force(result, name, after)
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            given = math.isfinite(found.half_width)
-            label = f"{found.mean:.3g}" + f" ± {found.half_width:.1g}" * given
-            low, high = found.mean - found.half_width, found.mean + found.half_width
-            later = [found.after, result.t[-1]]
-            look: dict[str, Any] = {"linewidth": WIDTH} | self._line
-            ax.plot(result.t, result[name].friction_force, color=CYCLE[0], **look)
-            ax.plot(later, [found.mean] * 2, color=CYCLE[1], label=self._named(label), **look)
-            ax.fill_between(later, low, high, color=CYCLE[1], alpha=0.3, linewidth=0.0)
-            self._over_time(ax, f"friction force on {name}")
-        return ax
+        name = self._surface(surface)
+        average = friction_force(self._result, name, after)
+        return curves.friction(self._result, name, average, self._look, ax)
 
     def phase(self, ax: Axes | None = None) -> Axes:
         """Draw the angular velocity of pendulums over their swing.
@@ -234,50 +160,39 @@ class Plots:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to draw in.
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
         matplotlib.axes.Axes
         """
-        result, surfaces = self._result, self._result.scene.surfaces
-        with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
-            for k, (colour, surface) in enumerate(zip(_colours(), surfaces, strict=False)):
-                shown = np.unique(
-                    np.linspace(0, surface.count - 1, min(surface.count, MOST_PATHS)).astype(int)
-                )
-                swing = _swing(result, surface)[:, shown]
-                rate = result[surface.name].omega[:, shown]
-                faint = max(0.08, min(1.0, 4.0 / len(shown)))
-                look: dict[str, Any] = {"color": colour, "alpha": faint} | self._line
-                look["linewidth"] = PATH_WIDTH * self._width(k)
-                ax.plot(swing, rate, **look)
-                ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
-                ax.plot([], [], color=colour, label=self._named(surface.name), **self._line)
-            ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
-            _legend(ax)
-        return ax
+        return curves.phase(self._result, self._look, ax)
 
     def snapshots(
         self,
         times: Sequence[float] | None = None,
-        ax: Axes | None = None,
+        forces: tuple[str, int] | None = None,
         bath: bool = False,
+        ax: Axes | None = None,
     ) -> Axes:
-        """Draw all asperites at several times below one another.
+        """Draw all asperites at one or several times.
 
-        More than 120 asperites are drawn as their bobs alone, coloured by swing.
+        Narrow snapshots stand in a row, wide ones below one another.  More than 120 asperites are
+        drawn as their bobs alone, coloured by swing.
 
         Parameters
         ----------
         times : sequence of float, optional
             Each means the nearest sample [time].  Without it four, between which the contact energy
             changes by equal amounts; from start to end where there is no contact.
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
+        forces : tuple of str and int, optional
+            Surface and asperite whose contact force f1 is shown, and that on the nearest bob of
+            another surface.  Arrows have the directions of the forces, not their sizes.
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw on; by default a new figure.
 
         Returns
         -------
@@ -286,55 +201,39 @@ class Plots:
         Raises
         ------
         InputError
-            A time is not in the run, or the oscillators are not recorded.
+            A time is not in the run, the oscillators are not recorded, or a calculator of the scene
+            fails.
         """
-        result = self._result
-        samples = [nearest_sample(result, t) for t in _times(result, times)]
-        boxes = np.array([pose(result, k, bath).box for k in samples])
-        left, right = boxes[:, 0].min(), boxes[:, 1].max()
-        is_given = ax is not None
-        with drawing_on(ax, WIDE) as ax:
-            point = point_length(ax, (left, right, 0.0, 0.0), left=MARGIN)
-            if is_given:  # it may be too low to be filled in its width
-                room = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH - BAR_ROOM
-                heights = float((boxes[:, 3] - boxes[:, 2]).sum())
-                point = max(point, heights / max(1.0, room - GAP * len(samples)))
-            swing, floor = typical_swing(result), 0.0
-            for k, box, label in zip(
-                samples, boxes, time_labels(result.t[samples].tolist()), strict=True
-            ):
-                picture = Picture(ax, result, 1.0 / point, swing, bath)
-                picture.show(k, (0.0, floor - box[3]))
-                middle = floor - 0.5 * (box[3] - box[2])
-                note(ax, (left - (MARGIN - EDGE) * point, middle), label, ha="left", va="center")
-                floor -= box[3] - box[2] + GAP * point
-            if picture.colours is not None:
-                floor -= (BAR_ROOM - GAP) * point
-                place = (left + 0.6 * (right - left), floor + 16.0 * point)
-                colour_bar(ax, picture.colours, place, 0.4 * (right - left), 4.0 * point)
-            ax.set_xlim(left - MARGIN * point, right + EDGE * point)
-            ax.set_ylim(floor, EDGE * point)
-            ax.set_aspect("equal")
-        return ax
+        times = encounter_times(self._result, 4) if times is None else times
+        return snapshots.snapshots(self._result, times, forces, bath, ax)
 
     def sequence(
         self,
         times: Sequence[float] | None = None,
         surface: str | None = None,
         asperite: int = 0,
+        points: Sequence[str] = ("bar", "cm", "bob"),
+        phases: Sequence[str] = (),
         ax: Axes | None = None,
     ) -> Axes:
         """Draw snapshots of an encounter, and the displacements of one asperite between them.
 
+        Contact forces are shown in the first and the last snapshot.
+
         Parameters
         ----------
         times : sequence of float, optional
-            Times of the snapshots [time].  Without it three: as asperites approach, when the energy
-            of contact is half spent, and as they recede.
+            Times of the snapshots; between samples, places are interpolated [time].  Without it
+            three: as asperites approach, when the energy of contact is half spent, and as they
+            recede.
         surface : str, optional
             The first without it.
         asperite : int
-            The asperite whose displacements and contact force are shown.
+            The asperite whose displacements along x and contact force are shown.
+        points : sequence of str
+            Its points, of "bar", "cm" and "bob".
+        phases : sequence of str
+            Words beside the gaps, one fewer than the times.
         ax : matplotlib.axes.Axes, optional
             The axes to draw on; by default a new figure.
 
@@ -345,10 +244,11 @@ class Plots:
         Raises
         ------
         InputError
-            A time is outside the run.
+            A time is outside the run, or a calculator of the scene fails.
         """
         times = encounter_times(self._result, 3) if times is None else times
-        return sequence(self._result, times, self._surface(surface), asperite, ax=ax)
+        whose = (self._surface(surface), asperite)
+        return snapshots.sequence(self._result, times, whose, points, phases, ax)
 
     def map(
         self,
@@ -380,104 +280,49 @@ class Plots:
         InputError
             If the surface is no grid, or has no such series, or the time is not in the run.
         """
-        result, name = self._result, self._surface(surface)
-        sample = -1 if t is None else nearest_sample(result, t)
-        return surface_map(result, name, quantity, sample, ax)
+        sample = -1 if t is None else nearest_sample(self._result, t)
+        return surface_map(self._result, self._surface(surface), quantity, sample, ax)
 
-    def _surface(self, name: str | None) -> str:
+    def overview(self) -> Figure:
+        """Draw snapshots, works on the first surface, energies, angles and phases in one figure.
+
+        Where sliding goes on and forces are recorded, the friction force on the first surface takes
+        the place of the phases.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            The run was too large to keep the places of single asperites.
+        """
+        from tribo.plotting.shown import ShownFigure
+
+        result = self._result
+        with style():
+            figure = ShownFigure(figsize=SIZE, layout="constrained")
+            figure.suptitle(result.scene.title)
+            places = figure.subplot_mosaic(
+                [["snapshots", "snapshots"], ["work", "energies"], ["angles", "last"]],
+                height_ratios=(1.5, 1.0, 1.0),
+            )
+            self.energy_budget(ax=places["energies"])
+            self.angles(ax=places["angles"])
+            slides = has_mean_friction(result.scene) and "friction_force" in result[self._surface()]
+            (self.friction_force if slides else self.phase)(ax=places["last"])
+            if result.scene.output.ledger != "none":
+                self.work(ax=places["work"])
+            figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need
+            self.snapshots(ax=places["snapshots"])
+            places["snapshots"].set_axis_off()
+            if not places["work"].lines:
+                places["work"].set_axis_off()
+        return figure
+
+    def _surface(self, name: str | None = None) -> str:
         names = [surface.name for surface in self._result.scene.surfaces]
         if name is not None and name not in names:
             raise must_be("surface", f"one of {', '.join(names)}", name)
         return name or names[0]
-
-    def _named(self, name: str) -> str:
-        return f"{self._label}: {name}" if self._label else name
-
-    def _over_time(self, ax: Axes, ylabel: str) -> None:
-        ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-        ax.set(xlabel="$t$", ylabel=ylabel)
-        ax.set_xlim(self._result.t[0], self._result.t[-1])
-        _legend(ax)
-
-    def _width(self, index: int) -> float:
-        return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
-
-
-def nearest_sample(result: RunResult, t: float) -> int:
-    """The sample whose time is nearest.  Raises InputError for a time outside of the run."""
-    if not result.t[0] <= t <= result.t[-1]:
-        raise InputError("times", f"must be from {result.t[0]:g} to {result.t[-1]:g}, got {t}")
-    return int(np.argmin(np.abs(result.t - t)))
-
-
-def typical_swing(result: RunResult) -> float:
-    """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
-    swings = [np.abs(_swing(result, surface)).ravel() for surface in result.scene.surfaces]
-    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
-
-
-def _legend(ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = ()) -> None:
-    """Names of lines, or of all, above the graph, clear of the curves, at most three in a row."""
-    handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
-    number = max(1, len(labels))
-    rows = math.ceil(number / 3)
-    ax.legend(
-        handles,
-        labels,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        ncols=math.ceil(number / rows),
-        frameon=False,
-        fontsize=7.5,
-        borderaxespad=0.2,
-        columnspacing=1.2,
-    )
-
-
-def _times(result: RunResult, times: Sequence[float] | None) -> Sequence[float]:
-    return encounter_times(result, 4) if times is None else times
-
-
-def _swing(result: RunResult, surface: Surface) -> np.ndarray:
-    """(times, asperites) angles of pendulums from their rest, relative to the bars [rad]."""
-    series = result[surface.name]
-    return np.asarray(series.theta - surface.rest - series.phi)
-
-
-def _colours() -> tuple[str, ...]:
-    return CYCLE * 8
-
-
-def _budget(result: RunResult) -> dict[str, np.ndarray]:
-    """The energies that work became, by name; those that never change are left out."""
-    system, blocks = result.system, result.ledger.blocks.values()
-    kinetic = sum(block["delta_K"] for block in blocks)
-    internal = sum(block["delta_E_int"] for block in blocks)
-    contact = system["contact_energy"] - system["contact_energy"][0]
-    field = system["total_energy_change"] - contact - kinetic - internal
-    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
-    changes = {
-        "kinetic": kinetic,
-        "contact": contact,
-        "field": field if result.scene.fields else 0.0,
-        "internal": internal - bath,
-        "bath": bath,
-        "heat": sum(_heats(result)),
-    }
-    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
-
-
-def _heats(result: RunResult) -> list[np.ndarray]:
-    """The heat that the reservoir of each surface was given, (times,); empty without any."""
-    tables = [result[name] for name in result.ledger.surfaces]
-    heats = [np.asarray(table["heat"]) for table in tables if "heat" in table]
-    return [heat.reshape(result.t.size, -1).sum(axis=1) for heat in heats]
-
-
-def _work_put_in(result: RunResult) -> tuple[np.ndarray | None, str]:
-    """The work that is put in, before heat, and its name; None without a ledger."""
-    if "applied_work" not in result.system:
-        return None, ""
-    heats = _heats(result)
-    work = result.system["applied_work"] + sum(heats)
-    return np.asarray(work), "applied work + heat" if heats else "applied work"

@@ -1,311 +1,204 @@
-"""Drawings of asperites: snapshots, and sequences of them with the displacements in between.
-
-Lengths are in the scene's units, so that a bob is drawn where the run had it.
-"""
+"""Snapshots of all asperites, and the displacements of one of them in between."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tribo.plotting.geometry import (
-    AsperiteGeometry,
-    Contacts,
-    SceneGeometry,
-    scene_geometry,
-    shifted,
-)
-from tribo.plotting.style import (
-    COLUMN,
+from tribo.plotting.contacts import force_arrows
+from tribo.plotting.curves import swing_of
+from tribo.plotting.marks import (
     EDGE,
-    INK,
+    POINTS_PER_INCH,
+    Box,
     arrow,
-    drawing_on,
     frame,
     note,
     point_length,
     time_labels,
 )
+from tribo.plotting.picture import Picture, colour_bar
+from tribo.plotting.pose import Pose, nearest_sample, pose
+from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on
 from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.patches import Circle, Rectangle
 
-# Distance between lines of labels [points].
-LINE = 14.0
+# Distance between two snapshots, and between lines of labels [points].
+GAP, LINE = 9.0, 14.0
 
-# Margin for labels left of a sequence [points].
-MARGIN = 42.0
+# Margin for times and phases left of snapshots [points].
+MARGIN = 50.0
 
-# Radius of a bob [rod length].
-BOB_RADIUS = 0.09
+# Snapshots stand in a row if their widths together are less than this times the height.
+MOST_ROW = 6.0
 
-# Colours of bars and bobs, by where the surface faces; of rods; of centres of mass.
-STEEL = {"down": "#c9d9ee", "up": "#d9dde3"}
-ROD_COLOUR = "#fbf3d0"
-CM_COLOUR = "#d7301f"
+# Height that the colours of many asperites take below snapshots [points].
+BAR_ROOM = 30.0
 
-# Line styles, and subscripts in labels, of the points of an asperite.
-GUIDES = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}
+# Room at the sides for the arrows of forces [rod length].
+ARROW_ROOM = 0.4
+
+# Percentile of the magnitudes of swings that has the strongest colour.
+STRONGEST = 99.0
+
+# Line styles of the points of an asperite, and their subscripts.
+GUIDES: dict[str, Any] = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}
 SUBSCRIPTS = {"bar": "2", "cm": r"{\rm cm}", "bob": "1"}
 
 
-def draw_asperite(ax: Axes, asperite: AsperiteGeometry, zorder: float = 2.0) -> dict[str, Artist]:
-    """Draw bar, rod, bob, torsion spring and centre of mass.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    asperite : AsperiteGeometry
-    zorder : float
-        matplotlib's order of the first part; those of the others follow within 1.
-
-    Returns
-    -------
-    dict of str to matplotlib.artist.Artist
-        "spring", "bar", "rod", "bob", "pivot" and "cm".
-    """
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Circle, Rectangle
-
-    size = asperite.length
-    edge: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.5}
-    steel = STEEL[asperite.facing]
-
-    def beam(
-        start: np.ndarray, angle: float, length: float, width: float, colour: str
-    ) -> Rectangle:
-        x, y = start + 0.5 * width * np.array([np.sin(angle), -np.cos(angle)])
-        return Rectangle((x, y), length, width, angle=np.degrees(angle), facecolor=colour, **edge)
-
-    def dot(centre: np.ndarray, radius: float, colour: str) -> Circle:
-        x, y = centre
-        return Circle((x, y), radius * size, facecolor=colour, **edge)
-
-    parts: dict[str, Artist] = {
-        "spring": Line2D(*_spring(asperite), color=INK, linewidth=0.4),
-        "bar": beam(asperite.ends[0], asperite.phi, asperite.bar_length, 0.1 * size, steel),
-        "rod": beam(asperite.bar, asperite.theta - 0.5 * np.pi, size, 0.06 * size, ROD_COLOUR),
-        "bob": dot(asperite.bob, BOB_RADIUS, steel),
-        "pivot": dot(asperite.bar, 0.022, INK),
-        "cm": dot(asperite.cm, 0.045, CM_COLOUR),
-    }
-    for k, part in enumerate(parts.values()):
-        part.set_zorder(zorder + 0.1 * k)
-        ax.add_artist(part)
-    return parts
+def typical_swing(result: RunResult) -> float:
+    """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
+    swings = [np.abs(swing_of(result, surface)).ravel() for surface in result.scene.surfaces]
+    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
 
 
-def _spring(asperite: AsperiteGeometry) -> np.ndarray:
-    """(2, points) the torsion spring, from one half of the bar to the rod and to the other half.
-
-    Each side has a fixed number of windings, which a swing compresses or stretches.
-    """
-    radius, swell, windings = 0.17 * asperite.length, 0.024 * asperite.length, 5
-    across = asperite.phi - 0.5 * np.pi * asperite.up  # direction of the rod at rest
-    at_bar = np.arcsin(0.05 * asperite.length / radius)
-    s = np.linspace(0.0, 1.0, 40 * windings)
-    turn = 2.0 * np.pi * windings * s
-    wave = radius + swell * np.sin(turn)
-    rod = asperite.theta - 0.5 * np.pi
-    paths = []
-    for side in (-1.0, 1.0):
-        start = across + side * (0.5 * np.pi - at_bar)
-        angle = start + (rod - start) * (s - 0.05 * (1.0 - np.cos(turn)))
-        paths.append(asperite.bar[:, None] + wave * np.array([np.cos(angle), np.sin(angle)]))
-    return np.concatenate([paths[0], paths[1][:, ::-1]], axis=1)
-
-
-def draw_asperites(ax: Axes, geometry: SceneGeometry) -> None:
-    """Draw all asperites, the farthest in z first.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-    geometry : SceneGeometry
-        The asperites, as of :func:`scene_geometry`.
-    """
-    everything = [each for group in geometry.values() for each in group]
-    depths = sorted({each.depth for each in everything})
-    for each in everything:
-        draw_asperite(ax, each, zorder=2.0 + depths.index(each.depth))
-
-
-def snapshot(
-    result: RunResult, t: float, forces: tuple[str, int] | None = None, ax: Axes | None = None
+def snapshots(
+    result: RunResult,
+    times: Sequence[float],
+    forces: tuple[str, int] | None,
+    bath: bool,
+    ax: Axes | None,
 ) -> Axes:
-    """Draw all asperites at a time, and the contact force on one of them.
-
-    Parameters
-    ----------
-    result : RunResult
-    t : float
-        Time, from the first sample to the last [time].
-    forces : tuple of str and int, optional
-        Surface and asperite whose contact force f1 is shown, and that on the nearest bob of
-        another surface.  Arrows have the directions of the forces, not their sizes.  There is no
-        arrow where no force acts.
-    ax : matplotlib.axes.Axes, optional
-        The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If `t` is outside the run, or a calculator of the scene fails.
-    """
-    geometry = scene_geometry(result, t)
-    with drawing_on(ax, COLUMN) as ax:
-        draw_asperites(ax, geometry)
-        if forces is not None:
-            _force_arrows(ax, Contacts(result.scene, geometry), geometry, *forces)
-        frame(ax, extent(geometry))
+    """Draw all asperites at the samples nearest to some times."""
+    samples = [nearest_sample(result, t) for t in times]
+    poses = [pose(result, float(result.t[k]), bath) for k in samples]
+    room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
+    boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
+    widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
+    widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
+    arranged = _in_a_row if widths.sum() < MOST_ROW * heights.max() else _in_a_column
+    is_given = ax is not None
+    with drawing_on(ax, WIDE) as ax:
+        width, height = np.array(ax.bbox.size) / ax.figure.dpi * POINTS_PER_INCH
+        layout = arranged(boxes, width, height - BAR_ROOM if is_given else np.inf)
+        point, (left, right, bottom, top) = layout.point, layout.view
+        swing, labels = typical_swing(result), time_labels(result.t[samples].tolist())
+        for now, shift, place, label in zip(
+            poses, layout.shifts, layout.labels, labels, strict=True
+        ):
+            shown = now.shifted(shift)
+            picture = Picture(ax, shown, point, swing)
+            note(ax, place, label, ha=layout.align)
+            if forces is not None:
+                force_arrows(ax, result.scene, now, shown, *forces)
+        if picture.swings is not None:
+            bottom -= BAR_ROOM * point
+            place = (left + 0.6 * (right - left), bottom + 16.0 * point)
+            colour_bar(ax, picture.swings, place, 0.38 * (right - left), 4.0 * point)
+        ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     return ax
 
 
-def extent(*geometries: SceneGeometry) -> tuple[float, float, float, float]:
-    """The box around asperites with room for arrows at their bobs.
+class _Layout(NamedTuple):
+    """Where snapshots and their labels are."""
 
-    Parameters
-    ----------
-    *geometries : SceneGeometry
-        The asperites at one or several times.
-
-    Returns
-    -------
-    tuple of float
-        Left, right, bottom and top [length].
-    """
-    everything = [each for one in geometries for group in one.values() for each in group]
-    ends = np.concatenate([each.ends for each in everything])
-    bobs = np.array([each.bob for each in everything])
-    size = max(each.length for each in everything)
-    room = np.array([0.56, 0.1]) * size
-    low = np.minimum(ends.min(0) - 0.06 * size, bobs.min(0) - room)
-    high = np.maximum(ends.max(0) + 0.06 * size, bobs.max(0) + room)
-    return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+    point: float  # length of a typographic point
+    shifts: np.ndarray  # (n, 2) of the snapshots
+    labels: np.ndarray  # (n, 2) of the times
+    align: str  # of the times, along x
+    view: Box
 
 
-def _force_arrows(
-    ax: Axes, contacts: Contacts, geometry: SceneGeometry, surface: str, asperite: int
-) -> None:
-    """Arrows at an asperite and at its nearest neighbour, where a force acts.
+def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
+    """Snapshots side by side in boxes (n, 4), in so many points; times below them."""
+    widths, low, high = boxes[:, 1] - boxes[:, 0], boxes[:, 2].min(), boxes[:, 3].max()
+    point = widths.sum() / (width - GAP * (len(boxes) - 1) - 2.0 * EDGE)
+    point = float(max(point, (high - low) / max(1.0, height - LINE - EDGE)))
+    begins = boxes[0, 0] + np.cumsum([0.0, *(widths[:-1] + GAP * point)])
+    end = float(begins[-1] + widths[-1])
+    shifts = np.stack([begins - boxes[:, 0], np.zeros(len(boxes))], axis=1)
+    labels = np.stack(
+        [begins + 0.5 * widths, np.full(len(boxes), low - 0.5 * LINE * point)], axis=1
+    )
+    edge = EDGE * point
+    return _Layout(
+        point,
+        shifts,
+        labels,
+        "center",
+        (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge),
+    )
 
-    `geometry` says where the arrows start; it may be shifted.
-    """
-    nearest = contacts.nearest(surface, asperite)
-    if nearest is None:
-        return
-    other_surface, other, distance = nearest
-    for name, k in ((surface, asperite), (other_surface, other)):
-        force = contacts.force(name, k)
-        if np.any(force) and np.all(np.isfinite(force)):
-            _force_arrow(ax, geometry[name][k], force / np.hypot(*force), distance)
 
-
-def _force_arrow(
-    ax: Axes, asperite: AsperiteGeometry, direction: np.ndarray, distance: float
-) -> None:
-    """Draw a force; two forces that point at each other over `distance` do not touch."""
-    edge = BOB_RADIUS * asperite.length
-    reach = min(0.55 * asperite.length, max(0.43 * distance, 2.0 * edge))
-    start, tip = asperite.bob + edge * direction, asperite.bob + reach * direction
-    arrow(ax, start, tip)
-    letter = "f" if asperite.facing == "down" else "F"
-    aside = np.array([-direction[1], direction[0]])
-    aside *= 10.0 * np.copysign(1.0, aside[1] * asperite.up)
-    note(ax, 0.5 * (start + tip), rf"$\vec{{{letter}}}_1$", tuple(aside))
+def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
+    """Snapshots below one another, at the places along x of the run; times left of them."""
+    left, right, heights = boxes[:, 0].min(), boxes[:, 1].max(), boxes[:, 3] - boxes[:, 2]
+    point = (right - left) / (width - MARGIN - EDGE)
+    point = float(max(point, heights.sum() / max(1.0, height - GAP * len(boxes))))
+    tops = boxes[0, 3] - np.cumsum([0.0, *(heights + GAP * point)])
+    shifts = np.stack([np.zeros(len(boxes)), tops[:-1] - boxes[:, 3]], axis=1)
+    start = np.full(len(boxes), left - (MARGIN - EDGE) * point)
+    labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
+    view = (
+        left - MARGIN * point,
+        right + EDGE * point,
+        float(tops[-1]),
+        float(tops[0]) + EDGE * point,
+    )
+    return _Layout(point, shifts, labels, "left", view)
 
 
 def sequence(
     result: RunResult,
     times: Sequence[float],
-    surface: str = "upper",
-    asperite: int = 0,
-    points: Sequence[str] = ("bar", "cm", "bob"),
-    phases: Sequence[str] = (),
-    ax: Axes | None = None,
+    asperite: tuple[str, int],
+    points: Sequence[str],
+    phases: Sequence[str],
+    ax: Axes | None,
 ) -> Axes:
-    """Draw snapshots below one another, and the displacements of one asperite between them.
-
-    Contact forces are shown in the first and the last snapshot.
-
-    Parameters
-    ----------
-    result : RunResult
-    times : sequence of float
-        Times of the snapshots [time].
-    surface, asperite : str, int
-        The asperite whose displacements along x and contact force are shown.
-    points : sequence of str
-        Its points, of "bar", "cm" and "bob".
-    phases : sequence of str
-        Words beside the gaps, one fewer than the times.
-    ax : matplotlib.axes.Axes, optional
-        The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If a time is outside the run, or a calculator of the scene fails.
-    """
-    geometries = [scene_geometry(result, t) for t in times]
-    boxes = np.array([extent(geometry) for geometry in geometries])
-    left, right = boxes[:, 0].min(), boxes[:, 1].max()
+    """Draw snapshots, and the displacements of one asperite between them."""
+    poses = [pose(result, t) for t in times]
+    boxes = np.array([now.box for now in poses])
+    room = ARROW_ROOM * float(poses[0].rods.max())
+    left, right = boxes[:, 0].min() - room, boxes[:, 1].max() + room
     beside: dict[str, Any] = {"offset": (EDGE - MARGIN, 0.0), "ha": "left"}
     with drawing_on(ax, COLUMN) as ax:
-        point = point_length(ax, (left, right, 0.0, 0.0), left=MARGIN)
+        point = point_length(ax, left, right, left=MARGIN)
         gap = (len(points) + 1.2) * LINE * point
         floor, before = 0.0, None
-        for k, (geometry, label) in enumerate(zip(geometries, time_labels(times), strict=True)):
+        for k, (now, label) in enumerate(zip(poses, time_labels(times), strict=True)):
             top = floor - gap if k else 0.0
-            row = shifted(geometry, (0.0, top - boxes[k, 3]))
-            after = row[surface][asperite]
-            draw_asperites(ax, row)
+            row = now.shifted((0.0, top - boxes[k, 3]))
+            index = row.index(*asperite)
+            Picture(ax, row, point)
             if k in (0, len(times) - 1):
-                _force_arrows(ax, Contacts(result.scene, geometry), row, surface, asperite)
-            note(ax, (left, after.bob[1]), label, **beside)
+                force_arrows(ax, result.scene, now, row, *asperite)
+            note(ax, (left, row.bobs[index, 1]), label, **beside)
             if before is not None:
-                _displacements(ax, before, after, points, floor, point)
+                _displacements(ax, before, row, index, points, floor, point)
                 if phases:
                     note(ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside)
-            floor, before = extent(row)[2], after
+            floor, before = row.box[2], row
         frame(ax, (left, right, floor, 0.0), left=MARGIN)
     return ax
 
 
 def _displacements(
     ax: Axes,
-    before: AsperiteGeometry,
-    after: AsperiteGeometry,
+    before: Pose,
+    after: Pose,
+    index: int,
     points: Sequence[str],
     ceiling: float,
     point: float,
 ) -> None:
-    """Draw an arrow for each point, one below the other, between guides to the two asperites.
+    """Draw an arrow for each point of an asperite, one below the other, between guides to it.
 
     `point` is the length of a typographic point.
     """
     levels = ceiling - LINE * point * np.arange(1, len(points) + 1)
-    begins = np.array([getattr(before, name) for name in points])
-    ends = np.array([getattr(after, name) for name in points])
+    begins, ends = (
+        np.array([getattr(now, f"{name}s")[index] for name in points]) for now in (before, after)
+    )
     looks = [GUIDES[name] for name in points]
     _guides(ax, looks, begins, levels - 5.0 * point, 2.5 * point)
     _guides(ax, looks[::-1], ends[::-1], (levels + 5.0 * point)[::-1], 2.5 * point)
     side = _free_side(begins[:, 0], ends[:, 0], 32.0 * point)
-    letter = "x" if before.facing == "down" else "X"
+    letter = "x" if before.up[index] > 0.0 else "X"
     where = {"ha": "left" if side > 0.0 else "right", "bbox": {"fc": "w", "ec": "none", "pad": 0.5}}
     for name, y, start, tip in zip(points, levels, begins[:, 0], ends[:, 0], strict=True):
         head = min(8.0, 1.2 * abs(tip - start) / point)  # a short arrow has a small head

@@ -104,7 +104,7 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
 
 
 def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
-    """A note on every surface at rest on whose swinging bars a forced drive does work."""
+    """What the drive does of every forced surface at rest, if its bars swing and it does work."""
     surfaces = layout.scene.surfaces
     if layout.model.ledger is None:
         return ()
@@ -112,8 +112,9 @@ def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
     at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
     others = sum(work for name, work in works.items() if name not in at_rest)
     return tuple(
-        f'"{name}" is forced and at rest, but its bars swing: its drive does {works[name]:.3g} of '
-        f'work, where the other drives do {others:.3g}; drive = "bars" holds bars without work'
+        f'the drive holds the centre of mass of "{name}" at rest, and does {works[name]:.3g} of '
+        f"work on its swinging bars (other drives: {others:.3g}); "
+        'drive = "bars" holds the bars instead'
         for name in at_rest
         if abs(works[name]) > NOTED_WORK * abs(others) > 0.0
     )

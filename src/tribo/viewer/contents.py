@@ -14,9 +14,9 @@ from tribo.analysis.contact_probe import ContactProbe
 from tribo.ledger.quantities import EVERY_QUANTITY, Table
 from tribo.model.drives import Forced
 from tribo.model.surface import Surface
-from tribo.plotting.geometry import joined_bars
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
-from tribo.plotting.series import works_of
+from tribo.plotting.pose import has_spring, joined_bars
+from tribo.plotting.works import works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 from tribo.viewer.sentence import sentence
@@ -32,7 +32,7 @@ DIGITS = 6
 # Magnitudes that numbers of 32 bits have with that many digits.
 SINGLE = (1e-36, 1e38)
 # The curves that a page opens with, where they are recorded.
-DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "w", "w_ps", "heat", "heat_bath")
+DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "W", "W_ps", "heat", "heat_bath")
 
 
 def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
@@ -123,9 +123,7 @@ def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str,
         "depth": packed(surface.resting_bobs()[:, 2]),
         # From the bar to the bob, in parts of the rod.
         "centre": packed(values["m1"] / (values["m1"] + values["m2"])),
-        "twisted": bool(
-            np.any(np.asarray(values["kappa"]) > 0.0) and not surface.asperite.is_rigid
-        ),
+        "twisted": bool(np.any(has_spring(surface))),
         "bonds": packed(joined_bars(surface)),
         # Of each place frame after frame, asperite after asperite.
         "places": {name: packed(table[name][frames]) for name in PLACES},

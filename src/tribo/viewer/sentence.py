@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.plotting.series import works_of
+from tribo.plotting.works import works_of
 from tribo.results.run_result import RunResult
 
 # Works that differ by less than this part of their size are called equal.

@@ -119,7 +119,7 @@ function makeCurves(canvas) {
         line(context, at, run.times, curve.values, run.times.length - 1);
         context.globalAlpha = 1;
         if (kept) continue;
-        context.lineWidth = curve.name === "w" ? 2.8 : 2;
+        context.lineWidth = curve.name === "W" ? 2.8 : 2;
         line(context, at, run.times, curve.values, indexAt(run.times, t));
       }
     });

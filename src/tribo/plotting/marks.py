@@ -1,0 +1,71 @@
+"""Marks on drawings: arrows, notes, times, margins.  Sizes of gaps and margins are in points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tribo.plotting.style import INK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike
+
+Box = tuple[float, float, float, float]  # left, right, bottom and top, in units of the Axes
+
+POINTS_PER_INCH = 72.0
+
+# Margin around a drawing [points].
+EDGE = 4.0
+
+# Sides of a box, in order.
+SIDES = ("left", "right", "bottom", "top")
+
+
+def arrow(ax: Axes, start: ArrayLike, tip: ArrayLike, **properties: Any) -> None:
+    """Draw a straight arrow; the properties are those of matplotlib's ``FancyArrowPatch``."""
+    drawn = {"arrowstyle": "-|>,head_length=0.5,head_width=0.2", "linewidth": 0.9, "color": INK}
+    fixed = {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 8}
+    ax.annotate(
+        "", xy=_pair(tip), xytext=_pair(start), arrowprops=drawn | fixed | properties, zorder=1000
+    )
+
+
+def note(
+    ax: Axes,
+    position: ArrayLike,
+    text: str,
+    offset: tuple[float, float] = (0.0, 0.0),
+    **properties: Any,
+) -> None:
+    """Write a text, displaced by `offset` points; the properties are those of ``Axes.annotate``."""
+    where: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 1001} | properties
+    ax.annotate(text, xy=_pair(position), xytext=offset, textcoords="offset points", **where)
+
+
+def _pair(position: ArrayLike) -> tuple[float, float]:
+    x, y = np.asarray(position, float)
+    return float(x), float(y)
+
+
+def time_labels(times: Sequence[float]) -> list[str]:
+    """Times as text, all with as many decimals as the longest of them needs."""
+    decimals = max(len(f"{t:.6g}".partition(".")[2]) for t in times)
+    return [f"$t = {t:.{decimals}f}$" for t in times]
+
+
+def point_length(ax: Axes, low: float, high: float, **margins: float) -> float:
+    """The length of one point if this range fills the width of `ax` up to its margins [length]."""
+    width = ax.bbox.width / ax.figure.dpi * POINTS_PER_INCH
+    return (high - low) / (width - margins.get("left", EDGE) - margins.get("right", EDGE))
+
+
+def frame(ax: Axes, box: Box, **margins: float) -> None:
+    """Show a part of a drawing, with margins `left`, `right`, `bottom` and `top` [points]."""
+    point = point_length(ax, *box[:2], **margins)
+    left, right, bottom, top = (point * margins.get(side, EDGE) for side in SIDES)
+    ax.set_xlim(box[0] - left, box[1] + right)
+    ax.set_ylim(box[2] - bottom, box[3] + top)
+    ax.set_aspect("equal")

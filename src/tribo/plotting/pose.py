@@ -1,0 +1,195 @@
+"""Where asperites are drawn at one time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from tribo.model.surface import Surface
+from tribo.plotting.oscillators import oscillator_dots
+from tribo.results.run_result import RunResult
+from tribo.validation import InputError
+
+# Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
+OBLIQUE = np.array([0.35, 0.2])
+
+# +1 where bars are above their bobs, by where a surface faces.
+UPWARD = {"down": 1.0, "up": -1.0}
+
+# Room around bobs, along x and y [rod length].
+ROOM = np.array([0.2, 0.1])
+
+
+def _no_points() -> np.ndarray:
+    return np.empty((0, 2))
+
+
+def _no_pairs() -> np.ndarray:
+    return np.empty((0, 2), int)
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Places of n asperites in a drawing; those at a depth are shifted right and upward.
+
+    Attributes
+    ----------
+    parts : dict of str to slice
+        The asperites of each surface.
+    bars, cms, bobs : ndarray, (n, 2)
+        Centres of bars, of mass and of bobs [length].
+    phi, theta : ndarray, (n,)
+        Angles of the bars, and of the rods from straight down [rad].
+    bar_lengths : ndarray, (n,)
+        [length]
+    up : ndarray, (n,)
+        +1 where the bar is above the bob, else -1.
+    is_twisted : ndarray of bool, (n,)
+        Whether a torsion spring is drawn.
+    aside : ndarray, (n, 2)
+        The shift for the depth [length].
+    joined : ndarray of int, (m, 2)
+        Pairs of asperites whose bars a lattice spring joins.
+    dots : ndarray, (m, 2)
+        Bath oscillators, where they are drawn [length].
+    """
+
+    parts: dict[str, slice]
+    bars: np.ndarray
+    cms: np.ndarray
+    bobs: np.ndarray
+    phi: np.ndarray
+    theta: np.ndarray
+    bar_lengths: np.ndarray
+    up: np.ndarray
+    is_twisted: np.ndarray
+    aside: np.ndarray = field(default_factory=_no_points)
+    joined: np.ndarray = field(default_factory=_no_pairs)
+    dots: np.ndarray = field(default_factory=_no_points)
+
+    @property
+    def rods(self) -> np.ndarray:
+        """(n,) lengths of the rods."""
+        return np.asarray(np.hypot(*(self.bobs - self.bars).T))
+
+    @property
+    def swing(self) -> np.ndarray:
+        """(n,) angles of the pendulums from their rest [rad]."""
+        return np.asarray(self.theta - self.phi - np.where(self.up > 0.0, 0.0, np.pi))
+
+    @property
+    def ends(self) -> np.ndarray:
+        """(n, 2, 2) left and right end of each bar."""
+        half = np.stack([np.cos(self.phi), np.sin(self.phi)], axis=1)
+        half = 0.5 * self.bar_lengths[:, None] * half
+        return np.stack([self.bars - half, self.bars + half], axis=1)
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top, with the size of the parts."""
+        size = float(self.rods.max())
+        ends, room = self.ends.reshape(-1, 2), ROOM * size
+        low = np.concatenate([ends - 0.06 * size, self.bobs - room, self.dots]).min(axis=0)
+        high = np.concatenate([ends + 0.06 * size, self.bobs + room, self.dots]).max(axis=0)
+        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+
+    def index(self, surface: str, asperite: int) -> int:
+        """The place of an asperite among all."""
+        return int(self.parts[surface].start) + asperite
+
+    def shifted(self, shift: np.ndarray | tuple[float, float]) -> Pose:
+        """The same elsewhere."""
+        moved = {name: getattr(self, name) + shift for name in ("bars", "cms", "bobs", "dots")}
+        return replace(self, **moved)
+
+
+def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
+    """All asperites at a time.
+
+    Between samples, centres of mass and angles are cubic Hermite interpolants of the samples and
+    their rates; bath oscillators are those of the nearest sample.  Raises InputError for a time
+    outside of the run, and where places are not kept.
+    """
+    sample = nearest_sample(result, t)
+    surfaces = result.scene.surfaces
+    starts = np.cumsum([0, *(s.count for s in surfaces)]).tolist()
+    places = [_places(result, surface, t) for surface in surfaces]
+    aside = [np.asarray(s.resting_bobs()[:, 2:] * OBLIQUE) for s in surfaces]
+    shifts = dict(zip((s.name for s in surfaces), aside, strict=True))
+    dots = oscillator_dots(result, np.array([sample])) if bath else {}
+    rows = [(d[0] + shifts[name][:, None]).reshape(-1, 2) for name, d in dots.items()]
+    joined = [joined_bars(s) + start for s, start in zip(surfaces, starts, strict=False)]
+    shift = np.concatenate(aside)
+    bars, cms, bobs, phi, theta = map(np.concatenate, zip(*places, strict=True))
+    return Pose(
+        parts={s.name: slice(starts[k], starts[k + 1]) for k, s in enumerate(surfaces)},
+        bars=bars + shift,
+        cms=cms + shift,
+        bobs=bobs + shift,
+        phi=phi,
+        theta=theta,
+        bar_lengths=np.concatenate([s.each["bar_length"] for s in surfaces]),
+        up=np.concatenate([np.full(s.count, UPWARD[s.facing]) for s in surfaces]),
+        is_twisted=np.concatenate([has_spring(s) for s in surfaces]),
+        aside=shift,
+        joined=np.concatenate(joined),
+        dots=np.concatenate([_no_points(), *rows]),
+    )
+
+
+def nearest_sample(result: RunResult, t: float) -> int:
+    """The sample whose time is nearest.  Raises InputError for a time outside of the run."""
+    if not result.t[0] <= t <= result.t[-1]:
+        raise InputError("times", f"must be from {result.t[0]:g} to {result.t[-1]:g}, got {t}")
+    return int(np.argmin(np.abs(result.t - t)))
+
+
+def has_spring(surface: Surface) -> np.ndarray:
+    """(n,) whether a torsion spring ties the pendulum of each asperite to its bar."""
+    stiffness = np.broadcast_to(surface.each["kappa"], surface.count)
+    return np.asarray((stiffness > 0.0) & (not surface.asperite.is_rigid))
+
+
+def joined_bars(surface: Surface) -> np.ndarray:
+    """(m, 2) indices of the bars that lattice springs join, but for springs around a period."""
+    ends, _ = surface.springs.bonds(surface.shape, surface.count, (False, False))
+    closes_ring = surface.springs.wrap & (ends[:, 0] > ends[:, 1])
+    return np.asarray(ends[~closes_ring])
+
+
+def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, ...]:
+    """Bars, centres of mass and bobs (n, 2), and the angles phi and theta (n,), of a surface."""
+    series = result[surface.name]
+    if len(series["theta"]) != len(result.t):
+        raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
+    k = int(np.searchsorted(result.t, t, side="right")) - 1
+    places = [
+        np.stack([series[f"{axis}_{point}"][k] for axis in "xy"], axis=1)
+        for point in ("bar", "cm", "bob")
+    ]
+    if result.t[k] == t:
+        return *places, series["phi"][k], series["theta"][k]
+    times = result.t[k : k + 2]
+
+    def at(name: str, rate: str) -> np.ndarray:
+        return _interpolated(times, series[name][k : k + 2], series[rate][k : k + 2], t)
+
+    bar, centre, bob = places
+    phi, theta = at("phi", "nu"), at("theta", "omega")
+    cm = np.stack([at("x_cm", "vx_cm"), at("y_cm", "vy_cm")], axis=1)
+    cos, sin = (f(theta - series["theta"][k]) for f in (np.cos, np.sin))
+    turn = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=1)
+
+    def rigidly(point: np.ndarray) -> np.ndarray:
+        """A point of the pendulum, which turns with the rod about the centre of mass."""
+        return np.asarray(cm + np.einsum("nij,nj->ni", turn, point - centre))
+
+    return rigidly(bar), cm, rigidly(bob), phi, theta
+
+
+def _interpolated(times: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float) -> np.ndarray:
+    """Values (n,) at `t`, from those and their rates at two times."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    return np.asarray(CubicHermiteSpline(times, values, rates)(t))

@@ -1,0 +1,59 @@
+"""What is said on a terminal while something takes long."""
+
+import os
+import pty
+import subprocess
+import sys
+
+import pytest
+
+import tribo
+from support.package import SOURCE
+
+SLOW = "import time; from tribo.progress import announced\nwith announced('busy'): time.sleep({})"
+
+
+def said_on_a_terminal(arguments, **environment):
+    """What a command writes to stderr, which is a terminal."""
+    main, side = pty.openpty()
+    path = str(SOURCE.parent)
+    environment = os.environ | {"PYTHONPATH": path} | environment
+    command = [sys.executable, *arguments]
+    with subprocess.Popen(command, stderr=side, stdout=subprocess.PIPE, env=environment) as process:
+        os.close(side)
+        found = b""
+        while True:
+            try:
+                part = os.read(main, 4096)
+            except OSError:  # at the end, on Linux
+                part = b""
+            if not part:
+                break
+            found += part
+        process.communicate()
+    os.close(main)
+    assert process.returncode == 0, found
+    return found.decode()
+
+
+def test_a_terminal_is_told_after_a_second():
+    """Not before, and no file or pipe is."""
+    assert said_on_a_terminal(["-c", SLOW.format(1.6)]) == "busy\r\n"
+    assert said_on_a_terminal(["-c", SLOW.format(0.1)]) == ""
+    run = subprocess.run(
+        [sys.executable, "-c", SLOW.format(1.6)],
+        env=os.environ | {"PYTHONPATH": str(SOURCE.parent)},
+        capture_output=True,
+    )
+    assert run.stderr == b""
+
+
+@pytest.mark.slow
+def test_compiling_is_announced(tmp_path):
+    """Once, by a command whose loops are not in the cache yet."""
+    scene = tmp_path / "a.toml"
+    tribo.paper.scene("A").save(scene)
+    caches = {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+    command = ["-m", "tribo", "run", str(scene)]
+    assert said_on_a_terminal(command, **caches).count("compiling ...") == 1
+    assert "compiling" not in said_on_a_terminal(command, **caches)
