@@ -204,6 +204,7 @@ def test_written_again(program, tmp_path):
         (lambda file: file["upper.theta"].__setitem__((-1, 0), 0.1), "upper.theta"),
         (lambda file: file["upper.w1"].attrs.__setitem__("units", "J"), "upper.w1"),
         (lambda file: file.attrs.__setitem__("method", "verlet"), "its description"),
+        (lambda file: file.__delitem__("upper.w1"), "its description"),
         (lambda file: file["state.y"].__setitem__(0, 0.3), "state.y"),
     ):
         rewrite(first, second)

@@ -139,7 +139,7 @@ def content(result: RunResult) -> bytes:
     data = dataset(result).assign(state)
     for name, variable in data.variables.items():
         variable.attrs["checksum"] = _checksum(str(name), variable)
-    data.attrs["checksum"] = _checksum_of(data.attrs)
+    data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
     image = bytes(data.to_netcdf(engine="h5netcdf"))
     return image.replace(HASH + NO_DIGEST, HASH + _digest(image))
@@ -197,7 +197,13 @@ def _changed(data: xarray.Dataset) -> str:
     for name, variable in data.variables.items():
         if variable.attrs.get("checksum") != _checksum(str(name), variable):
             return f"{name}"
-    return "" if data.attrs.get("checksum") == _checksum_of(data.attrs) else "its description"
+    whole = data.attrs.get("checksum") == _checksum_of(data.attrs, _names(data))
+    return "" if whole else "its description"
+
+
+def _names(data: xarray.Dataset) -> bytes:
+    """The names of all variables, none of which may be lost."""
+    return " ".join(sorted(map(str, data.variables))).encode()
 
 
 def _is_intact(image: bytes) -> bool:
