@@ -22,8 +22,8 @@ from typing import Any
 
 import by_hand
 from effect_scenes import APART, NEEDS, TOGETHER, scene, with_needs
-
 from tribo.explanation.memory import scene_bytes
+
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import lay_out

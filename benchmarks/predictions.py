@@ -23,8 +23,8 @@ from tribo import paper
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 sys.path.insert(0, str(DOCS))
 
-import measure
-import measure_accuracy
+import measure  # noqa: E402
+import measure_accuracy  # noqa: E402
 
 # Accuracies of every scene.
 ACCURACIES = (1e-4, 1e-8, 1e-11)

@@ -7,9 +7,9 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
-import generate
+import generate  # noqa: E402
 
-import tribo
+import tribo  # noqa: E402
 
 project = "tribo"
 author = "The tribo authors"

@@ -29,7 +29,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 sys.dont_write_bytecode = True
 
-from support import reference
+from support import reference  # noqa: E402
 
 FEW = tribo.Output(samples=9)  # so that steps are not cut short by samples
 

@@ -15,8 +15,6 @@ from pathlib import Path
 from captions import CAPTIONS, THEMES
 from PIL import Image
 
-from tribo.plotting.style import STYLE
-
 FOLDER = Path(__file__).resolve().parent
 EXAMPLES = FOLDER.parents[1] / "examples"
 NUMBERS = FOLDER / "numbers.json"
@@ -55,7 +53,7 @@ def run(name):
     with tempfile.TemporaryDirectory() as folder:
         numbers = module(name).main(folder)
         with Image.open(Path(folder) / f"{name}.png") as image:
-            ratio = 2.0 * SCALE / STYLE["savefig.dpi"]
+            ratio = 2.0 * SCALE / image.info["dpi"][0]
             size = (round(ratio * image.width), round(ratio * image.height))
             small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     small.quantize(COLOURS).save(FOLDER / f"{name}.png", optimize=True)

@@ -16,6 +16,7 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.weak_works import weak_notes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -234,7 +235,9 @@ class Simulation:
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
             open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
-            met, notes = met and not open_budget, (*notes, *open_budget)
+            assert self.accuracy is not None
+            weak = weak_notes(self.layout, fine, bounds, self.accuracy) if met else ()
+            met, notes = met and not (open_budget or weak), (*notes, *weak, *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None

@@ -1,11 +1,17 @@
 """The rounding of differences of large terms is part of every bar."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
 
 import tribo
+from support.reference_precise import compiler, solve
+from support.verdicts import compared
+from support.wide_scenes import wide_scene
 from tribo import Asperite, Coulomb, Initial, Output, Scene, Surface
+from tribo.model.scene_file import scene_from
 
 
 def works_of_ends(kappa, swing, times):
@@ -52,3 +58,53 @@ def test_places_of_ends_of_arms_that_have_turned_often():
             found = result["upper"][f"x_{name}"][:, 0]
             errors = [abs(x - arm * mpmath.sin(q)) for x, q in zip(found, swings, strict=True)]
             assert 1e-14 < max(errors) <= result.error_estimate[f"x_{name}"] < 1e-10
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")
+def test_oscillators_that_start_a_rounding_from_their_bars():
+    """All rests, but for contact of 1e-40 and the rounding of places, the same in all runs."""
+    result = tribo.simulate(scene_from(wide_scene(1000779)))
+    assert result.status == "completed"
+    moved = np.max(np.abs(result["upper"].omega))
+    assert 1e-35 < moved <= result.error_estimate["omega"] < 1e-15
+
+
+def equal_pendulums():
+    """Two on a spring that swing alike, but for a contact that is weaker than their rounding."""
+    lower = {"name": "lower", "facing": "up", "shape": [2, 1], "drive": {"kind": "forced"}}
+    lower |= {"spacing": [1.1, 0.0]}
+    lower |= {"initial": {"swing": 0.3, "omega": 0.2}, "springs": {"stiffness": 0.7}}
+    upper = {"name": "upper", "facing": "down", "bob": [-1.5, 0.5], "drive": {"kind": "forced"}}
+    return {
+        "surface": [upper, lower],
+        "interaction": [{"potential": "coulomb", "strength": 1e-25}],
+        "output": {"samples": 5},
+        "numerics": {"accuracy": 1e-3, "method": "rk4"},
+        "duration": 4.0,
+    }
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")
+@pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+def test_stretches_below_the_rounding_of_equal_motions():
+    """They are lost in all runs, whose works of springs are exactly zero."""
+    table = equal_pendulums()
+    truth, result = solve(table, "quad"), tribo.simulate(scene_from(table))
+    assert result.status == "completed" and not result["lower"].w_int.any()
+    assert np.max(np.abs(truth.series("w_int")[-1])) > 0.0
+    found = compared(result, truth)
+    assert found["outcome"] == "right", found
+    assert 0.0 < result.error_estimate["w_int"] < 1e-13
+
+
+@pytest.mark.parametrize("strength", [1e-20, 1e-40])
+def test_works_below_the_rounding_of_energies(strength):
+    """An accuracy relative to works is not met where none of their digits is known."""
+    upper = Surface("upper", bob=(-3.0, 0.5), velocity=(0.5, 0.0), initial=Initial(omega=0.3))
+    lower = Surface("lower", facing="up", bars="free")
+    scene = Scene((replace(upper, bars="free"), lower), Coulomb(strength), 12.0)
+    with pytest.warns(tribo.TriboWarning, match="below the rounding of the energies"):
+        result = tribo.simulate(scene, accuracy=1e-6)
+    assert result.status == "completed" and not result.met
+    assert tribo.simulate(scene, accuracy={"upper.x_bob": 1e-6}).met
+    assert tribo.simulate(replace(scene, interactions=()), accuracy=1e-6).met

@@ -18,6 +18,7 @@ from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ, member_numbers
 from tribo.loops.batch import MemberStarts
 from tribo.loops.choose_batch import choose_batch
+from tribo.model.parameters import with_values
 
 SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
 STRENGTHS = {"interaction.strength": stats.uniform(0.1, 0.2)}
@@ -258,3 +259,28 @@ def test_held_asperites_are_not_displaced():
 def test_speed_in_a_field():
     """Members that are run one by one have their velocity too."""
     check(scene_of(fields=[CORRUGATION]), SPEEDS, 3, 1e-6, accuracy=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("vary", "what"),
+    [
+        ({"upper.springs.stiffness": np.array([1.0, 2.0, 900.0])}, "the stiffest spring"),
+        ({"upper.drive.stiffness": np.array([1.0, 2.0, 900.0])}, "the stiffest spring"),
+        ({"upper.asperite.kappa": np.array([1.0, 2.0, 4000.0])}, "the fastest pendulum"),
+        ({"lower.asperite.kappa": np.array([1.0, 2.0, 4000.0])}, "the fastest pendulum"),
+    ],
+)
+def test_a_step_that_one_member_does_not_resolve(vary, what):
+    """The scene of all resolves its springs; the stiffest member counts, as in a run of its own."""
+    scene = scene_of(
+        upper={"drive": tribo.Pulled(stiffness=1.0, speed=0.5), "springs": tribo.Springs(1.0)}
+    )
+    scene = replace(scene, numerics=tribo.Numerics())
+    how = {"method": "verlet", "step": 0.1}
+    with pytest.raises(tribo.InputError, match=f"does not resolve {what}"):
+        tribo.ensemble(scene, 3, vary, keep=["upper.w1"], **how)
+    key = next(iter(vary))
+    with pytest.raises(tribo.InputError, match=f"does not resolve {what}"):
+        tribo.simulate(with_values(scene, {key: vary[key][2]}), **how)
+    allowed = tribo.ensemble(scene, 2, {key: vary[key][:2]}, keep=["upper.w1"], **how)
+    assert set(allowed["status"].values) == {"completed"}

@@ -68,6 +68,23 @@ def test_volume_is_kept(kind, method):
     assert abs(volume_ratio(SCENES[kind], method=method, step=STEP) - 1.0) < MOST
 
 
+@pytest.mark.parametrize(
+    ("method", "most"),
+    [
+        ("midpoint", 1e-2),
+        ("rk4", 1e-5),
+        *(
+            pytest.param(name, MOST, marks=pytest.mark.slow)
+            for name in ("dop853", "rkn8", "rkn12", "gauss-radau-15")
+        ),
+    ],
+)
+def test_volume_at_the_lowest_accuracy(method, most):
+    """Methods that are not symplectic change volumes by less than the accuracy asked for."""
+    ratio = volume_ratio(SCENES["pair"], method=method, accuracy=0.1)
+    assert abs(ratio - 1.0) < most
+
+
 @pytest.mark.parametrize(("method", "least"), [("midpoint", 1e-3), ("rk4", 1e-6)])
 def test_explicit_methods_change_volume(method, least):
     """By an error of the method: the test can fail."""

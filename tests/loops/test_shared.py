@@ -152,3 +152,17 @@ def test_an_ensemble_in_threads_of_an_engine():
         shared = tribo.ensemble(scene, vary=vary, engine=pool, **setting)
     assert np.isfinite(alone["upper.friction_force"]).all()
     assert shared.drop_attrs().identical(alone.drop_attrs())
+
+
+def test_an_ensemble_on_a_worker_with_two_threads():
+    """The same on a cluster whose only worker runs two tasks at a time in one process."""
+    distributed = pytest.importorskip("distributed")
+    scene = replace(simulation("grid").scene, duration=40.0, output=tribo.Output(samples=25))
+    setting = {"method": "rkn8", "keep": ["upper.friction_force", "upper.w1"]}
+    vary = {"upper.theta": np.linspace(-0.2, 0.2, 80)}
+    alone = tribo.ensemble(scene, vary=vary, **setting)
+    local = {"processes": False, "n_workers": 1, "threads_per_worker": 2}
+    with distributed.Client(**local, dashboard_address=None) as client:
+        shared = tribo.ensemble(scene, vary=vary, engine=client, **setting)
+    assert np.isfinite(alone["upper.friction_force"]).all()
+    assert shared.drop_attrs().identical(alone.drop_attrs())

@@ -11,6 +11,7 @@ import tribo
 from support.continued import chain, pair, same_end
 from tribo import Corrugation, Field, InputError
 from tribo.layout import contacts
+from tribo.ledger import sinks
 from tribo.loops import state as states
 
 
@@ -169,3 +170,30 @@ def test_a_further_field():
     whole = tribo.simulate(scene, **EQUAL_STEPS)
     # A field without amplitude; the other one continues its path, as it has kept its velocity.
     assert rest["upper"].theta[-1] == pytest.approx(whole["upper"].theta[-1], abs=1e-9)
+
+
+def crossing():
+    """A bar falls under its load through another surface, and has a bath."""
+    rigid, bath = tribo.Asperite(kappa=np.inf), tribo.Bath([0.1], [2.0])
+    drive = tribo.Free(load=0.05)
+    upper = tribo.Surface("upper", bob=(0.0, 3.0), drive=drive, asperite=rigid, bath=bath)
+    lower = tribo.Surface("lower", facing="up", drive="bars", asperite=rigid)
+    output = tribo.Output(samples=121)
+    return tribo.Scene((upper, lower), tribo.Plummer(0.01, 0.5), 60.0, output=output)
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")
+@pytest.mark.parametrize("streams", [False, True])
+def test_no_run_continues_from_one_that_was_cut_back(streams, tmp_path, monkeypatch):
+    """Its baths and its memory are those of a later time."""
+    if streams:
+        monkeypatch.setattr(sinks, "SERIES_BYTES", 0)
+    scene, how = crossing(), {"method": "verlet", "step": 0.02}
+    result = tribo.simulate(scene, **how)
+    assert result.status == "PassedThrough" and result.t[-1] < 60.0
+    result.save(tmp_path / "cut.nc")
+    for state in (result.state(), tribo.load_result(tmp_path / "cut.nc").state()):
+        with pytest.raises(InputError, match="was cut back to t = "):
+            tribo.simulate(scene, **how, start=state)
+    whole = tribo.simulate(replace(scene, duration=5.0), **how)
+    assert tribo.simulate(scene, **how, start=whole.state()).status == "PassedThrough"

@@ -17,7 +17,7 @@ class WithAName(NamedTuple):
 
     def force_between(self, r, charge1, charge2):
         """A force."""
-        return self.scale * undefined
+        return self.scale * undefined  # noqa: F821
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_periodic_images():
 class Failing(Calculator):
     """Raises an error, or a Ctrl-C, at its nth call."""
 
-    implemented_properties = ["energy", "forces"]
+    implemented_properties = ["energy", "forces"]  # noqa: RUF012
 
     def __init__(self, left: int, error: type[BaseException]) -> None:
         super().__init__()

@@ -30,6 +30,9 @@ STORED = Path(__file__).with_name("random_scenes.json")
 # Work of one solution of the reference after which it gives up: evaluations times the asperites and
 # their pairs; 2 to 5 s.
 MOST = 2e6
+# Work of the second solution of a scene whose run seems wrong: the first one may be wrong by more
+# than the difference of its tolerances.
+SECOND = 20.0 * MOST
 # Largest error of the reference, relative to the accuracy of the run, that needs no more precision.
 SURER = 1e-5
 # Error of the reference, relative to the scales, above which nothing is known of a scene.
@@ -41,11 +44,11 @@ SCALE_ERROR = 0.05
 EPSILON = 2.2e-16
 
 
-def truth_of(table: dict) -> Solution | str:
-    """The reference's solution of a scene, or why there is none."""
+def truth_of(table: dict, work: float = MOST) -> Solution | str:
+    """The reference's solution of a scene with so much work, or why there is none."""
     try:
         rows = Tables(table).rows
-        most = MOST / (len(rows["asperites"]) + len(rows["pair"]))
+        most = work / (len(rows["asperites"]) + len(rows["pair"]))
         accuracy = table.get("numerics", {}).get("accuracy", 1e-8)
         solution = solve(table, most=most, wanted=max(SURER * accuracy, SMALL))
     except (UnsolvedError, NotImplementedError) as problem:

@@ -25,6 +25,7 @@ from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.tolerance_scales import first_step, unit_step
 from tribo.integrators import methods
 from tribo.layout.layout import Layout
+from tribo.layout.member_numbers import MemberNumbers
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import (
     bath_frequency,
@@ -186,11 +187,22 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
     step = number("step", step, POSITIVE)
     if method.splits:
         check_damped_step(longest_damped_step(layout), step)
-    if not method.splits or layout.scene.numerics.allow_unresolved:
-        return step
+        check_resolved(layout, method, step)
+    return step
+
+
+def check_resolved(
+    layout: Layout, method: methods.Method, step: float, members: MemberNumbers | None = None
+) -> None:
+    """Refuse a step with which a splitting method does not resolve the scene, or its members.
+
+    Raises InputError, unless the scene allows it.
+    """
+    if layout.scene.numerics.allow_unresolved:
+        return
     for what, frequency in (
-        ("the fastest pendulum", pendulum_frequency(layout)),
-        ("the stiffest spring between bars or to a stage", spring_frequency(layout)),
+        ("the fastest pendulum", pendulum_frequency(layout, members)),
+        ("the stiffest spring between bars or to a stage", spring_frequency(layout, members)),
     ):
         if turn_of_step(layout, method, step, frequency) > MOST_PHASE:
             most = MOST_PHASE / (frequency * longest_kick(method))
@@ -199,7 +211,6 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
                 f"must be at most {most:.3g} for {method.name}, got {step:g}: a longer one does "
                 f"not resolve {what}, {frequency:.3g} rad/time; allow_unresolved permits it",
             )
-    return step
 
 
 def check_damped_step(longest: float, step: float) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout
@@ -90,8 +91,9 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    for name, rounding in _of_ends(layout, motion, count).items():
-        found[name] += rounding
+    for each in (_of_ends(layout, motion, count), rounding_of_forces(layout, motion)):
+        for name, rounding in each.items():
+            found[name] = found.get(name, 0.0) + rounding
     return found
 
 

@@ -29,7 +29,7 @@ class NamedStruct(ir.IdentifiedStructType):
         super().__init__(None, name)
         self.set_body(*members)
 
-    @functools.cache
+    @functools.cache  # noqa: B019 (structs are kept as long as the process runs)
     def get_abi_size(self, target_data: Any, context: Any = None) -> int:
         """Its size in memory [bytes]."""
         module = Module()

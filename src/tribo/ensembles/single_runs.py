@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tribo.accuracy.choose_method import check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Member, Members, is_random
 from tribo.kernels.status import Status
@@ -50,9 +51,17 @@ class SingleRuns:
         if self._own_scenes:
             scene = member.scene(simulation.scene)
             simulation = from_settings(scene, simulation.settings)
+            _check_step(simulation)
         # The errors of sums are those of some members, which are run again.
         estimate = self.kept.with_errors or not self.kept.counts
         return simulation.compute(member.start, estimate=estimate)
+
+
+def _check_step(simulation: Simulation) -> None:
+    """Refuse a given step that does not resolve a member's own scene.  Raises InputError."""
+    step, method = simulation.plan.setting, simulation.method
+    if simulation.plan.tuned is None and isinstance(step, float) and method.splits:
+        check_resolved(simulation.layout, method, step)
 
 
 def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptValues) -> None:

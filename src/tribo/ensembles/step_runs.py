@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from tribo.accuracy.choose_method import check_damped_step
+from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.batches import chunk_of, delivered, starts_of
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members
@@ -51,7 +51,7 @@ class StepRuns:
         return delivered(self.kept, runs, math.nan, guarded=True)
 
     def _check_step(self, own: MemberNumbers) -> None:
-        """Refuse a step that is too long for the reservoirs of some member.  Raises InputError."""
+        """Refuse a step that is too long for some member.  Raises InputError."""
         layout, step = self.simulation.layout, self.simulation.plan.setting
         if self.simulation.method.splits:
             assert isinstance(step, float)
@@ -59,3 +59,4 @@ class StepRuns:
             rows = (OF_MEMBERS.index(name) for name in names)
             numbers = (own.of_surfaces[..., row] for row in rows)
             check_damped_step(longest_damped_step(layout, *numbers), step)
+            check_resolved(layout, self.simulation.method, step, own)

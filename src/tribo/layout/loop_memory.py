@@ -44,7 +44,8 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
 
 def with_scratch(model: Model, columns: int) -> Model:
     """The model of a layout with the tables that a loop writes, with so many columns."""
-    return model._replace(**{name: room((SCRATCH[name], columns)) for name in _needed(model)})
+    tables: dict[str, Any] = {name: room((SCRATCH[name], columns)) for name in _needed(model)}
+    return model._replace(**tables)
 
 
 def scratch_bytes(model: Model) -> int:

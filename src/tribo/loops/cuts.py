@@ -30,4 +30,4 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
 def _cut(run: Integration, last: int, status: Status) -> Integration:
     """The part of a run up to a sample."""
     kept = run.samples.at(run.samples.t[: last + 1])
-    return replace(run, recorded=lambda: kept, _samples=kept, status=status)
+    return replace(run, recorded=lambda: kept, _samples=kept, status=status, cut=True)

@@ -119,7 +119,7 @@ class Frames:
         while True:
             try:
                 self.path.touch()
-                file = open(self.path, "r+b", buffering=0)
+                file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
             except OSError as error:
                 raise not_written(self.path, error) from None
             lock(file, self.path)
@@ -186,7 +186,7 @@ class Frames:
         new, places = self.path.with_name(self.path.name + NEW), {}
         end = len(MAGIC)
         try:
-            file = open(new, "w+b", buffering=0)
+            file = open(new, "w+b", buffering=0)  # noqa: SIM115
             lock(file, new)  # before it has the name that others look for
             file.write(MAGIC)
             for name, (offset, size) in self._places.items():

@@ -143,6 +143,7 @@ class GeneralLoop:
         set_numbers(self.clocks, memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
+            lists: dict[str, Any]
             lists = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
             lists["place"] = with_spare_lanes(lists["place"])
             self._neighbours = self._neighbours._replace(**lists)

@@ -115,6 +115,7 @@ class Integration:
     # Steps in which bobs passed an encounter far below k_B T, and the last two bobs.
     passages: tuple[int, ...] = (0, 0, 0)
     failures: tuple[str, ...] = ()  # errors that ASE calculators raised
+    cut: bool = False  # whether the samples end before the memory
     # Not a cached_property, whose lock takes a part of the time of a short run.
     _samples: Samples | None = None
 
@@ -177,7 +178,7 @@ def integrate(
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
     held: Samples | None = None
-    status, done = Status.COMPLETED, 0
+    status, done, cut = Status.COMPLETED, 0, False
     if streamed is not None and portions is not None:
         done, held = portions.restore_portions(loop, streamed)
     for first in range(rows * done, times.size, rows):
@@ -198,7 +199,7 @@ def integrate(
         if streamed is not None:
             end = streamed.add(held, earlier)
             if end is not None:
-                status, held = end[1], held.at(held.t[: end[0] + 1])
+                status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
             held = held.last_interval()
         if status != Status.COMPLETED:
             break
@@ -209,7 +210,9 @@ def integrate(
     assert whole is not None
     seconds = time.perf_counter() - began
     failures = tuple(call.failure for call in loop.calls if call.error is not None)
-    return Integration(lambda: whole, status, counts, seconds, lambda: memory, passages, failures)
+    return Integration(
+        lambda: whole, status, counts, seconds, lambda: memory, passages, failures, cut
+    )
 
 
 def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[int, ...]]:

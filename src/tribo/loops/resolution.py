@@ -17,10 +17,13 @@ from tribo.kernels.records import (
     L2,
     MASS,
     OSCILLATOR_FREQUENCY,
+    OWN_STIFFNESS,
     PULLED,
 )
 from tribo.layout.force_records import stiffness_at_bars
 from tribo.layout.layout import Layout
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.tables import constants_of
 from tribo.model.fields import Corrugation
 
 # Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
@@ -38,22 +41,24 @@ MOST_DAMPED_SWING = 0.15  # of z T / kappa
 MOST_DAMPING = 0.25  # of z, where T / kappa is large
 
 
-def pendulum_frequency(layout: Layout) -> float:
-    """The angular frequency of the fastest pendulum [rad / time]."""
-    return float(np.max(layout.model.constants[FREQUENCY]))
+def pendulum_frequency(layout: Layout, members: MemberNumbers | None = None) -> float:
+    """The angular frequency of the fastest pendulum, also of any of the members [rad / time]."""
+    return float(np.max(_constants(layout, members)[FREQUENCY]))
 
 
-def spring_frequency(layout: Layout) -> float:
+def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> float:
     """A bound on the angular frequencies of lattice springs and of pulling springs [rad / time].
 
-    By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar.
+    By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar;
+    the largest of the members, where there are any.
     """
     a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
-    stiffness = np.where(surfaces.drive == PULLED, surfaces.stiffness, 0.0)[a.surface]
+    pulling = surfaces.stiffness if members is None else members.of_surfaces[..., OWN_STIFFNESS]
+    stiffness = np.where(surfaces.drive == PULLED, pulling, 0.0)[..., a.surface]
     if springs is not None:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
-    return float(np.sqrt(np.max(stiffness * _mobility(layout))))
+    return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members)))))
 
 
 def bath_frequency(layout: Layout) -> float:
@@ -135,16 +140,23 @@ def longest_kick(method: Method) -> float:
     return float(np.max(np.abs(method.coefficients.kicks)))
 
 
-def _mobility(layout: Layout) -> np.ndarray:
-    """Velocity of each bar for a unit of momentum, at most."""
-    table = layout.constants
+def _constants(layout: Layout, members: MemberNumbers | None) -> np.ndarray:
+    """The constants of asperites, (rows, asperites), or of those of members, (rows, members, n)."""
+    if members is None:
+        return layout.constants
+    table = constants_of(layout.scene, members.asperites.ravel())
+    return table.reshape(len(table), *members.asperites.shape)
+
+
+def _mobility(table: np.ndarray) -> np.ndarray:
+    """Velocity of each bar for a unit of momentum, at most, from the constants of asperites."""
     mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
     return mobility
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
-    a, mobility = layout.asperites, _mobility(layout)
+    a, mobility = layout.asperites, _mobility(layout.constants)
     for drive in layout.model.drives or ():
         i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))

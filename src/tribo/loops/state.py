@@ -61,6 +61,9 @@ class State:
         The scene that was run or relaxed.
     version : str
         The version of this package that made it: another may order `y`, `s` and `memory` otherwise.
+    cut : bool
+        Whether it is an earlier sample of a run, to which this was cut back: `y` of baths and
+        `memory` are those of a later time, and no run continues from it.
     """
 
     t: float
@@ -74,6 +77,7 @@ class State:
     method: str
     scene: Scene
     version: str
+    cut: bool = False
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{each.count} of "{each.name}"' for each in self.scene.surfaces)
@@ -90,7 +94,7 @@ class State:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays by name, for files."""
-        found = {"t": np.array(self.t)}
+        found = {"t": np.array(self.t), "cut": np.array(self.cut)}
         found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases")}
         found |= {f"first_{f.name}": getattr(self.first, f.name) for f in fields(Samples)}
         found |= {f"memory_{name}": array for name, array in self.memory.items()}
@@ -107,6 +111,7 @@ class State:
             surfaces.setdefault(surface, {})[name] = array
         return cls(
             t=float(arrays["t"]),
+            cut=bool(arrays["cut"]),
             surfaces=surfaces,
             first=Samples(**{"baths": np.empty((1, 0, 0))} | below("first_", arrays)),
             memory=below("memory_", arrays),
@@ -183,6 +188,7 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
         method=method,
         scene=layout.scene,
         version=version(),
+        cut=run.cut,
     )
 
 
@@ -236,6 +242,13 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
             "start",
             f"must be a state of this version of tribo, {version()}, but {made_by} made it, which "
             "may order its numbers otherwise; repeat the run that it comes from",
+        )
+    if state.cut:
+        raise InputError(
+            "start",
+            f"must be a state in which a run ended, but this run was cut back to t = {state.t:g} "
+            "because surfaces passed through each other or its energy ran away; start from an "
+            "earlier state",
         )
     old, new = plain_table(state.scene), plain_table(layout.scene)
     same_scene = first_difference(_physics(old), _physics(new)) is None

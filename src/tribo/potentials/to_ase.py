@@ -29,7 +29,7 @@ from tribo.validation import InputError, must_be
 class PairCalculator(Calculator):
     """A calculator of ASE for a potential between all atoms, or one for each pair of elements."""
 
-    implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]
+    implemented_properties = ["energy", "energies", "free_energy", "forces", "stress"]  # noqa: RUF012
 
     def __init__(self, potential: object, **settings: Any) -> None:
         super().__init__(**settings)

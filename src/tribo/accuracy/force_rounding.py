@@ -1,0 +1,171 @@
+"""The rounding of forces that are differences, and of the motion that it makes.
+
+The stretch of a spring, between two bars or a bar and an oscillator, is a difference of
+displacements, and a twist one of angles.  Where the terms are far larger than the difference, their
+rounding is a force.  It may have the same bits in all runs that are compared, and what is smaller
+than it is lost in all of them.  The bar is an oscillator on its springs: the force acts in one
+direction for at most the inverse of its frequency.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.accuracy.scales import EPSILON, largest
+from tribo.kernels.records import OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
+from tribo.kernels.samples import BATH, SPRINGS
+from tribo.layout.force_records import stiffness_at_bars
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import FORCES, Accounts
+from tribo.ledger.motion import Motion
+
+# Roundings of a difference: those of a displacement, of sine and cosine in it, and of the product.
+ROUNDINGS = 4.0
+
+
+class Errors(NamedTuple):
+    """Bounds on what the rounding of forces does to each asperite, (asperites,) each.
+
+    Attributes
+    ----------
+    stretch
+        of springs [length]
+    speed
+        of centres of mass [length / time]
+    swing, omega
+        of pendulums [radian, radian / time]
+    phi, nu
+        of bars that turn [radian, radian / time]
+    """
+
+    stretch: np.ndarray
+    speed: np.ndarray
+    swing: np.ndarray
+    omega: np.ndarray
+    phi: np.ndarray
+    nu: np.ndarray
+
+
+def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
+    """The effect of the rounding of springs, baths and twists, by quantity, in its own unit.
+
+    Parameters
+    ----------
+    layout
+        the scene
+    motion
+        all asperites, in a run and in those that it is compared with
+    """
+    stiffness = _stiffness(layout)
+    if not (stiffness.any() or largest(motion.phi) > 0.0):
+        return {}
+    e, a = _errors(layout, motion, stiffness), motion.span.asperites
+    place = e.stretch + a.l2 * e.swing
+    internal = _of_square(a.inertia, motion.omega, e.omega) + _of_square(a.i2, motion.nu, e.nu)
+    internal += _of_square(a.kappa, motion.swing - motion.phi, e.swing + e.phi)
+    speed = np.hypot(*motion.velocity)
+    kinetic = _of_square(a.mass, speed, e.speed)
+    whole, bulk = 0.0, 0.0
+    for index, part in enumerate(layout.parts.values()):
+        stored = motion.samples.stored[:, index, [SPRINGS, BATH]].sum(axis=1)
+        pull = np.sqrt(2.0 * stiffness[part] * largest(stored))
+        springs = e.stretch[part] * (pull + stiffness[part] * e.stretch[part])
+        whole += float(np.sum(internal[part] + kinetic[part] + springs))
+        bulk = max(bulk, float(np.sum(kinetic[part])))
+    work = largest(internal + kinetic)
+    found = dict.fromkeys(("w_int", "w_int_ps", "w", "w_ps"), work)
+    found |= dict.fromkeys(("delta_e_int", "swing_energy"), largest(internal))
+    found |= {"delta_k_trans": largest(kinetic), "theta": largest(e.swing), "phi": largest(e.phi)}
+    found |= {"omega": largest(e.omega), "nu": largest(e.nu), "delta_K": bulk}
+    found |= dict.fromkeys(("delta_E_int", "total_energy_change"), whole)
+    found |= dict.fromkeys(("vx_cm", "vy_cm"), largest(e.speed))
+    for name, error in _of_powers(layout, motion, e).items():
+        found[name] = found.get(name, 0.0) + error
+    for end, arm in (("cm", 0.0), ("bob", a.l1), ("bar", a.l2)):
+        found |= dict.fromkeys((f"x_{end}", f"y_{end}"), largest(place + arm * e.swing))
+    return found
+
+
+def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
+    """Bounds on the errors of the motion; `stiffness` is that of all springs on each bar."""
+    a, duration = motion.span.asperites, float(np.max(motion.t) - layout.beginning)
+    moves = a.pivot == 0.0  # driven bars are held where they are
+    away = np.hypot(
+        np.abs(motion.x) + a.l2 * np.abs(np.sin(motion.swing)),
+        np.abs(motion.y) + a.l2 * 2.0 * np.sin(0.5 * motion.swing) ** 2,
+    )
+    # The other ends of springs are bars of the same surface, or oscillators on the bar.
+    farthest = np.zeros(stiffness.size)
+    for part in layout.parts.values():
+        farthest[part] = largest(away[:, part])
+    stretch = ROUNDINGS * EPSILON * farthest * (moves & (stiffness > 0.0))
+    pendulum = 1.0 / a.inertia
+    impulse = stretch * _impulse(stiffness, 1.0 / a.mass + a.l2**2 * pendulum, duration)
+    turned = np.abs(motion.swing).max(axis=0) + np.abs(motion.phi).max(axis=0)
+    twist = ROUNDINGS * EPSILON * turned * np.any(motion.phi != 0.0, axis=0)
+    turns = a.dof_phi >= 0
+    bar = np.where(turns, 1.0 / a.i2, 0.0)
+    torsion = np.where(np.isfinite(a.kappa), a.kappa, 0.0)
+    angular = twist * _impulse(torsion + _torsional(layout), pendulum + bar, duration)
+    omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
+    period = _inverse_frequency(torsion * pendulum, duration)
+    return Errors(stretch, impulse / a.mass, omega * period, omega, nu * duration, nu)
+
+
+def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:
+    """The error of works, by name, from that of the velocities that forces are multiplied by."""
+    a, forces = motion.span.asperites, Accounts(layout.accounted, motion.samples.s)
+    speed, rod = largest(e.speed), largest(e.speed + (a.l1 + a.l2) * e.omega)
+    found: dict[str, float] = {}
+    for name in FORCES:
+        impulse = largest(np.hypot(forces[name].jx, forces[name].jy))
+        found |= {name: impulse * rod, f"{name}_ps": impulse * speed}
+    each, pseudo = sum(found.values()), sum(found[f"{name}_ps"] for name in FORCES)
+    whole = layout.scene.count * each
+    found |= dict.fromkeys(("W", "W_ps", "applied_work", "friction_work"), whole)
+    return found | {"w": each, "w_ps": pseudo, "heat": each}
+
+
+def _impulse(stiffness: np.ndarray, mobility: np.ndarray, duration: float) -> np.ndarray:
+    """The impulse of springs for a unit of stretch that lasts."""
+    return stiffness * _inverse_frequency(stiffness * mobility, duration)
+
+
+def _inverse_frequency(square: np.ndarray, duration: float) -> np.ndarray:
+    """The inverse of frequencies with these squares, at most the duration [time]."""
+    with np.errstate(divide="ignore"):
+        return np.minimum(1.0 / np.sqrt(square), duration)
+
+
+def _of_square(factor: np.ndarray, values: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """The error of factor values^2 / 2 from that of the values, (asperites,); 0 if rigid."""
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(factor * error * (np.abs(values).max(axis=0) + error))
+
+
+def _stiffness(layout: Layout) -> np.ndarray:
+    """The stiffness of all springs on each bar, to other bars and to oscillators, (asperites,)."""
+    model, surface = layout.model, layout.asperites.surface
+    found = np.zeros(surface.size)
+    if model.springs is not None:
+        columns = layout.places.columns
+        found += stiffness_at_bars(model.springs, model.each.shape[1])[columns]
+    return found + _of_oscillators(layout, model.bath, "first_oscillator", "oscillators")[surface]
+
+
+def _torsional(layout: Layout) -> np.ndarray:
+    """The stiffness of torsional oscillators on each bar, (asperites,)."""
+    each = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
+    return each[layout.asperites.surface]
+
+
+def _of_oscillators(layout: Layout, table: np.ndarray | None, first: str, count: str) -> np.ndarray:
+    """The stiffness of all oscillators of a kind on one bar, (surfaces,)."""
+    found = np.zeros(len(layout.surfaces))
+    if table is not None:
+        each = table[OSCILLATOR_MASS] * table[OSCILLATOR_FREQUENCY] ** 2
+        for k, record in enumerate(layout.surfaces):
+            found[k] = each[record[first] : record[first] + record[count]].sum()
+    return found
