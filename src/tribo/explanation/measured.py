@@ -33,8 +33,8 @@ def compilations(layout: Layout, method: Method) -> int:
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return 0
     loop = pair_collocation if has_pair_loop(layout, method) else method.loop
-    stats: Any = time_loop(loop, source_stamp(layout.plugins)).stats
-    return sum(stats.cache_misses.values())
+    compiled: Any = time_loop(loop, source_stamp(layout.plugins))
+    return sum(compiled.stats.cache_misses.values())
 
 
 def seconds_of_evaluation(layout: Layout, method: Method, step: float, threads: int) -> float:

@@ -47,7 +47,8 @@ def style() -> AbstractContextManager[None]:
 @cache
 def _settings() -> Any:
     """What the style file sets, and the colours of lines."""
-    from matplotlib import cycler, rc_params_from_file
+    from matplotlib import rc_params_from_file
+    from matplotlib.rcsetup import cycler
 
     with as_file(files("tribo.plotting").joinpath("tribo.mplstyle")) as path:
         found = rc_params_from_file(path, use_default_template=False)

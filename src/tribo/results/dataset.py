@@ -137,8 +137,8 @@ def content(result: RunResult) -> bytes:
         dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
         state[f"{STATE}{name}"] = (dimensions, array, {})
     data = dataset(result).assign(state)
-    for name, variable in data.variables.items():
-        variable.attrs["checksum"] = _checksum(str(name), variable)
+    for key, variable in data.variables.items():
+        variable.attrs["checksum"] = _checksum(str(key), variable)
     data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
     image = bytes(data.to_netcdf(engine="h5netcdf"))
