@@ -108,6 +108,8 @@ def test_baths():
     scene = wide((1, 1), bath=BATH)
     upper, lower = scene.surfaces
     resting = replace(upper, velocity=(0.0, 0.0))
-    found = everything(replace(scene, surfaces=(resting, lower)), 4096, True, **STEPS)
+    found = everything(replace(scene, surfaces=(resting, lower)), 8192, True, **STEPS)
     assert abs(deviation(np.exp(-sum(found.values())))) < MOST
     assert abs(deviation(np.exp(-found["swings"]))) > 1.5 * MOST
+    turned = found["heat"] - found["swings"] - found["bars"]
+    assert abs(deviation(np.exp(turned))) > MOST

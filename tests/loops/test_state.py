@@ -46,6 +46,22 @@ def test_from_a_run_that_continued():
         state = rest.state()
 
 
+@pytest.mark.parametrize("portion", [1, sinks.PORTION_BYTES])
+def test_a_streamed_run_continues_as_a_held_one(portion, monkeypatch):
+    """Its series begin at the state; of asperites the ends are kept."""
+    state = tribo.simulate(chain((1.0, 2.0)), **EQUAL_STEPS).state()
+    held = tribo.simulate(chain(), **EQUAL_STEPS, start=state)
+    monkeypatch.setattr(sinks, "SERIES_BYTES", 0)
+    monkeypatch.setattr(sinks, "PORTION_BYTES", portion)
+    streamed = tribo.simulate(chain(), **EQUAL_STEPS, start=state)
+    assert held.t[0] == 2.0 and np.array_equal(streamed.t, held.t)
+    expected = held.to_xarray()
+    for name, found in streamed.to_xarray().data_vars.items():
+        values = expected[name].values
+        ends = values if values.shape == found.shape else values[[0, -1]]
+        np.testing.assert_array_equal(found.values, ends, err_msg=str(name))
+
+
 def test_another_method_counts_on():
     """Works count from the start of the run, whatever method continues it."""
     whole = tribo.simulate(pair(), method="rk4", step=0.02)

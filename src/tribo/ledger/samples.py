@@ -62,9 +62,11 @@ class Samples:
         """The last sample alone."""
         return self._rows(np.array([-1]))
 
-    def last_interval(self) -> Samples:
-        """The first sample and the last two."""
-        return self._rows(np.unique([0, max(self.t.size - 2, 0), self.t.size - 1]))
+    def last_interval(self, beginning: float = 0.0) -> Samples:
+        """The first sample, the first one from `beginning` on, and the last two."""
+        last = self.t.size - 1
+        begun = min(int(np.searchsorted(self.t, beginning)), last)
+        return self._rows(np.unique([0, begun, max(last - 1, 0), last]))
 
     def ends(self) -> Samples:
         """The first and the last sample."""

@@ -53,7 +53,8 @@ class StreamedLedger:
         """Take in a portion after `earlier` samples that were taken in before.
 
         These are the first of the run and the last two, which changes and means over an interval
-        are relative to.  Returns the index of the first sample at which the energy has run away, or
+        are relative to, and the first from the layout's beginning on, where the series begin.
+        Returns the index of the first sample at which the energy has run away, or
         surfaces have passed through each other, if there is one, and its status; samples after it
         are left out.
         """
@@ -64,10 +65,15 @@ class StreamedLedger:
         passed = np.flatnonzero(passed_through(self._layout, samples))
         ends += [(int(k), Status.PASSED_THROUGH) for k in passed[:1]]
         end = min(ends, default=None)
-        kept = slice(earlier, None if end is None else end[0] + 1)
+        first = max(earlier, self._begun(samples))
+        kept = slice(first, None if end is None else end[0] + 1)
         self._watch(samples.rows(kept))
         self._keep(ledger.rows(kept))
         return end
+
+    def _begun(self, samples: Samples) -> int:
+        """The first of the samples that is no earlier than the state that a run continues from."""
+        return int(np.searchsorted(samples.t, self._layout.beginning))
 
     def _watch(self, samples: Samples) -> None:
         """Keep what notes need of new samples."""
@@ -134,7 +140,8 @@ class StreamedLedger:
         }
         system = _joined([portion.system for portion in portions], kept)
         if not kept:
-            ends = np.unique([0, samples.t.size - 1])
+            last = samples.t.size - 1
+            ends = np.unique([min(self._begun(samples), last), last])
             at_ends = assemble(self._layout, samples).rows(ends)
             return Ledger(t, at_ends.surfaces, blocks, system, kept, at_ends.oscillators)
         surfaces = {

@@ -200,7 +200,7 @@ def integrate(
             end = streamed.add(held, earlier)
             if end is not None:
                 status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
-            held = held.last_interval()
+            held = held.last_interval(loop.layout.beginning)
         if status != Status.COMPLETED:
             break
         more = first + rows < times.size  # else the result is next
