@@ -237,7 +237,7 @@ class Simulation:
             open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
             assert self.accuracy is not None
             weak = weak_notes(self.layout, fine, bounds, self.accuracy) if met else ()
-            met, notes = met and not (open_budget or weak), (*notes, *weak, *open_budget)
+            met, notes = met and not open_budget, (*notes, *weak, *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None

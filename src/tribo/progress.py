@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 import time
@@ -56,7 +57,7 @@ class ProgressBar:
         if self._bar is not None:
             self._bar.reset()
             self._bar.set_description(self._runs)
-        if seconds is not None and seconds >= DELAY:
+        if seconds is not None and DELAY <= seconds < math.inf:
             left = runs - number + 1
             plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
             print(plan, file=sys.stderr, flush=True)
@@ -99,4 +100,7 @@ def announced(text: str) -> Iterator[None]:
 
 def _is_watched() -> bool:
     """Whether stderr is a terminal, or this is a notebook."""
-    return "ipykernel" in sys.modules or bool(sys.stderr and sys.stderr.isatty())
+    ipython = sys.modules.get("IPython")
+    if ipython is not None and getattr(ipython.get_ipython(), "kernel", None) is not None:
+        return True
+    return bool(sys.stderr and sys.stderr.isatty())

@@ -251,7 +251,7 @@ def test_plugin_lies_beside_the_file(tmp_path, monkeypatch):
         monkeypatch.chdir(place)
         scene = tribo.load_scene(path.relative_to(place))
         potential = scene.interactions[0].potential
-        assert potential == (2.0, 1.0) and type(potential).__name__ == "Own"
+        assert tuple(potential) == (2.0, 1.0) and type(potential).__name__ == "Own"
     scene.save(tmp_path / "saved.toml")
     saved = tribo.load_scene(tmp_path / "saved.toml")
     assert type(saved.interactions[0].potential) is type(potential)

@@ -48,13 +48,13 @@ def test_a_case_of_the_paper(case, tmp_path, capsys):
     assert not {"samples", "seed", "bar_length"} & set(path.read_text().split())
 
 
-def test_doctor(capsys, monkeypatch):
+def test_doctor(capsys, monkeypatch, tmp_path):
     assert main(["doctor"]) == 0
     said = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert {"python", "tribo", "numba", "cores", "cache", "known"} <= said.keys()
     assert "agrees with 0.519665" in said["known"]
     monkeypatch.setattr(doctor, "KNOWN_WORK", 0.52)
-    monkeypatch.setattr(doctor, "_code_folders", list)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert main(["doctor"]) == 1
     said = capsys.readouterr().out
     assert "DIFFERS from" in said and "no compiled functions yet" in said
