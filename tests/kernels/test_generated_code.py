@@ -17,6 +17,7 @@ from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS
 from tribo.kernels.contact_forces import contact_forces
 from tribo.layout.layout import lay_out
+from tribo.layout.loop_memory import own_model
 from tribo.loops.general import GeneralLoop
 from tribo.potentials import as_potential
 
@@ -79,7 +80,7 @@ class Ripple(NamedTuple):
 
 def code_of(potential) -> tuple[str, dict[str, int]]:
     """The code of the contact loop, and how many of its instructions work on vectors or numbers."""
-    model = lay_out(rows(potential)).model
+    model = own_model(lay_out(rows(potential)))[0]
     all_contact(model, None)
     kinds = numba.typeof(model), numba.typeof(None)
     found = re.findall(
