@@ -91,7 +91,9 @@ class Plots:
         """
         name = self._surface(surface)
         if self._result.scene.output.ledger == "none":
-            raise must_be("output.ledger", "another one: no works are kept", "none")
+            one = '"asperites" for works of single asperites'
+            wanted = '"asperites" or "surfaces" for works' if asperite is None else one
+            raise must_be("output.ledger", wanted, "none")
         works = works_of(self._result, name, asperite)
         is_new = ax is None
         with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
