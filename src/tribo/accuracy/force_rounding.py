@@ -51,12 +51,7 @@ class Errors(NamedTuple):
 def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
     """The effect of the rounding of springs, baths and twists, by quantity, in its own unit.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    motion
-        all asperites, in a run and in those that it is compared with
+    `motion` is that of all asperites, in a run and in those that it is compared with.
     """
     stiffness = _stiffness(layout)
     if not (stiffness.any() or largest(motion.phi) > 0.0):

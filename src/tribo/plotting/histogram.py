@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.plotting.style import COLUMN, INK, drawing_on
+from tribo.plotting.style import COLUMN, CYCLE, INK, drawing_on
 from tribo.validation import POSITIVE, InputError, integer, number, vector
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-OWN_COLOUR, MIRROR_COLOUR = "#0b62a4", "#d55e00"
+OWN_COLOUR, MIRROR_COLOUR = CYCLE[:2]
 # Height of the graph over its width.
 ASPECT = 0.7
 # Part of the height above the bars, for the legend.
