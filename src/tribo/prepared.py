@@ -359,7 +359,7 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     ledger = assemble(layout, samples)
     if samples.t[0] == layout.beginning:
         return ledger
-    return ledger.rows(slice(int(np.searchsorted(samples.t, layout.beginning)), None))
+    return ledger.rows(slice(samples.index_from(layout.beginning), None))
 
 
 def _left_out(ledger: Ledger) -> tuple[str, ...]:

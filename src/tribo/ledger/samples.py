@@ -65,8 +65,11 @@ class Samples:
     def last_interval(self, beginning: float = 0.0) -> Samples:
         """The first sample, the first one from `beginning` on, and the last two."""
         last = self.t.size - 1
-        begun = min(int(np.searchsorted(self.t, beginning)), last)
-        return self._rows(np.unique([0, begun, max(last - 1, 0), last]))
+        return self._rows(np.unique([0, self.index_from(beginning), max(last - 1, 0), last]))
+
+    def index_from(self, time: float) -> int:
+        """The index of the first sample from a time on, or else of the last."""
+        return min(int(np.searchsorted(self.t, time)), self.t.size - 1)
 
     def ends(self) -> Samples:
         """The first and the last sample."""

@@ -65,15 +65,11 @@ class StreamedLedger:
         passed = np.flatnonzero(passed_through(self._layout, samples))
         ends += [(int(k), Status.PASSED_THROUGH) for k in passed[:1]]
         end = min(ends, default=None)
-        first = max(earlier, self._begun(samples))
+        first = max(earlier, samples.index_from(self._layout.beginning))
         kept = slice(first, None if end is None else end[0] + 1)
         self._watch(samples.rows(kept))
         self._keep(ledger.rows(kept))
         return end
-
-    def _begun(self, samples: Samples) -> int:
-        """The first of the samples that is no earlier than the state that a run continues from."""
-        return int(np.searchsorted(samples.t, self._layout.beginning))
 
     def _watch(self, samples: Samples) -> None:
         """Keep what notes need of new samples."""
@@ -140,8 +136,8 @@ class StreamedLedger:
         }
         system = _joined([portion.system for portion in portions], kept)
         if not kept:
-            last = samples.t.size - 1
-            ends = np.unique([min(self._begun(samples), last), last])
+            begun = samples.index_from(self._layout.beginning)
+            ends = np.unique([begun, samples.t.size - 1])
             at_ends = assemble(self._layout, samples).rows(ends)
             return Ledger(t, at_ends.surfaces, blocks, system, kept, at_ends.oscillators)
         surfaces = {
