@@ -22,8 +22,8 @@ from typing import Any
 
 import by_hand
 from effect_scenes import APART, NEEDS, TOGETHER, scene, with_needs
-from tribo.explanation.memory import scene_bytes
 
+from tribo.explanation.measured import bytes_of_run
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import lay_out
@@ -66,7 +66,7 @@ class Loop:
     @property
     def bytes(self) -> float:
         """Bytes an asperite."""
-        return scene_bytes(self._layout, METHOD, 1) / self.asperites
+        return bytes_of_run(self._layout, METHOD, 1, compared=False) / self.asperites
 
 
 def less(effects: Effects, effect: str) -> Effects:

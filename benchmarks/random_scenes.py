@@ -21,7 +21,6 @@ import os
 import select
 import subprocess
 import sys
-import time
 from collections import Counter
 from pathlib import Path
 
@@ -114,19 +113,11 @@ def cpu_seconds(process: int) -> float:
 
 def serve() -> None:
     """Answer each seed on the standard input with a verdict on the standard output."""
-    from support.verdicts import SECOND, truth_of, verdict
+    from support.verdicts import judged
     from support.wide_scenes import wide_scene
 
     for line in sys.stdin:
-        table, began = wide_scene(int(line)), time.perf_counter()
-        truth = truth_of(table)
-        cost = {"reference": truth if isinstance(truth, str) else truth.info.evaluations}
-        cost["reference_seconds"] = time.perf_counter() - began
-        row = verdict(table, truth)
-        if row["outcome"] == "silent":
-            row = verdict(table, truth_of(table, SECOND))
-        row |= cost
-        print(json.dumps(row), flush=True)
+        print(json.dumps(judged(wide_scene(int(line)))), flush=True)
 
 
 def store(seeds: list[int]) -> None:

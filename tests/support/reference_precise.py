@@ -118,7 +118,7 @@ class Solution:
         Quantity -> the largest difference between solutions with two tolerances.
     scales : dict
         Scales of errors, by kind: those of the scene-file page; "total" is that of the energies
-        of surfaces and of the system.
+        of surfaces and of the system, and "internal" the largest internal energy of an asperite.
     info : Info
     """
 
@@ -545,6 +545,20 @@ class Tables:
         system = {q: out[:, i - 3] for i, q in enumerate(SYSTEM)}
         return surfaces, blocks, system
 
+    def internal(self, surfaces: dict[str, dict[str, np.ndarray]]) -> float:
+        """The largest internal energy of an asperite."""
+        highest, rows = 0.0, np.array(self.rows["asperites"])[:, : len(PARAMETERS) + 1]
+        for table in surfaces.values():
+            own, rows = rows[: table["theta"].shape[1]].T, rows[table["theta"].shape[1] :]
+            a = dict(zip((*PARAMETERS, "down"), own, strict=True))
+            reduced = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
+            twist = table["theta"] - np.where(a["down"] > 0.0, 0.0, np.pi) - table["phi"]
+            soft = np.where(np.isfinite(a["kappa"]), a["kappa"], 0.0)
+            doubled = reduced * a["length"] ** 2 * table["omega"] ** 2 + soft * twist**2
+            doubled += np.where(np.isfinite(a["i2"]), a["i2"], 0.0) * table["nu"] ** 2
+            highest = max(highest, 0.5 * float(np.max(doubled)))
+        return highest
+
     def scales(self, out: np.ndarray) -> dict[str, float]:
         """One scale for each kind of quantity, the largest over asperites and the run."""
         surfaces, blocks, system = self.named(out)
@@ -560,6 +574,7 @@ class Tables:
         energy = top(list(surfaces.values()), "energy")
         totals = [*blocks.values(), {q: system[q] for q in SYSTEM[1:]}]
         return {
+            "internal": self.internal(surfaces),
             "angle": 1.0,
             "rate": top(list(surfaces.values()), "rate"),
             "length": max(row[3] for row in self.rows["asperites"]),

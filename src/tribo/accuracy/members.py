@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
 from tribo.accuracy.scales import KINDS, mean_velocity, motion_scales
+from tribo.accuracy.weak_works import weak_notes
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.series_table import SeriesTable, series_table
@@ -37,6 +38,11 @@ class FineMembers:
         group = AsperiteSeries(layout, fine, (layout.together,))
         self._columns = series_table(layout, group, self._names)
         self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
+
+    @property
+    def notes(self) -> list[str]:
+        """A note on each member whose works are lost in rounding, else ""."""
+        return weak_notes(self._scales["work"], self._scales["energy"], self._accuracy)
 
     def scale_of(self, name: str) -> float | np.ndarray:
         """What the errors of a quantity are relative to, (members,)."""

@@ -111,7 +111,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
         assert choice.step is not None
         if announce is not None:
             each = 1e-9 * evaluation_time(layout, choice.method)
-            announce(1, 1, each * counted(layout, choice.method, choice.step))
+            announce(1, 1, each * counted(layout, choice.method, choice.step, times))
         return Plan(name, choice.why, choice.step, times, automatic=choice.automatic)
     stops = StopTimes.for_samples(_compared(layout))
     tuned = find_settings(layout, choice.method, accuracy, stops, integrator, announce)

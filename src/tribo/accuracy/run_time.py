@@ -54,11 +54,11 @@ def rate_of(layout: Layout, method: Method) -> Rate:
     return PAIR if has_pair_loop(layout, method) else RATES[method.name]
 
 
-def counted(layout: Layout, method: Method, step: float) -> float:
-    """The evaluations of one run with a given step."""
+def counted(layout: Layout, method: Method, step: float, times: np.ndarray) -> float:
+    """The evaluations of one run through `times` with a given step."""
     each = RATES[method.name].step
     if isinstance(method.coefficients, Splitting):
         each = method.coefficients.kicks.size
-    intervals = np.diff(layout.times)
+    intervals = np.diff(times)
     steps = np.sum(count_of_steps(intervals, step))
     return float(steps * each + (not method.splits))

@@ -69,6 +69,8 @@ class Scales:
     total
         the largest work, pseudowork or change of energy of a surface as a whole or of the system,
         and at least `energy` [energy]
+    work
+        the largest work or pseudowork of an asperite; no errors are relative to it [energy]
     angle
         1 radian
     """
@@ -78,6 +80,7 @@ class Scales:
     velocity: float
     energy: float
     total: float
+    work: float = 0.0
     angle: float = 1.0
 
     def of(self, kind: str) -> float:
@@ -143,16 +146,23 @@ def motion_scales(
     """
     energies = {name: tops[name] for name in ENERGIES if name in tops}
     highest = _highest(energies.values())
-    works = _highest([top for name, top in energies.items() if name.startswith("w")] or [highest])
+    works = [top for name, top in energies.items() if name.startswith("w")]
+    work = _highest(works or [highest])
     potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0]) / asperites
-    measured = np.where(works > EPSILON * np.asarray(internal), highest, internal)
+    measured = np.where(are_lost(work, internal), internal, highest)
     energy = resolved(measured, potential)
     return {
         "rate": resolved(_highest([tops["omega"], tops["nu"]]), np.sqrt(potential / inertia)),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
         "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
+        "work": work if works else np.zeros_like(work),
     }
+
+
+def are_lost(work: Values, energy: Values) -> np.ndarray:
+    """Whether works lie below the rounding of an energy that they change."""
+    return ~(work > EPSILON * np.asarray(energy))
 
 
 def _highest(values: Iterable[Values]) -> np.ndarray:

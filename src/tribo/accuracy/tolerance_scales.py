@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import Layout
@@ -36,6 +37,9 @@ class ToleranceScales:
         the largest ``|omega|`` [1 / time]
     twist
         the largest ``|theta - rest - phi|`` [radian]
+    lost_angle, lost_rate, lost_speed, lost_energy
+        bounds on what the rounding of forces changes, which no step resolves; see
+        :func:`tribo.accuracy.force_rounding.rounding_of_forces`
     """
 
     velocity: float
@@ -44,6 +48,10 @@ class ToleranceScales:
     rate: float
     spin: float
     twist: float
+    lost_angle: float = 0.0
+    lost_rate: float = 0.0
+    lost_speed: float = 0.0
+    lost_energy: float = 0.0
 
 
 def first_guess(layout: Layout) -> ToleranceScales:
@@ -88,6 +96,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     energy = max(work, change) if work > 0.0 or top.size == 0 else highest
     potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
     inertia = float(np.max(span.asperites.inertia))
+    lost = rounding_of_forces(layout, motion)
     return ToleranceScales(
         velocity=velocity,
         energy=float(resolved(energy, potential)) or guess.energy,
@@ -95,6 +104,10 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
         rate=float(resolved(max(spin, turn), np.sqrt(potential / inertia))) or guess.rate,
         spin=spin or guess.spin,
         twist=twist or guess.twist,
+        lost_angle=lost.get("theta", 0.0),
+        lost_rate=max(lost.get("omega", 0.0), lost.get("nu", 0.0)),
+        lost_speed=lost.get("vx_cm", 0.0),
+        lost_energy=lost.get("w", 0.0),
     )
 
 
@@ -146,7 +159,8 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
 
     A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change
     that alters an energy by `level` times the scale of energies.  The second governs weakly
-    coupled scenes, whose works are tiny.
+    coupled scenes, whose works are tiny.  Neither is below the effect of the rounding of forces,
+    for which steps would shrink without end.
 
     Parameters
     ----------
@@ -161,26 +175,30 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     """
     level = max(level, FLOOR)
     a = layout.together.asperites
-    energy = level * scales.energy
-    speed = level * scales.velocity
+    energy = max(level * scales.energy, scales.lost_energy)
+    speed = max(level * scales.velocity, scales.lost_speed)
     q = np.full(layout.coordinates, level * longest_rod(layout))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
-        q[swing] = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-        v[swing] = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+        angle = np.minimum(level, energy / _positive(a.kappa * scales.twist))
+        omega = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+    q[swing] = np.maximum(angle, scales.lost_angle)
+    v[swing] = np.maximum(omega, scales.lost_rate)
     turning = a.dof_phi >= 0
     q[a.dof_phi[turning]] = q[swing][turning]
-    v[a.dof_phi[turning]] = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+    nu = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+    v[a.dof_phi[turning]] = np.maximum(nu, scales.lost_rate)
     for slots in (a.dof_x, a.dof_y):
         live = slots >= 0
-        v[slots[live]] = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
+        slow = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
+        v[slots[live]] = np.maximum(slow, scales.lost_speed)
     weights = _account_weights(layout)
     # An impulse whose work is a small difference has no digits beyond its own round-off.
     impulse = level * min(scales.impulse, scales.energy / scales.velocity)
-    impulse = max(impulse, FLOOR * scales.impulse)
+    impulse = max(impulse, FLOOR * scales.impulse, float(np.max(a.mass)) * scales.lost_speed)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
     return Tolerance(np.concatenate([q, v]), s, level, near)
 

@@ -2,39 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import ENERGIES, EPSILON, kind_of, largest, reported_scales
-from tribo.layout.layout import Layout
-from tribo.ledger.ledger import Ledger, assemble
-from tribo.loops.integrate import Integration
+from tribo.accuracy.scales import Values, are_lost, kind_of
 
-# The works and pseudoworks of an asperite.
-WORKS = tuple(name for name in ENERGIES if name.startswith("w"))
+# What each note on such works contains.
+LOST = "below the rounding of the energies"
 
 
-def weak_notes(
-    layout: Layout, run: Integration, bounds: Mapping[str, float], accuracy: Accuracy
-) -> tuple[str, ...]:
-    """A note on works below the rounding of the internal energies, which are then the scale."""
+def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
+    """A note for each run whose errors of works are relative to energies of the motion; else "".
+
+    Parameters
+    ----------
+    work, energy
+        the largest work of an asperite, and the scale of energies, of one run or of several
+    accuracy
+        of the runs; there are no notes where it is for other quantities alone
+    """
+    work, energy = np.atleast_1d(work), np.atleast_1d(energy)
     asked = [kind_of(name) for name in observables(accuracy)]
-    if layout.model.ledger is None or (asked and not {"energy", "total"} & set(asked)):
-        return ()
-    if _largest_work(assemble(layout, run.samples.ends())) > bounds["delta_e_int"]:
-        return ()
-    ledger = assemble(layout, run.samples)
-    work, scale = _largest_work(ledger), reported_scales(layout, ledger).energy
-    if not 0.0 < work <= EPSILON * scale:
-        return ()
-    return (
-        f"no work exceeds {work:.1e}, below the rounding of the energies of {scale:.1e} that it "
-        "changes: errors are relative to these, and works and changes of energies have no digit "
-        "that is known",
-    )
-
-
-def _largest_work(ledger: Ledger) -> float:
-    """The largest magnitude of any work or pseudowork of an asperite."""
-    works = [name for name in WORKS if ledger.series(name)]
-    return max(largest(each) for name in works for each in ledger.series(name))
+    if asked and not {"energy", "total"} & set(asked):
+        return [""] * work.size
+    lost = (work > 0.0) & are_lost(work, energy)
+    return [
+        f"no work exceeds {w:.1e}, {LOST} of {e:.1e} that it changes: errors are relative to "
+        "these, and works and changes of energies have no digit that is known"
+        if weak
+        else ""
+        for w, e, weak in zip(work, energy, lost, strict=True)
+    ]

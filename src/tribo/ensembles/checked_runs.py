@@ -224,6 +224,7 @@ class CheckedRuns:
             fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
             exact, excess = self._compared(fine, coarse)
             known = np.isfinite(excess)
+            found.set_notes(now, exact.notes)
             for name, bounds in found.errors.items():
                 bounds[now] = self._bounds(exact, name, excess)
             found.error[now] = np.where(known, excess * self.strictest, np.nan)

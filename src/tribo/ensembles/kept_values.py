@@ -9,6 +9,7 @@ from typing import Self
 
 import numpy as np
 
+from tribo.accuracy.weak_works import LOST
 from tribo.kernels.status import Status
 from tribo.layout.further_series import further_series, system_names
 from tribo.layout.layout import Layout
@@ -103,6 +104,11 @@ class KeptValues:
         values, errors = (below(prefix, dict(arrays)) for prefix in ("value_", "bound_"))
         return cls(values, errors, *(arrays[name] for name in rest))
 
+    def set_notes(self, places: int | np.ndarray, notes: str | list[str]) -> None:
+        """Replace the notes of some members."""
+        self.note = self.note.astype(np.result_type(self.note, np.array(notes)))
+        self.note[places] = notes
+
     def set_alone(self, index: int, result: Result, kept: Kept) -> None:
         """Fill in one member.  Raises KeyboardInterrupt if its run was interrupted."""
         if result.status == Status.INTERRUPTED:
@@ -115,8 +121,7 @@ class KeptValues:
         note = "\n".join(filter(None, [result.shortcoming, *result.notes]))
         if result.shortcoming and kept.with_errors:
             note = result.shortcoming
-        self.note = self.note.astype(np.result_type(self.note, np.array(note)))
-        self.note[index] = note
+        self.set_notes(index, note)
         known = completed and (kept.with_errors or not missed)
         values = kept.values_of(result) if known else {}
         bounds = result.error_estimate if known and kept.with_errors else {}
@@ -298,18 +303,19 @@ class Tally:
     status: dict[str, int] = field(default_factory=dict)
     checked: int = 0  # run again with finer settings
     refined: int = 0  # needed these
+    weak: int = 0  # have a note on works that are lost in rounding
 
-    def add(
-        self, status: np.ndarray, level: np.ndarray, error: np.ndarray, common_level: float
-    ) -> None:
+    def add(self, found: KeptValues, common_level: float) -> None:
         """Take in some members; `common_level` is that of most of them, NaN if there is none."""
+        status = found.status
         others = status[status != str(Status.COMPLETED)]  # comparing is quicker than counting
         counts = Counter(others.tolist())
         counts[str(Status.COMPLETED)] = status.size - others.size
         self.status = dict(Counter(self.status) + counts)
-        self.checked += int(np.isfinite(error).sum())
+        self.checked += int(np.isfinite(found.error).sum())
         if np.isfinite(common_level):
-            self.refined += int((level != common_level).sum())
+            self.refined += int((found.level != common_level).sum())
+        self.weak += sum(LOST in note for note in found.note[found.note != ""].tolist())
 
     @property
     def notes(self) -> list[str]:
@@ -323,5 +329,10 @@ class Tally:
             notes.append(
                 f"{self.checked} members were run again with finer settings; {self.refined} needed "
                 "them"
+            )
+        if self.weak:
+            notes.append(
+                f"works of {self.weak} members that were compared lie {LOST} that they change: "
+                "errors are relative to these, and these works have no digit that is known"
             )
         return notes

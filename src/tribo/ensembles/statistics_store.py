@@ -65,7 +65,7 @@ class StatisticsStore:
         self._waiting.append(np.concatenate(parts, axis=2))
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []
-        self.tally.add(found.status, found.level, found.error, self._level)
+        self.tally.add(found, self._level)
         self.done += found.status.size
         waited = time.perf_counter() - self._written
         if waited > max(INTERVAL, RELATIVE_INTERVAL * self._took):

@@ -74,5 +74,5 @@ class MemberStore:
         """Counts of all members so far."""
         tally = Tally()
         for found in self.parts():
-            tally.add(found.status, found.level, found.error, common_level)
+            tally.add(found, common_level)
         return tally

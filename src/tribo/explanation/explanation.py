@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,11 @@ from tribo.model.scene import Scene
 
 # Width of the text [columns].
 WIDTH = 100
+# Units of times and of bytes, from the largest on.
+TIMES = ((3600.0, "hours"), (60.0, "minutes"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us"))
+BYTES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
+# Ledgers without the works of each asperite.
+LEDGERS = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
 
 
 @dataclass(frozen=True)
@@ -97,8 +103,7 @@ class Explanation:
     accuracy : float, dict or None
         The requested accuracy; None with a given step.
     step : float or None
-        The step [time]; None where the method chooses its steps, or where the step is not known
-        yet.
+        The step [time]; None where the method chooses its steps, or the step is not known yet.
     compiled : bool
         Whether the time loop had been compiled before.
     predicted : Predicted
@@ -157,65 +162,54 @@ class Explanation:
         return (
             f"<Explanation: {len(self.effects)} effects, {self.degrees_of_freedom} degrees of "
             f"freedom, {self.method}, about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_time(cost.seconds)}; print it for the reasons>"
+            f"{_in_units(cost.seconds, TIMES)}; print it for the reasons>"
         )
 
     def __str__(self) -> str:
-        scene = self.scene
+        scene, described = self.scene, {str(effect): effect.description for effect in Effect}
         title = f"{scene.title}: " if scene.title else ""
         surfaces = "1 surface" if len(scene.surfaces) == 1 else f"{len(scene.surfaces)} surfaces"
         count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {surfaces}"
-        lines = [f"{title}{count}, until t = {scene.duration:g}.", "", "Simulated:"]
-        for name, why in self.effects.items():
-            what = next(effect.description for effect in Effect if effect == name)
-            lines.append(_wrapped(f"  {name:<15} {what}: {why}", 18))
-        lines += ["", "Absent, at no cost:"]
-        lines += [_wrapped(f"  {name:<15} {why}", 18) for name, why in self.absent.items()]
-        return "\n".join([*lines, *self._plan()])
+        present = {name: f"{described[name]}: {why}" for name, why in self.effects.items()}
+        lines = [f"{title}{count}, until t = {scene.duration:g}."]
+        for head, reasons in (("Simulated:", present), ("Absent, at no cost:", self.absent)):
+            rows = (_wrapped(f"  {name:<15} {why}", 18) for name, why in reasons.items())
+            lines += ["", head, *rows]
+        return "\n".join([*lines, "", *(_wrapped(each, 2) for each in self._plan())])
 
-    def _plan(self) -> list[str]:
+    def _plan(self) -> Iterator[str]:
         """Sentences on coordinates, contact, method and cost."""
-        made_of = [f"{n} {kind}" for kind, n in self.coordinates.items() if n]
-        cost = self.predicted
-        sentences = [
-            f"Degrees of freedom: {self.degrees_of_freedom} ({', '.join(made_of)}).",
-            f"Contact: {self._contact()}.",
-            *self._inactive(),
-            *self._ledger(),
-            f"Method: {self.method}, {self._request()}, {reason_of_method(self.scene, self.why)}.",
-            f"Threads: {self.threads.number}, {self.threads.why}.",
-            f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_time(cost.seconds)} on this machine, {_bytes(cost.memory_bytes)} of memory. "
-            f"{self._basis()}{self._shortcoming()}",
-            *([f"Slow: {self.slow}."] if self.slow else []),
-            f"The time loop {'was' if self.compiled else 'had not been'} compiled before"
-            f"{'' if self.compiled else '; it is now, and is kept on disk'}.",
-        ]
-        return ["", *(_wrapped(sentence.strip(), 2) for sentence in sentences)]
-
-    def _contact(self) -> str:
-        if self.contact.pairs == 0:
-            return "none"
-        place = "neighbour lists, about" if self.contact.by_list else "all pairs of bobs,"
-        names = ", ".join(self.contact.scalar)
+        scene, contact, cost = self.scene, self.contact, self.predicted
+        kinds = ", ".join(f"{n} {kind}" for kind, n in self.coordinates.items() if n)
+        yield f"Degrees of freedom: {self.degrees_of_freedom} ({kinds})."
+        place = "neighbour lists, about" if contact.by_list else "all pairs of bobs,"
+        names = ", ".join(contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
-        return f"{place} {self.contact.pairs:,}; forces are computed {how}"
-
-    def _inactive(self) -> list[str]:
-        live = self.scene.count - self.contact.inactive
-        if live == self.scene.count:
-            return []
-        return [
-            f"Live: {live:,} of {self.scene.count:,} asperites at the start. The others are out of "
-            "reach, and are computed in closed form until they come within reach."
-        ]
-
-    def _ledger(self) -> list[str]:
-        kept = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
-        ledger = self.scene.output.ledger
-        found = [f"Ledger: {kept[ledger]}."] if ledger in kept else []
-        keep = self.scene.output.keep
-        return found if keep is None else [*found, f"Recorded: only {', '.join(keep)}."]
+        computed = f"{place} {contact.pairs:,}; forces are computed {how}"
+        yield f"Contact: {computed if contact.pairs else 'none'}."
+        if contact.inactive:
+            yield (
+                f"Live: {scene.count - contact.inactive:,} of {scene.count:,} asperites at the "
+                "start. The others are out of reach, and are computed in closed form until they "
+                "come within reach."
+            )
+        if scene.output.ledger in LEDGERS:
+            yield f"Ledger: {LEDGERS[scene.output.ledger]}."
+        if scene.output.keep is not None:
+            yield f"Recorded: only {', '.join(scene.output.keep)}."
+        yield f"Method: {self.method}, {self._request()}, {reason_of_method(scene, self.why)}."
+        yield f"Threads: {self.threads.number}, {self.threads.why}."
+        yield (
+            f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
+            f"{_in_units(cost.seconds, TIMES)} on this machine, "
+            f"{_in_units(cost.memory_bytes, BYTES)} of memory. {self._basis()}"
+        )
+        if self.slow:
+            yield f"Slow: {self.slow}."
+        before = (
+            "was compiled before" if self.compiled else "had not been compiled before; it is now"
+        )
+        yield f"The time loop {before}{'' if self.compiled else ', and is kept on disk'}."
 
     def _request(self) -> str:
         step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
@@ -224,18 +218,18 @@ class Explanation:
         wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
         return f"accuracy {wanted}, {step}"
 
-    def _shortcoming(self) -> str:
-        if self.predicted.stop:
-            return f" The run will stop as NoProgress: {self.predicted.stop}."
-        return " The run will fall short of its accuracy." if self.predicted.met is False else ""
-
     def _basis(self) -> str:
+        """How the evaluations are known, and whether the run will stop or fall short."""
         used = f"{self.evaluations_used:,} evaluations"
-        return {
+        basis = {
             "counted": "Counted from the step.",
             "searched": f"The search for settings, with which a run begins, took {used}.",
             "extrapolated": f"Extrapolated from the first {used} of the search for settings.",
         }[self.predicted.basis]
+        if self.predicted.stop:
+            return f"{basis} The run will stop as NoProgress: {self.predicted.stop}."
+        missed = self.predicted.met is False
+        return f"{basis} The run will fall short of its accuracy." if missed else basis
 
 
 def reason_of_method(scene: Scene, why: str) -> str:
@@ -251,24 +245,12 @@ def _wrapped(text: str, indent: int) -> str:
     return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent)
 
 
+def _in_units(number: float, units: tuple[tuple[float, str], ...]) -> str:
+    """Two digits of a number, in the largest unit that it reaches."""
+    size, unit = next((each for each in units if number >= each[0]), units[-1])
+    return f"{float(f'{number / size:.2g}'):g} {unit}"
+
+
 def _rounded(count: int) -> str:
     """A count to three digits."""
     return f"{float(f'{count:.3g}'):,.0f}"
-
-
-def _time(seconds: float) -> str:
-    for unit, size in (("hours", 3600.0), ("minutes", 60.0), ("s", 1.0), ("ms", 1e-3)):
-        if seconds >= size:
-            return f"{_two_digits(seconds / size)} {unit}"
-    return f"{_two_digits(1e6 * seconds)} us"
-
-
-def _bytes(count: int) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6)):
-        if count >= size:
-            return f"{_two_digits(count / size)} {unit}"
-    return f"{_two_digits(count / 1e3)} kB"
-
-
-def _two_digits(number: float) -> str:
-    return f"{float(f'{number:.2g}'):g}"

@@ -20,13 +20,13 @@ from tribo.explanation.measured import (
     seconds_of_evaluation,
 )
 from tribo.explanation.prediction import Prediction, Search, predict
-from tribo.explanation.reasons import why_absent, why_present
 from tribo.integrators.methods import Method
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
 from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
+from tribo.model.effect_keys import keys_of, lack_of
 from tribo.model.effects import Effect
 from tribo.model.scene import Scene
 from tribo.validation import InputError, inside
@@ -35,6 +35,8 @@ from tribo.validation import InputError, inside
 LONG = 45 * 60.0
 # The phase of the fastest motion in a step [rad] that is still well resolved.
 RESOLVED = 0.1
+# Most keys that a reason names.
+MOST_NAMED = 3
 
 
 def explain(scene: Scene) -> Explanation:
@@ -71,40 +73,42 @@ def explain(scene: Scene) -> Explanation:
     found = predict(choice, search)
     beside = 0.0 if choice.step else time.perf_counter() - began - search.seconds
     predicted = _predicted(layout, choice, search, found, beside)
+    setting = None if found.plan is None else found.plan.setting
     present = [effect for effect in Effect if effect in scene.effects]
     return Explanation(
         scene=scene,
         effects={str(effect): why_present(scene, effect) for effect in present},
-        absent={str(effect): why_absent(effect) for effect in Effect if effect not in present},
+        absent={str(effect): lack_of(effect) for effect in Effect if effect not in present},
         coordinates=coordinates(scene),
         contact=contact(layout, choice.method),
         method=choice.method.name,
         why=choice.why,
         threads=threads,
         accuracy=choice.accuracy,
-        step=_step(found),
+        step=setting if isinstance(setting, float) else None,
         compiled=compiled,
         predicted=predicted,
-        evaluations_used=round(search.evaluations),
+        evaluations_used=search.evaluations,
         slow=_slow(layout, choice) if predicted.seconds >= LONG else "",
     )
 
 
+def why_present(scene: Scene, effect: Effect) -> str:
+    """The keys of the scene that call for an effect."""
+    found = list(keys_of(scene, effect))
+    more = f" and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
+    return "; ".join(found[:MOST_NAMED]) + more
+
+
 def coordinates(scene: Scene) -> dict[str, int]:
     """How many coordinates of each kind are integrated."""
-
-    def on(wanted: list[bool]) -> int:
-        pairs = zip(scene.surfaces, wanted, strict=True)
-        return sum(surface.count for surface, yes in pairs if yes)
-
-    baths = [s.count * (2 * s.bath.masses.size + s.bath.inertias.size) for s in scene.surfaces]
-    kappa = [s.each["kappa"] for s in scene.surfaces]
+    surfaces = scene.surfaces
     return {
-        "swings": int(np.count_nonzero(np.isfinite(np.concatenate(kappa)))),
-        "bars": on([s.bars != "clamped" for s in scene.surfaces]),
-        "x": on([scene.slides_along_x(s) for s in scene.surfaces]),
-        "y": on([scene.slides_along_y(s) for s in scene.surfaces]),
-        "baths": sum(baths),
+        "swings": sum(int(np.isfinite(s.each["kappa"]).sum()) for s in surfaces),
+        "bars": sum(s.count for s in surfaces if s.bars != "clamped"),
+        "x": sum(s.count for s in surfaces if scene.slides_along_x(s)),
+        "y": sum(s.count for s in surfaces if scene.slides_along_y(s)),
+        "baths": sum(s.count * (2 * s.bath.masses.size + s.bath.inertias.size) for s in surfaces),
     }
 
 
@@ -120,24 +124,17 @@ def contact(layout: Layout, method: Method) -> Contact:
 
 def in_lanes(potential: Any) -> bool:
     """Whether the forces of eight pairs are computed at once."""
-    if config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return False
-    return is_vectorized(type_of(potential))
-
-
-def _step(found: Prediction) -> float | None:
-    """The step of a method with equal steps, if it is known."""
-    setting = None if found.plan is None else found.plan.setting
-    return setting if isinstance(setting, float) else None
+    return not config.DISABLE_JIT and is_vectorized(type_of(potential))  # type: ignore[attr-defined]
 
 
 def _predicted(
     layout: Layout, choice: Choice, search: Search, found: Prediction, beside: float
 ) -> Predicted:
-    if choice.step is None:
-        each = search.seconds / max(1.0, search.evaluations)
+    step = choice.step or search.step
+    if step is None or search.evaluations:
+        each = search.seconds / max(1, search.evaluations)
     else:
-        each = seconds_of_evaluation(layout, choice.method, choice.step, search.threads)
+        each = seconds_of_evaluation(layout, choice.method, step, search.threads)
     return Predicted(
         force_evaluations=round(found.evaluations),
         seconds=each * found.evaluations + beside,

@@ -14,7 +14,8 @@ import numpy as np
 from tribo.files import replace_file
 from tribo.model import fields, topography
 from tribo.model.comparison import ComparedByValue
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
+from tribo.model.effect_keys import keys_of
 from tribo.model.effects import Effect
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
@@ -283,42 +284,7 @@ class Scene(ComparedByValue):
     @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        pairs = [pair for i in self.interactions for pair in self.pairs(i)]
-        present = {
-            Effect.CONTACT: any(one != other for one, other in pairs),
-            Effect.CONTACT_WITHIN: any(one == other for one, other in pairs),
-            Effect.CALCULATOR: any(isinstance(i.potential, Live) for i in self.interactions),
-            Effect.FIELD: bool(self.fields),
-            Effect.PERIODIC: bool(self.periodic),
-            Effect.CUTOFF: any(np.isfinite(i.potential.range()) for i in self.interactions),
-        }
-        found = {effect for effect, here in present.items() if here}
-        for surface in self.surfaces:
-            found |= self._effects_of(surface)
-        return frozenset(found)
-
-    def _effects_of(self, s: Surface) -> set[Effect]:
-        """The effects on the asperites of a surface."""
-        turning = s.bars != "clamped"
-        present = {
-            Effect.RIGID: s.asperite.is_rigid,
-            Effect.SWING: not s.asperite.is_rigid,
-            Effect.DRIVEN_BARS: isinstance(s.drive, DrivenBars),
-            Effect.SLIDING: self.slides_along_x(s) or self.slides_along_y(s),
-            Effect.PULL: isinstance(s.drive, Pulled),
-            Effect.PUSH: isinstance(s.drive, Pushed),
-            Effect.LOAD: s.drive.load is not None,
-            Effect.OWN_DRIVE: isinstance(s.drive, Custom),
-            Effect.OWN_ENDS: isinstance(s.bars, Ends),
-            Effect.SPRINGS: bool(s.springs),
-            Effect.BATH: s.bath.masses.size > 0,
-            Effect.TORSIONAL_BATH: s.bath.inertias.size > 0,
-            Effect.LANGEVIN: bool(s.bar_reservoir),
-            Effect.SWING_LANGEVIN: bool(s.swing_reservoir),
-            Effect.TURNING_BARS: turning,
-            Effect.CLAMPED_ENDS: not turning and np.any(np.asarray(s.asperite.kappa) > 0.0),
-        }
-        return {effect for effect, here in present.items() if here}
+        return frozenset(effect for effect in Effect if any(keys_of(self, effect)))
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
