@@ -62,10 +62,8 @@ def often(monkeypatch):
     monkeypatch.setattr(batches, "CHUNK", 2)
     monkeypatch.setattr(integrate, "FIRST_CHUNK", 3)
     monkeypatch.setattr(integrate, "LARGEST_CHUNK", 3)
-    for module in (stores, statistics_store, journal):
-        monkeypatch.setattr(module, "INTERVAL", -1.0)
-    for module in (statistics_store, journal):
-        monkeypatch.setattr(module, "RELATIVE_INTERVAL", 0.0)
+    monkeypatch.setattr(frames, "INTERVAL", -1.0)
+    monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
 
 
 def after(count, error):

@@ -511,7 +511,7 @@ def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path, keep):
     monkeypatch.setattr("tribo.ledger.sinks.SERIES_BYTES", 0)
     monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 2500)
     for name in ("INTERVAL", "RELATIVE_INTERVAL"):
-        monkeypatch.setattr(f"tribo.loops.journal.{name}", 0.0)
+        monkeypatch.setattr(f"tribo.loops.frames.{name}", 0.0)
     long = replace(scene(), output=replace(scene().output, keep=keep))
     how = {"method": "midpoint", "step": 0.01}
     whole, out = tribo.simulate(long, **how), tmp_path / "long.nc"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.ensembles.checked_runs import CheckedPlan
-from tribo.ensembles.dataset import kept_dataset
+from tribo.ensembles.dataset import members_dataset
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Members
-from tribo.ensembles.runner import complete, policy_of
+from tribo.ensembles.runner import policy_of
 from tribo.model.scene_file import scene_from
 from tribo.simulation import prepare
 from tribo.validation import InputError, integer, short_repr
@@ -62,5 +62,5 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
         one["seed"].values,
         {name: one[name].values.reshape(1, -1) for name in names},
     )
-    runs = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
-    return kept_dataset(runs, members, complete(runs, members), attributes)
+    policy = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
+    return members_dataset(policy, members, policy.complete(members), attributes)

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.ensembles.engines import run_jobs
-from tribo.ensembles.kept_values import REFUSED, KeptValues
+from tribo.ensembles.engines import run_tasks
+from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
 from tribo.ensembles.members import VELOCITY, Source, Variation, size_of
 from tribo.ensembles.request import Request
-from tribo.ensembles.runner import Execution, in_batches, planned, run_members
+from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ
 from tribo.model.initial import UNITS
@@ -200,17 +200,17 @@ def runs_of(
             left.append((each, max(0, done)))
         done -= each.runs
     if how.engine is not None and len(sets) > 1:
-        jobs = ((pickle.dumps(each), first) for each, first in left)
-        yield from run_jobs(how.engine, _run_job, jobs)
+        tasks = ((pickle.dumps(each), first) for each, first in left)
+        yield from run_tasks(how.engine, _run_task, tasks)
         return
     for each, first in left:
         yield from _runs_of_set(each, first, how, simulation)
 
 
-def _run_job(job: tuple[bytes, int]) -> KeptValues:
+def _run_task(task: tuple[bytes, int]) -> KeptValues:
     """Run a set in a process that does not have it yet."""
-    content, first = job
-    return KeptValues.joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
+    content, first = task
+    return joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
 
 
 def _runs_of_set(
@@ -222,14 +222,14 @@ def _runs_of_set(
         if simulation is None:
             simulation = request.prepare(points.scene_at(points.points // 2))
         kept, variation = request.kept(simulation.layout), points.variation
-        runs = planned(simulation, kept, variation, points.runs, how.threads)
-        for found in run_members(runs, variation, range(done, points.runs), how):
-            done += found.status.size
+        runs = planned(simulation, kept, variation, points.runs, how)
+        for found in runs.chunks(range(done, points.runs)):
+            done += found["status"].size
             yield found
     except InputError as error:
         if points.points == 1:
             kept = request.kept(lay_out(request.recorded(points.scene)))
-            yield KeptValues.without_runs(kept, points.runs - done, REFUSED, str(error))
+            yield kept.without_runs(points.runs - done, REFUSED, str(error))
             return
         for point in points.split():
             if done < point.runs:
