@@ -32,6 +32,7 @@ class ProgressBar:
         self._began = time.time()
         self._bar: Any = None
         self._runs = ""
+        self._reached = 0.0
 
     def __call__(self, reached: float) -> None:
         """Show what is reached."""
@@ -47,6 +48,15 @@ class ProgressBar:
             self._bar.set_description(self._runs, refresh=False)
         self._bar.n = reached
         self._bar.refresh()
+
+    def of_runs(self, reached: float) -> None:
+        """Show what is reached in one of many runs, at whose end the bar disappears."""
+        if self._bar is None and reached < self._reached:
+            self._began = time.time()
+        self._reached = reached
+        self(reached)
+        if reached >= self._total:
+            self.close()
 
     def announce(self, number: int, runs: int, seconds: float | None) -> None:
         """Begin a run, which is `number` of `runs`.
@@ -66,21 +76,30 @@ class ProgressBar:
         """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
+            self._bar = None
+
+
+def shown(progress: Shown, total: float, unit: str) -> Callable[[float], None] | None:
+    """The function to call with what is reached, if any: a bar, or one that is given.
+
+    See :data:`Shown`.  Raises InputError.
+    """
+    if progress is True or (progress is None and _is_watched()):
+        return ProgressBar(total, unit)
+    if callable(progress) or progress in (None, False):
+        return progress if callable(progress) else None
+    raise must_be("progress", "a function, True, False or None", progress)
 
 
 @contextmanager
 def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[float], None] | None]:
-    """The function to call with what is reached, if any; see :data:`Shown`.  Raises InputError."""
-    if progress is True or (progress is None and _is_watched()):
-        bar = ProgressBar(total, unit)
-        try:
-            yield bar
-        finally:
-            bar.close()
-    elif callable(progress) or progress in (None, False):
-        yield progress if callable(progress) else None
-    else:
-        raise must_be("progress", "a function, True, False or None", progress)
+    """The same, with a bar that disappears at the end of the block."""
+    report = shown(progress, total, unit)
+    try:
+        yield report
+    finally:
+        if isinstance(report, ProgressBar):
+            report.close()
 
 
 @contextmanager

@@ -25,9 +25,9 @@ from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
-from tribo.progress import ProgressBar, Shown, reported
+from tribo.progress import ProgressBar, Shown, reported, shown
 from tribo.result import Result, load_result
-from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
+from tribo.validation import InputError, TriboWarning, as_path, boolean, inside
 
 
 def prepare(
@@ -35,7 +35,7 @@ def prepare(
     accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
-    progress: Progress | None = None,
+    progress: Shown = None,
     start: State | None = None,
     allow_unresolved: bool = False,
     threads: int | None = None,
@@ -55,8 +55,10 @@ def prepare(
         of costs.
     step : float, optional
         A step [time] instead of an accuracy; such runs have no error estimate.
-    progress : callable, optional
-        A function that is called with the time reached, a few times a second.
+    progress : callable or bool, optional
+        A function that is called with the time reached, a few times a second, in all runs.  By
+        default a bar appears on a terminal or in a notebook after a second; True shows it elsewhere
+        too, False never.
     start : State, optional
         The state from which all runs begin, such as that of a result; by default the start of the
         scene at t = 0.  In the scene of the state, works and changes of energy continue from
@@ -85,10 +87,11 @@ def prepare(
     TriboWarning
         Bobs start deep in a repulsive core.
     """
-    if progress is not None and not callable(progress):
-        raise must_be("progress", "a function", progress)
     layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    integrator = _integrator(layout, choice, progress, origin, threads)
+    report = shown(progress, layout.scene.duration, "t")
+    if isinstance(report, ProgressBar):
+        report = report.of_runs
+    integrator = _integrator(layout, choice, report, origin, threads)
     plan = make_plan(choice, integrator)
     if plan.tuned is not None and plan.tuned.runs[-1].status == Status.INTERRUPTED:
         raise KeyboardInterrupt
@@ -169,9 +172,7 @@ def simulate(
     scene, accuracy, method, step, allow_unresolved, threads
         As for :func:`prepare`.
     progress : callable or bool, optional
-        A function that is called with the time reached, a few times a second.  By default a bar
-        appears on a terminal or in a notebook after a second; True shows it elsewhere too, False
-        never.
+        As for :func:`prepare`.
     start : State, optional
         The state ``result.state()`` of another run, from which this one continues.  With the same
         method, step and recorded times it has the bits of a run without the pause.

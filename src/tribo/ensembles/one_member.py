@@ -53,7 +53,9 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     scene = scene_from(tomllib.loads(attributes["scene"]))
     # The method of a pair's lanes takes the place of `method`, which found the scales.
     step = json.loads(attributes["step"])
-    simulation = prepare(scene, method=attributes["method_alone"], step=step, threads=1)
+    simulation = prepare(
+        scene, method=attributes["method_alone"], step=step, progress=False, threads=1
+    )
     kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]

@@ -64,7 +64,8 @@ class Policy(ABC):
                 if simulation.accuracy is None:
                     own = from_settings(scene, simulation.settings)
                 else:
-                    own = prepare(scene, simulation.accuracy, simulation.method.name, threads=1)
+                    name = simulation.method.name
+                    own = prepare(scene, simulation.accuracy, name, progress=False, threads=1)
             except InputError as error:  # the accuracy is out of reach
                 found["status"][index] = REFUSED if kept.with_errors else MISSED
                 set_note(found, index, str(error) if kept.with_errors else "")
