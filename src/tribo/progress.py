@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -27,33 +26,23 @@ class ProgressBar:
     """A bar that appears on stderr after a second, and disappears at the end."""
 
     def __init__(self, total: float, unit: str) -> None:
+        self._how = {"total": total, "unit": unit, "bar_format": FORMAT, "leave": False}
         self._total = total
-        self._unit = unit
-        self._began = time.time()
         self._bar: Any = None
         self._runs = ""
-        self._reached = 0.0
 
     def __call__(self, reached: float) -> None:
         """Show what is reached."""
         if self._bar is None:
-            if time.time() - self._began < DELAY:
-                return
             from tqdm.auto import tqdm
 
             # The rate is that from now on: what was done before may have been read from a file.
-            self._bar = tqdm(
-                total=self._total, initial=reached, leave=False, unit=self._unit, bar_format=FORMAT
-            )
-            self._bar.set_description(self._runs, refresh=False)
-        self._bar.n = reached
-        self._bar.refresh()
+            always = {"mininterval": 0.0, "miniters": 0, "delay": DELAY}
+            self._bar = tqdm(initial=reached, desc=self._runs, **always, **self._how)
+        self._bar.update(reached - self._bar.n)
 
     def of_runs(self, reached: float) -> None:
         """Show what is reached in one of many runs, at whose end the bar disappears."""
-        if self._bar is None and reached < self._reached:
-            self._began = time.time()
-        self._reached = reached
         self(reached)
         if reached >= self._total:
             self.close()

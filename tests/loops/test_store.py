@@ -32,7 +32,7 @@ def a_run(**how):
 
 def in_portions(**how):
     scene = replace(pair(), output=replace(pair().output, keep=("upper.W", "contact_energy")))
-    result = tribo.simulate(scene, method="midpoint", step=0.02, **how)
+    result = tribo.simulate(scene, method="midpoint", step=0.05, **how)
     return [result["upper"].W.tolist(), result.system["contact_energy"].tolist()]
 
 

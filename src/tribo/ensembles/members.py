@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from tribo.ensembles.swing_states import SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
-from tribo.model.parameters import is_parameter, of_each_surface, with_values
+from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
@@ -54,14 +54,15 @@ class Members(NamedTuple):
         return Member(int(self.numbers[index]), int(self.seeds[index]), values)
 
 
+def is_start(key: str) -> bool:
+    """Whether a key of members is that of an initial angle or its rate."""
+    of, _, name = key.rpartition(".")
+    return name in UNITS and "." not in of and of not in (INTERACTION, FIELD)
+
+
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Initial angles and their rates alone."""
-
-    def is_initial(key: str) -> bool:
-        of, _, name = key.rpartition(".")
-        return name in UNITS and "." not in of  # a reservoir has a temperature too
-
-    return {key: v for key, v in values.items() if is_initial(key)}
+    return {key: v for key, v in values.items() if is_start(key)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class Member:
         """The scene with the member's seed and values, with or without initial angles and rates."""
         own = self.values
         if not with_start:
-            own = {key: v for key, v in own.items() if key not in values_at_start(own)}
+            own = {key: v for key, v in own.items() if not is_start(key)}
         moved = replace(scene, seed=self.seed)
         return with_values(moved, _plain(own)) if own else moved
 
@@ -183,8 +184,7 @@ class Variation:
                 if key not in self._draws
             }
         self._last: dict[str, tuple[int, dict[str, np.ndarray]]] = {}
-        of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
-        self.own_numbers = tuple(key for key in self.sizes if key not in of_start)
+        self.own_numbers = tuple(key for key in self.sizes if not is_start(key))
 
     @property
     def lengths(self) -> dict[str, int]:

@@ -16,17 +16,16 @@ import numpy as np
 
 from tribo.ensembles.engines import run_tasks
 from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
-from tribo.ensembles.members import VELOCITY, Source, Variation, size_of
+from tribo.ensembles.members import Source, Variation, is_start, size_of
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ
-from tribo.model.initial import UNITS
 from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
-from tribo.sweeps.grid import Axis, Grid
+from tribo.sweeps.grid import Axis, Grid, values_at
 from tribo.validation import InputError
 
 
@@ -99,15 +98,9 @@ def point_sets(
     outer = [axis for axis in grid.axes if axis not in inner]
     sets = []
     for places in np.ndindex(*(len(axis.rows) for axis in outer)):
-        own: dict[str, Any] = {}
-        for axis, place in zip(outer, places, strict=True):
-            own |= axis.at(place)
-        scene = grid.scene
-        if own or inner:
-            for axis in inner:  # together with the first values of the others
-                own = axis.at(0) | own
-            scene = with_values(scene, own)
-        scene = scene.with_heights()
+        # Together with the first values of the others.
+        own = values_at(outer, places) | values_at(inner, [0] * len(inner))
+        scene = with_values(grid.scene, own).with_heights()
         sets.append(_set_of(scene, request, inner, members))
     return sets, outer + inner, simulation
 
@@ -135,11 +128,8 @@ def _served_by_one_plan(
     candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
     if not candidates:
         return [], None
-    places = {axis.name: (len(axis.rows) // 2 if axis in candidates else 0) for axis in grid.axes}
-    own: dict[str, Any] = {}
-    for axis in grid.axes:
-        own |= axis.at(places[axis.name])
-    scene = with_values(grid.scene, own).with_heights()
+    places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
+    scene = with_values(grid.scene, values_at(grid.axes, places)).with_heights()
     if request.recorded(scene).output.series:
         return [], None
     try:
@@ -151,13 +141,13 @@ def _served_by_one_plan(
         return [], None
 
     def differ(axis: Axis) -> bool:
-        numbers = [k for k in _of_surfaces(scene, axis.keys) if not _is_start(scene, k)]
+        numbers = [k for k in _of_surfaces(scene, axis.keys) if not is_start(k)]
         return not numbers or (not plan.automatic and can_differ(simulation.layout, numbers, pair))
 
     inner = [axis for axis in candidates if differ(axis)]
     varied = Variation(scene, members.vary, members.seed).own_numbers
     keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
-    keys = [key for key in keys if not _is_start(scene, key)]
+    keys = [key for key in keys if not is_start(key)]
     if not inner or not in_batches(simulation, [*varied, *keys]):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
@@ -179,12 +169,6 @@ def _has_numbers(grid: Grid, axis: Axis) -> bool:
 def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
     """Some keys, with one for each surface in place of "*"."""
     return list(of_each_surface(scene, dict.fromkeys(keys)))
-
-
-def _is_start(scene: Scene, key: str) -> bool:
-    """Whether a key is of an initial angle or rate."""
-    surface, _, name = key.rpartition(".")
-    return name in UNITS and name != VELOCITY and surface in [s.name for s in scene.surfaces]
 
 
 def runs_of(
