@@ -38,7 +38,8 @@ class ProgressBar:
 
             # The rate is that from now on: what was done before may have been read from a file.
             always = {"mininterval": 0.0, "miniters": 0, "delay": DELAY}
-            self._bar = tqdm(initial=reached, desc=self._runs, **always, **self._how)
+            self._bar = tqdm(initial=reached, **always, **self._how)
+            self._bar.set_description(self._runs, refresh=False)
         self._bar.update(reached - self._bar.n)
 
     def of_runs(self, reached: float) -> None:
@@ -55,7 +56,7 @@ class ProgressBar:
         self._runs = f"run {number} of {runs}"
         if self._bar is not None:
             self._bar.reset()
-            self._bar.set_description(self._runs)
+            self._bar.set_description(self._runs, refresh=False)
         if seconds is not None and DELAY <= seconds < math.inf:
             left = runs - number + 1
             plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
