@@ -405,3 +405,10 @@ class Scene(ComparedByValue):
             "field": [fields.as_table(item) for item in self.fields],
             "surface": [surface_table(surface) for surface in self.surfaces],
         }
+
+
+def checked_scene(scene: object) -> Scene:
+    """The scene of a call.  Raises InputError about anything else."""
+    if not isinstance(scene, Scene):
+        raise must_be("scene", "a tribo.Scene", scene)
+    return scene
