@@ -9,7 +9,7 @@ from tribo.compiler.plugin_methods import recognize_class
 from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux, time_loops
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
-from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
+from tribo.integrators.runge_kutta import RungeKutta
 from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
 from tribo.model.scene import Scene
 from tribo.validation import InputError, choice
@@ -43,7 +43,7 @@ class Method:
     name: str  # in scene files and on the command line
     order: int  # of convergence, of the motion and of the ledger
     # The time loop finds the method's functions by their class.
-    coefficients: RungeKutta | EmbeddedRungeKutta | Nystrom | Collocation | Splitting
+    coefficients: RungeKutta | Nystrom | Collocation | Splitting
     use: str  # what it is good for
     source: str  # where it was published
     adaptive: bool = False  # whether it chooses its steps by a tolerance; else they are equal

@@ -12,12 +12,8 @@ polynomial is the smoothest of degree five with S = 1, 0 and S' = S'' = 0 at the
 
 import numpy as np
 
-from tribo.potentials.potential import (
-    AT_CUTOFF,
-    BetweenCharges,
-    Wrapper,
-    must_be_potential,
-)
+from tribo.potentials.combined import BetweenCharges, Wrapper, must_be_potential
+from tribo.potentials.potential import AT_CUTOFF
 
 
 class WithCutoff(BetweenCharges, Wrapper):

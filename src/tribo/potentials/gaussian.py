@@ -1,11 +1,9 @@
-"""Gaussian:  U = height exp(-r^2 / (2 width^2)).
-
-F. H. Stillinger, J. Chem. Phys. 65 (1976) 3968.
-"""
+"""Gaussian:  U = height exp(-r^2 / (2 width^2))."""
 
 import numpy as np
 
 from tribo.potentials.potential import Potential
+from tribo.validation import POSITIVE
 
 # Distance at which U has fallen to 3e-7 of its height [width].
 WEAK_FROM = 5.5
@@ -28,6 +26,7 @@ class Gaussian(Potential):
 
     height: float
     width: float
+    _limits = (("width", POSITIVE, "length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -42,15 +41,3 @@ class Gaussian(Potential):
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.width, WEAK_FROM * self.width
-
-    def smoothness(self):
-        """Number of continuous derivatives of U: all."""
-        return float("inf")
-
-    def range(self):
-        """Distance from which U is zero [length]: none."""
-        return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (("width", self.width > 0.0, "must be positive [length]"),)

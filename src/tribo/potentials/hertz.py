@@ -1,11 +1,9 @@
-"""Hertz:  U = A (1 - r/d)^(5/2) below d, else 0.
-
-L. D. Landau, E. M. Lifshitz, Theory of Elasticity, Pergamon 1970, section 9.
-"""
+"""Hertz:  U = A (1 - r/d)^(5/2) below d, else 0."""
 
 import numpy as np
 
 from tribo.potentials.potential import Potential
+from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class Hertz(Potential):
@@ -28,6 +26,7 @@ class Hertz(Potential):
 
     A: float
     d: float
+    _limits = (("A", NOT_NEGATIVE, "energy"), ("d", POSITIVE, "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -54,10 +53,3 @@ class Hertz(Potential):
     def smoothness_within(self):
         """Number of continuous derivatives of U below d: all."""
         return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("A", self.A >= 0.0, "must not be negative [energy]"),
-            ("d", self.d > 0.0, "must be positive [length]"),
-        )
