@@ -8,7 +8,7 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic, overload
 
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
 from tribo.compiler.numba_private import cgutils
@@ -93,7 +93,7 @@ def potential_of(contact, lane):
     return contact.potential
 
 
-@overload(potential_of, jit_options=KERNEL)
+@overload(potential_of, **OVERLOAD)
 def _find_potential_of(contact, lane):
     if isinstance(contact[contact.fields.index("numbers")], types.NoneType):
         return potential_of
@@ -114,7 +114,7 @@ def lane_of(x, i):
     return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
 
 
-@overload(lane_of, jit_options=KERNEL)
+@overload(lane_of, **OVERLOAD)
 def _find_lane_of(x, i):
     return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
 
@@ -136,7 +136,7 @@ def largest_of_runs(members, x):
 def _keep_members_apart(function: Any) -> None:
     """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
 
-    @overload(function, jit_options=KERNEL)
+    @overload(function, **OVERLOAD)
     def find(members, x):
         return function if isinstance(members, types.NoneType) else (lambda members, x: x)
 
@@ -154,7 +154,7 @@ def _set_block(array, k, x):
     set_block(array, k, x)
 
 
-@overload(set_numbers, jit_options=KERNEL)
+@overload(set_numbers, **OVERLOAD)
 def _find_set_numbers(array, k, x):
     return _set_block if isinstance(x, LanesType) else set_numbers
 
@@ -164,7 +164,7 @@ def add_numbers(array, k, x):
     array[k] += x
 
 
-@overload(add_numbers, jit_options=KERNEL)
+@overload(add_numbers, **OVERLOAD)
 def _find_add_numbers(array, k, x):
     if isinstance(x, LanesType):
         return lambda array, k, x: set_block(array, k, block(array, k) + x)

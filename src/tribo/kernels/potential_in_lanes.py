@@ -10,7 +10,7 @@ from typing import Any
 from numba import TypingError, config, njit, types
 from numba.extending import overload
 
-from tribo.compiler.jit_options import KERNEL, OWNING_KERNEL
+from tribo.compiler.jit_options import OVERLOAD, OWNING_KERNEL
 from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, with_lane
 from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
 from tribo.compiler.plugin_methods import formula
@@ -43,7 +43,7 @@ def force_in_lanes(potential, r, end, charge, others, low, high):
     return potential.force_between(r, charge, others)
 
 
-@overload(force_in_lanes, jit_options=KERNEL, strict=False)
+@overload(force_in_lanes, **OVERLOAD)
 def _force_in_lanes(potential, r, end, charge, others, low, high):
     return force_in_lanes if is_vectorized(potential, charge) else _one_by_one
 
@@ -63,7 +63,7 @@ def range_in_lanes(potential):
     return potential.range()
 
 
-@overload(range_in_lanes, jit_options=KERNEL, strict=False)
+@overload(range_in_lanes, **OVERLOAD)
 def _range_in_lanes(potential):
     return _ranges if lanes in potential.types else range_in_lanes
 

@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 # Distance at which U has fallen to 3e-7 of A [rho].
 WEAK_FROM = 15.0
@@ -26,7 +25,7 @@ class BornMayer(Potential):
 
     A: float
     rho: float
-    _limits = (("A", NOT_NEGATIVE, "energy"), ("rho", POSITIVE, "length"))
+    _limits = (("A", ">=", "energy"), ("rho", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

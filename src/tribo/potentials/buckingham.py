@@ -9,7 +9,6 @@ x > 1/e neither exists.
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 # Distance at which the repulsion has fallen to 3e-7 of A [rho].
 WEAK_FROM = 15.0
@@ -36,9 +35,9 @@ class Buckingham(Potential):
     rho: float
     C: float
     _limits = (
-        ("A", POSITIVE, "energy"),
-        ("rho", POSITIVE, "length"),
-        ("C", NOT_NEGATIVE, "energy length^6"),
+        ("A", ">", "energy"),
+        ("rho", ">", "length"),
+        ("C", ">=", "energy length^6"),
     )
 
     def energy(self, r):

@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import POSITIVE
 
 # Distance at which U has fallen to 3e-7 of its height [width].
 WEAK_FROM = 5.5
@@ -26,7 +25,7 @@ class Gaussian(Potential):
 
     height: float
     width: float
-    _limits = (("width", POSITIVE, "length"),)
+    _limits = (("width", ">", "length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class Hertz(Potential):
@@ -26,7 +25,7 @@ class Hertz(Potential):
 
     A: float
     d: float
-    _limits = (("A", NOT_NEGATIVE, "energy"), ("d", POSITIVE, "length"))
+    _limits = (("A", ">=", "energy"), ("d", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

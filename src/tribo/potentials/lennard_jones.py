@@ -1,7 +1,6 @@
 """Lennard-Jones:  U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6)."""
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class LennardJones(Potential):
@@ -21,7 +20,7 @@ class LennardJones(Potential):
 
     epsilon: float
     sigma: float
-    _limits = (("epsilon", NOT_NEGATIVE, "energy"), ("sigma", POSITIVE, "length"))
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

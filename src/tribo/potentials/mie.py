@@ -1,7 +1,6 @@
 """Mie (n-m):  U = c epsilon ((sigma/r)^n - (sigma/r)^m),  c = n/(n - m) (n/m)^(m/(n - m))."""
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class Mie(Potential):
@@ -30,9 +29,9 @@ class Mie(Potential):
     n: float
     m: float
     _limits = (
-        ("epsilon", NOT_NEGATIVE, "energy"),
-        ("sigma", POSITIVE, "length"),
-        ("m", POSITIVE, ""),
+        ("epsilon", ">=", "energy"),
+        ("sigma", ">", "length"),
+        ("m", ">", ""),
     )
 
     def energy(self, r):

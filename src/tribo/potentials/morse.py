@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class Morse(Potential):
@@ -26,7 +25,7 @@ class Morse(Potential):
     D: float
     alpha: float
     r0: float
-    _limits = (("D", NOT_NEGATIVE, "energy"), ("alpha", POSITIVE, "1 / length"))
+    _limits = (("D", ">=", "energy"), ("alpha", ">", "1 / length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import POSITIVE
 
 
 class Plummer(Potential):
@@ -23,7 +22,7 @@ class Plummer(Potential):
 
     strength: float
     softening: float
-    _limits = (("softening", POSITIVE, "length"),)
+    _limits = (("softening", ">", "length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] of two charges of 1 at distance r [length]."""

@@ -40,7 +40,7 @@ from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.potential_type import PotentialType, energy_of_charges, following
-from tribo.validation import Condition, InputError, choice, number, short_repr
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, number, short_repr
 
 # A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
 Real = Any
@@ -64,8 +64,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     _fields: ClassVar[tuple[str, ...]] = ()
     _field_defaults: ClassVar[dict[str, Any]] = {}
-    # Parameters with a condition of their own, it, and their units.
-    _limits: ClassVar[tuple[tuple[str, Condition, str], ...]] = ()
+    # Parameters that are positive, ">", or not negative, ">=", and their units.
+    _limits: ClassVar[tuple[tuple[str, str, str], ...]] = ()
     # Arithmetic with numbers and arrays of numpy is that of this class.
     __array_ufunc__ = None
 
@@ -109,9 +109,11 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     def constraints(self) -> tuple[Constraint, ...]:
         """For each constraint: the parameter, whether it is met, and the message if not."""
+        conditions = {">": POSITIVE, ">=": NOT_NEGATIVE}
+        limits = ((name, *conditions[sign], unit) for name, sign, unit in self._limits)
         return tuple(
             (name, holds(getattr(self, name)), problem + f" [{unit}]" * bool(unit))
-            for name, (problem, holds), unit in self._limits
+            for name, problem, holds, unit in limits
         )
 
     def with_cutoff(

@@ -1,7 +1,6 @@
 """Soft spheres:  U = epsilon (sigma/r)^n."""
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 
 class SoftSphere(Potential):
@@ -25,9 +24,9 @@ class SoftSphere(Potential):
     sigma: float
     n: float
     _limits = (
-        ("epsilon", NOT_NEGATIVE, "energy"),
-        ("sigma", POSITIVE, "length"),
-        ("n", POSITIVE, ""),
+        ("epsilon", ">=", "energy"),
+        ("sigma", ">", "length"),
+        ("n", ">", ""),
     )
 
     def energy(self, r):

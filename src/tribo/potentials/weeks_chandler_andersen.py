@@ -4,7 +4,6 @@ It ends at r = 2^(1/6) sigma, from which U = 0.
 """
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE, POSITIVE
 
 # Distance of the minimum of Lennard-Jones, where this potential ends [sigma].
 END = 2.0 ** (1.0 / 6.0)
@@ -29,7 +28,7 @@ class WeeksChandlerAndersen(Potential):
 
     epsilon: float
     sigma: float
-    _limits = (("epsilon", NOT_NEGATIVE, "energy"), ("sigma", POSITIVE, "length"))
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

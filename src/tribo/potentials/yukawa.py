@@ -3,7 +3,6 @@
 import numpy as np
 
 from tribo.potentials.potential import Potential
-from tribo.validation import NOT_NEGATIVE
 
 
 class Yukawa(Potential):
@@ -24,7 +23,7 @@ class Yukawa(Potential):
 
     strength: float
     screening: float
-    _limits = (("screening", NOT_NEGATIVE, "1 / length"),)
+    _limits = (("screening", ">=", "1 / length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
