@@ -78,6 +78,26 @@ def test_detailed_theorem():
     assert abs(both.mean() / both.std() * np.sqrt(w.size)) > 2.0 * MOST
 
 
+def test_two_temperatures():
+    """Unlike pendulums: both theorems hold for the sum of gains over their own temperatures."""
+    scene = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6))
+    upper, lower = scene.surfaces
+    light = tribo.Asperite(m1=0.6, m2=1.7, kappa=1.1, length=1.6)
+    scene = replace(scene, surfaces=(replace(upper, asperite=light), lower))
+    temperatures = {"upper": 3.0, "lower": 1.0}
+    starts = {f"{k}.swing_state": tribo.Canonical(value) for k, value in temperatures.items()}
+    keep = [f"{k}.delta_e_int" for k in temperatures]
+    data = tribo.ensemble(scene, 8192, starts, seed=2, keep=keep)
+    gains = np.array([data[name].values[:, 0] for name in keep])
+    own, exchanged = gains[0] / 3.0 + gains[1], gains[0] + gains[1] / 3.0
+    assert abs(deviation(np.exp(-own))) < MOST
+    missed = []
+    for w in (own, exchanged):
+        both = (w < 0.0) - np.where(w > 0.0, np.exp(-w), 0.0)
+        missed.append(abs(both.mean() / both.std() * np.sqrt(w.size)))
+    assert missed[0] < MOST and missed[1] > 2.0 * MOST
+
+
 def test_jarzynski_of_dragged_tips():
     """Prandtl-Tomlinson tips, from equilibrium with their springs, dragged by one period.
 

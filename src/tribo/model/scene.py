@@ -399,6 +399,13 @@ class Scene(ComparedByValue):
         }
 
 
+def checked_scene(scene: object) -> Scene:
+    """The scene of a call.  Raises InputError about anything else."""
+    if not isinstance(scene, Scene):
+        raise must_be("scene", "a tribo.Scene", scene)
+    return scene
+
+
 def _check_names(field: str, given: Sequence[str] | None, kind: str, known: Sequence[str]) -> None:
     """Refuse names that none of the surfaces, or of the species, has."""
     for name in given or ():
