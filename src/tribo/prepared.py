@@ -14,6 +14,7 @@ from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
+from tribo.accuracy.scales import Scales
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
 from tribo.accuracy.weak_works import weak_notes
@@ -231,12 +232,12 @@ class Simulation:
         notes: tuple[str, ...] = ()
         bounds: dict[str, float] = {}
         if fine.status == Status.COMPLETED and len(runs) > 1:
-            bounds, excess = self._errors(runs[-3:])
+            bounds, scales, excess = self._errors(runs[-3:])
             met = excess <= 1.0
             notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
             open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
             assert self.accuracy is not None
-            weak = weak_notes(self.layout, fine, bounds, self.accuracy) if met else ()
+            weak = weak_notes(scales, self.accuracy) if met else ()
             met, notes = met and not open_budget, (*notes, *weak, *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
@@ -264,14 +265,14 @@ class Simulation:
             *pumping_notes(layout, watched),
         )
 
-    def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], float]:
-        """Bounds on the last run's errors, and the largest in units of the request."""
+    def _errors(self, runs: Sequence[Integration]) -> tuple[dict[str, float], Scales, float]:
+        """Bounds on the last run's errors, their scales, and the largest over the request."""
         assert self.accuracy is not None and self.plan.tuned is not None
         grown, known = self.plan.tuned.amplification, self.plan.tuned.errors
         if known is not None and known.run is runs[-1] and known.amplification == grown:
-            return known.bounds, known.excess
+            return known.bounds, known.scales, known.excess
         found, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
-        return found, excess_of_request(found, scales, self.accuracy)
+        return found, scales, excess_of_request(found, scales, self.accuracy)
 
     def _missed(self, excess: float) -> str:
         """By how much the request was missed, and why."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from tribo.accuracy.scales import Scales
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting
 from tribo.results.run_result import Cost
@@ -22,6 +23,8 @@ class Errors(NamedTuple):
         that was known when they were made
     bounds
         on the errors, by quantity
+    scales
+        which errors are relative to
     excess
         the largest bound in units of the accuracy
     """
@@ -29,6 +32,7 @@ class Errors(NamedTuple):
     run: Integration
     amplification: float | None
     bounds: dict[str, float]
+    scales: Scales
     excess: float
 
 

@@ -35,6 +35,8 @@ ENERGIES = tuple(
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
     if quantity.kind == "energy" and name not in NOT_MEASURED
 )
+# The works and pseudoworks among them.
+WORKS = tuple(name for name in ENERGIES if name.startswith("w"))
 # The quantities of surfaces and of the system by which their energies are measured.
 TOTALS = tuple(n for n, kind in KINDS.items() if kind == "total" and n not in NOT_MEASURED)
 # Energies of a position, with which those of the motion are compared.
@@ -69,6 +71,9 @@ class Scales:
     total
         the largest work, pseudowork or change of energy of a surface as a whole or of the system,
         and at least `energy` [energy]
+    work
+        the largest work or pseudowork of an asperite, which is the scale of none; 0 where works are
+        not kept [energy]
     angle
         1 radian
     """
@@ -78,6 +83,7 @@ class Scales:
     velocity: float
     energy: float
     total: float
+    work: float = 0.0
     angle: float = 1.0
 
     def of(self, kind: str) -> float:
@@ -111,7 +117,9 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     by_kind = motion_scales(
         tops, speed, internal, np.max(a.inertia), np.max(a.mass), layout.scene.count
     )
-    return Scales(length=longest_rod(layout), **{kind: float(x) for kind, x in by_kind.items()})
+    scales = {kind: float(x) for kind, x in by_kind.items()}
+    work = max((tops[name] for name in WORKS if name in tops), default=0.0)
+    return Scales(length=longest_rod(layout), work=work, **scales)
 
 
 # A value of one run, or those of several members (members,).
@@ -143,7 +151,7 @@ def motion_scales(
     """
     energies = {name: tops[name] for name in ENERGIES if name in tops}
     highest = _highest(energies.values())
-    works = _highest([top for name, top in energies.items() if name.startswith("w")] or [highest])
+    works = _highest([tops[name] for name in WORKS if name in tops] or [highest])
     potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0]) / asperites
     measured = np.where(works > EPSILON * np.asarray(internal), highest, internal)
     energy = resolved(measured, potential)

@@ -330,5 +330,5 @@ class _Search:
         grown = self.amplification
         bounds, scales = error_bounds(self.layout, fine, coarser, grown, self.accuracy)
         excess = excess_of_request(bounds, scales, self.accuracy)
-        last.errors = Errors(fine, grown, bounds, excess)
+        last.errors = Errors(fine, grown, bounds, scales, excess)
         return excess
