@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -27,26 +26,27 @@ class ProgressBar:
     """A bar that appears on stderr after a second, and disappears at the end."""
 
     def __init__(self, total: float, unit: str) -> None:
+        self._how = {"total": total, "unit": unit, "bar_format": FORMAT, "leave": False}
         self._total = total
-        self._unit = unit
-        self._began = time.time()
         self._bar: Any = None
         self._runs = ""
 
     def __call__(self, reached: float) -> None:
         """Show what is reached."""
         if self._bar is None:
-            if time.time() - self._began < DELAY:
-                return
             from tqdm.auto import tqdm
 
             # The rate is that from now on: what was done before may have been read from a file.
-            self._bar = tqdm(
-                total=self._total, initial=reached, leave=False, unit=self._unit, bar_format=FORMAT
-            )
+            always = {"mininterval": 0.0, "miniters": 0, "delay": DELAY}
+            self._bar = tqdm(initial=reached, **always, **self._how)
             self._bar.set_description(self._runs, refresh=False)
-        self._bar.n = reached
-        self._bar.refresh()
+        self._bar.update(reached - self._bar.n)
+
+    def of_runs(self, reached: float) -> None:
+        """Show what is reached in one of many runs, at whose end the bar disappears."""
+        self(reached)
+        if reached >= self._total:
+            self.close()
 
     def announce(self, number: int, runs: int, seconds: float | None) -> None:
         """Begin a run, which is `number` of `runs`.
@@ -56,7 +56,7 @@ class ProgressBar:
         self._runs = f"run {number} of {runs}"
         if self._bar is not None:
             self._bar.reset()
-            self._bar.set_description(self._runs)
+            self._bar.set_description(self._runs, refresh=False)
         if seconds is not None and DELAY <= seconds < math.inf:
             left = runs - number + 1
             plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
@@ -66,21 +66,30 @@ class ProgressBar:
         """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
+            self._bar = None
+
+
+def shown(progress: Shown, total: float, unit: str) -> Callable[[float], None] | None:
+    """The function to call with what is reached, if any: a bar, or one that is given.
+
+    See :data:`Shown`.  Raises InputError.
+    """
+    if progress is True or (progress is None and _is_watched()):
+        return ProgressBar(total, unit)
+    if callable(progress) or progress in (None, False):
+        return progress if callable(progress) else None
+    raise must_be("progress", "a function, True, False or None", progress)
 
 
 @contextmanager
 def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[float], None] | None]:
-    """The function to call with what is reached, if any; see :data:`Shown`.  Raises InputError."""
-    if progress is True or (progress is None and _is_watched()):
-        bar = ProgressBar(total, unit)
-        try:
-            yield bar
-        finally:
-            bar.close()
-    elif callable(progress) or progress in (None, False):
-        yield progress if callable(progress) else None
-    else:
-        raise must_be("progress", "a function, True, False or None", progress)
+    """The same, with a bar that disappears at the end of the block."""
+    report = shown(progress, total, unit)
+    try:
+        yield report
+    finally:
+        if isinstance(report, ProgressBar):
+            report.close()
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import Accuracy
@@ -25,9 +26,9 @@ from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
-from tribo.progress import ProgressBar, Shown, reported
+from tribo.progress import ProgressBar, Shown, reported, shown
 from tribo.result import Result, load_result
-from tribo.validation import InputError, TriboWarning, as_path, boolean, inside, must_be
+from tribo.validation import InputError, TriboWarning, as_path, boolean, inside
 
 
 def prepare(
@@ -35,7 +36,7 @@ def prepare(
     accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
-    progress: Progress | None = None,
+    progress: Shown = None,
     start: State | None = None,
     allow_unresolved: bool = False,
     threads: int | None = None,
@@ -55,8 +56,10 @@ def prepare(
         of costs.
     step : float, optional
         A step [time] instead of an accuracy; such runs have no error estimate.
-    progress : callable, optional
-        A function that is called with the time reached, a few times a second.
+    progress : callable or bool, optional
+        A function that is called with the time reached, a few times a second, in all runs.  By
+        default a bar appears on a terminal or in a notebook after a second; True shows it elsewhere
+        too, False never.
     start : State, optional
         The state from which all runs begin, such as that of a result; by default the start of the
         scene at t = 0.  In the scene of the state, works and changes of energy continue from
@@ -85,25 +88,47 @@ def prepare(
     TriboWarning
         Bobs start deep in a repulsive core.
     """
-    if progress is not None and not callable(progress):
-        raise must_be("progress", "a function", progress)
-    layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    integrator = _integrator(layout, choice, progress, origin, threads)
-    plan = make_plan(choice, integrator)
+    task = _task(scene, accuracy, method, step, start, allow_unresolved, threads)
+    report = shown(progress, task.layout.scene.duration, "t")
+    if isinstance(report, ProgressBar):
+        report = report.of_runs
+    integrator = task.integrator(report)
+    plan = make_plan(task.choice, integrator)
     if plan.tuned is not None and plan.tuned.runs[-1].status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return Simulation(plan, integrator)
 
 
-def _chosen(
+class _Task(NamedTuple):
+    """A scene to run: its layout, method and settings, and the state where it begins."""
+
+    layout: Layout
+    choice: Choice
+    origin: Origin | None
+    threads: int | None
+
+    def integrator(self, progress: Progress | None, journal: Journal | None = None) -> Integrator:
+        """The compiled time loop; warns of bobs that start deep in a core."""
+        layout, method = self.layout, self.choice.method
+        count = threads_of(layout.model, method, self.threads).number
+        integrator = integrator_for(layout, method, progress, self.origin, journal, count)
+        for note in core_notes(
+            layout
+        ):  # energies in Python: those of plug-ins have compiled by now
+            warnings.warn(note, TriboWarning, stacklevel=3)
+        return integrator
+
+
+def _task(
     scene: Scene,
     accuracy: Accuracy | None,
     method: str | None,
     step: float | None,
     start: State | None,
     allow_unresolved: bool,
-) -> tuple[Layout, Choice, Origin | None]:
-    """The layout of a run, its method and settings, and the state where it begins."""
+    threads: int | None,
+) -> _Task:
+    """What is asked for.  Raises InputError."""
     if not isinstance(scene, Scene):
         raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
     if boolean("allow_unresolved", allow_unresolved):
@@ -122,23 +147,7 @@ def _chosen(
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
     check_keep(layout)
-    return layout, choice, origin
-
-
-def _integrator(
-    layout: Layout,
-    choice: Choice,
-    progress: Progress | None,
-    origin: Origin | None,
-    threads: int | None,
-    journal: Journal | None = None,
-) -> Integrator:
-    """The compiled time loop; warns of bobs that start deep in a core."""
-    count = threads_of(layout.model, choice.method, threads).number
-    integrator = integrator_for(layout, choice.method, progress, origin, journal, count)
-    for note in core_notes(layout):  # energies in Python: those of plug-ins have compiled by now
-        warnings.warn(note, TriboWarning, stacklevel=3)
-    return integrator
+    return _Task(layout, choice, origin, threads)
 
 
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
@@ -169,9 +178,7 @@ def simulate(
     scene, accuracy, method, step, allow_unresolved, threads
         As for :func:`prepare`.
     progress : callable or bool, optional
-        A function that is called with the time reached, a few times a second.  By default a bar
-        appears on a terminal or in a notebook after a second; True shows it elsewhere too, False
-        never.
+        As for :func:`prepare`.
     start : State, optional
         The state ``result.state()`` of another run, from which this one continues.  With the same
         method, step and recorded times it has the bits of a run without the pause.
@@ -199,13 +206,12 @@ def simulate(
     TriboWarning
         The run stops early, its error estimates exceed the accuracy, or bobs start deep in a core.
     """
-    layout, choice, origin = _chosen(scene, accuracy, method, step, start, allow_unresolved)
-    with reported(progress, layout.scene.duration, "t") as report:
+    task = _task(scene, accuracy, method, step, start, allow_unresolved, threads)
+    with reported(progress, task.layout.scene.duration, "t") as report:
         if out is None:
-            integrator = _integrator(layout, choice, report, origin, threads)
-            result = _first_result(choice, integrator, report)
+            result = _first_result(task.choice, task.integrator(report), report)
         else:
-            result = _run_to_file(as_path(out), resume, layout, choice, origin, threads, report)
+            result = _run_to_file(as_path(out), resume, task, report)
     return with_warning(result)
 
 
@@ -215,20 +221,13 @@ def _first_result(choice: Choice, integrator: Integrator, progress: Progress | N
     return Simulation(make_plan(choice, integrator, announce), integrator).compute_first()
 
 
-def _run_to_file(
-    path: Path,
-    resume: bool,
-    layout: Layout,
-    choice: Choice,
-    origin: Origin | None,
-    threads: int | None,
-    progress: Progress | None,
-) -> Result:
+def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
-    path = netcdf_target("out", path)
+    path, choice = netcdf_target("out", path), task.choice
     part = path.with_name(path.name + PART)
-    settings = settings_of(choice.method.name, choice.accuracy, choice.step, digest_of(origin))
-    identity = identity_of(layout.scene, settings, version())
+    start = digest_of(task.origin)
+    settings = settings_of(choice.method.name, choice.accuracy, choice.step, start)
+    identity = identity_of(task.layout.scene, settings, version())
     if resume and path.exists() and not part.exists():
         result = load_result(path)
         if choice.automatic:  # and may have been halved
@@ -236,8 +235,7 @@ def _run_to_file(
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:
-        integrator = _integrator(layout, choice, progress, origin, threads, journal)
-        result = _first_result(choice, integrator, progress)
+        result = _first_result(choice, task.integrator(progress, journal), progress)
         if result.status != Status.INTERRUPTED:
             result.save(path)
             journal.remove()

@@ -9,7 +9,8 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, ensemble_member, paper
-from tribo.ensembles import batches, statistics_store, stores
+from tribo.ensembles import batches, statistics_store
+from tribo.loops import frames
 
 KEEP = ["upper.w1", "contact_energy"]
 VARY = {"upper.theta": stats.uniform(0.0, 0.2), "lower.omega": stats.norm(0.0, 0.01)}
@@ -21,8 +22,8 @@ def small_chunks(monkeypatch):
     """Chunks of 64 members, which are written at once."""
     monkeypatch.setattr(batches, "CHUNK", 64)
     monkeypatch.setattr(statistics_store, "BLOCK", 100)
-    for module in (stores, statistics_store):
-        monkeypatch.setattr(module, "INTERVAL", 0.0)
+    monkeypatch.setattr(frames, "INTERVAL", 0.0)
+    monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
 
 
 def stop_with(error, at):

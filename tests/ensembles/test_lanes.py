@@ -9,8 +9,8 @@ import tribo
 from support.crossed import Push, Turn
 from support.kinds import surfaces_of
 from tribo.compiler.lanes import LANES
+from tribo.ensembles.batches import StepRuns
 from tribo.ensembles.kept_values import Kept
-from tribo.ensembles.step_runs import StepRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.nystrom_members import MOST_TRIALS
 from tribo.integrators.step_control import Tolerance

@@ -10,7 +10,7 @@ from scipy import stats
 import tribo
 from tribo import InputError, ensemble, paper
 from tribo.ensembles import statistics_store
-from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments
 
 DRAWS = {
@@ -26,14 +26,12 @@ def test_against_numpy(name):
     rng = np.random.default_rng(3)
     values = DRAWS[name].rvs(size=(20_000, 2, 3), random_state=rng).astype(float)
     values[:, 1, 1] = 0.25  # constant
-    kept = Kept(("upper.w1",), True, ((2, 3),))
-    found = statistics_store.StatisticsStore(kept, np.nan, None)
+    kept = Kept({"upper.w1": (2, 3)}, True)
+    found = statistics_store.StatisticsStore(kept, None)
     first = 0
     for size in (1, 1, 4000, 17, 15_981):
         part = values[first : first + size]
-        added = KeptValues.without_runs(kept, size, "completed")
-        added.values = {"upper.w1": part}
-        found.add(added)
+        found.add(kept.without_runs(size, "completed") | {"upper.w1": part})
         first += size
     moments = found.moments()
     assert first == found.done == moments.count == 20_000

@@ -9,8 +9,8 @@ from scipy.stats import qmc
 
 import tribo
 from tribo import InputError, paper
-from tribo.ensembles.members import Variation
-from tribo.ensembles.sampling import dimensions, sampled
+from tribo.ensembles.members import Variation, draws_of
+from tribo.ensembles.sampling import sampled
 
 FORCED = paper.scene("A")
 DRIVEN = replace(FORCED, surfaces=[replace(s, drive=tribo.DrivenBars()) for s in FORCED.surfaces])
@@ -68,7 +68,8 @@ def test_energies_of_three_pendulums():
 def test_one_energy_has_uniform_phases():
     """Of a single pendulum, by quasi-random points too, which are drawn in one dimension."""
     vary = {"upper.swing_state": tribo.Microcanonical(0.5), "lower.theta": stats.norm(3.0, 0.1)}
-    assert dimensions(FORCED, vary) == {"upper.swing_state": 1, "lower.theta": 1}
+    numbers = {key: draw.dimensions for key, draw in draws_of(FORCED, vary).items()}
+    assert numbers == {"upper.swing_state": 1, "lower.theta": 1}
     points = qmc.Sobol(2, rng=3)
     for values in (rows(FORCED, vary), sampled(points, 1024, FORCED, vary)):
         np.testing.assert_allclose(energy(values, "upper"), 0.5, rtol=1e-13)

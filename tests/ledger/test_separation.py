@@ -149,8 +149,8 @@ def test_streamed_runs_are_noted_alike(gap, monkeypatch, tmp_path):
     monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 20_000)
     held, streamed = pass_over(gap), pass_over(gap, keep=["upper.W", "upper.friction_force"])
     assert len(held.notes) == 1 and streamed.notes == held.notes
-    monkeypatch.setattr("tribo.loops.journal.INTERVAL", -1.0)
-    monkeypatch.setattr("tribo.loops.journal.RELATIVE_INTERVAL", 0.0)
+    monkeypatch.setattr("tribo.loops.frames.INTERVAL", -1.0)
+    monkeypatch.setattr("tribo.loops.frames.RELATIVE_INTERVAL", 0.0)
     calls = []
 
     def stop(*arguments):

@@ -3,6 +3,7 @@
 import errno
 import os
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from scipy import stats
 import tribo
 from support.continued import pair
 from tribo import InputError, paper
-from tribo.ensembles import batches, statistics_store, stores
-from tribo.loops import integrate, journal
+from tribo.ensembles import batches
+from tribo.ledger import sinks
+from tribo.loops import frames, integrate
 
 SCENE, KEEP = paper.scene("A"), ["upper.W"]
 THETA = {"upper.theta": stats.norm(0.0, 0.1)}
@@ -26,6 +28,12 @@ class Killed(BaseException):
 
 def a_run(**how):
     return tribo.simulate(pair(), **ACCURATE, **how).end["surfaces"]
+
+
+def in_portions(**how):
+    scene = replace(pair(), output=replace(pair().output, keep=("upper.W", "contact_energy")))
+    result = tribo.simulate(scene, method="midpoint", step=0.05, **how)
+    return [result["upper"].W.tolist(), result.system["contact_energy"].tolist()]
 
 
 def an_ensemble(keep=KEEP, **how):
@@ -52,7 +60,7 @@ def point_by_point(**how):
     return {name: data[name].values.tolist() for name in data.data_vars}
 
 
-EVERY = [a_run, an_ensemble, statistics, means, a_sweep, point_by_point]
+EVERY = [a_run, in_portions, an_ensemble, statistics, means, a_sweep, point_by_point]
 
 
 @pytest.fixture(autouse=True)
@@ -62,10 +70,9 @@ def often(monkeypatch):
     monkeypatch.setattr(batches, "CHUNK", 2)
     monkeypatch.setattr(integrate, "FIRST_CHUNK", 3)
     monkeypatch.setattr(integrate, "LARGEST_CHUNK", 3)
-    for module in (stores, statistics_store, journal):
-        monkeypatch.setattr(module, "INTERVAL", -1.0)
-    for module in (statistics_store, journal):
-        monkeypatch.setattr(module, "RELATIVE_INTERVAL", 0.0)
+    monkeypatch.setattr(sinks, "PORTION_BYTES", 2500)
+    monkeypatch.setattr(frames, "INTERVAL", -1.0)
+    monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
 
 
 def after(count, error):

@@ -20,7 +20,7 @@ from support.continued import chain, pair, same_end
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.commands.cli import main
 from tribo.layout import contacts
-from tribo.loops import frames, integrate, journal
+from tribo.loops import frames, integrate
 from tribo.results import dataset
 
 # The ends of the pair in golden.nc.
@@ -37,8 +37,8 @@ def often(monkeypatch):
     """A checkpoint after every chunk of a few steps; neighbour lists for few bobs too."""
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
-    monkeypatch.setattr(journal, "INTERVAL", -1.0)
-    monkeypatch.setattr(journal, "RELATIVE_INTERVAL", 0.0)
+    monkeypatch.setattr(frames, "INTERVAL", -1.0)
+    monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
     monkeypatch.setattr(integrate, "FIRST_CHUNK", SLOWLY)
     monkeypatch.setattr(integrate, "LARGEST_CHUNK", SLOWLY)
 

@@ -485,6 +485,21 @@ def test_file_has_the_first_word_and_the_call_the_last():
     assert tribo.simulate(scene()).accuracy == 1e-8
 
 
+def test_a_prepared_scene_shows_its_progress(monkeypatch, capsys):
+    """In the search and in each later run: a bar, a function, or nothing."""
+    monkeypatch.setattr("tribo.progress.DELAY", 0.0)
+    how, told = {"accuracy": 1e-6}, []
+    shown = tribo.prepare(scene(), progress=True, **how)
+    assert "100%" in capsys.readouterr().err
+    shown.run()
+    assert "100%" in capsys.readouterr().err
+    tribo.prepare(scene(), progress=False, **how).run()
+    tribo.prepare(scene(), progress=told.append, **how).run()
+    assert capsys.readouterr().err == "" and told[-1] == scene().duration
+    with pytest.raises(InputError, match="^progress: must be a function, True, False or None"):
+        tribo.prepare(scene(), progress="often")
+
+
 def test_long_runs_keep_the_asperites_ends_alone(monkeypatch, tmp_path):
     """Portion by portion, the surfaces' and the system's series are what they are in one piece."""
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
@@ -511,7 +526,7 @@ def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path, keep):
     monkeypatch.setattr("tribo.ledger.sinks.SERIES_BYTES", 0)
     monkeypatch.setattr("tribo.ledger.sinks.PORTION_BYTES", 2500)
     for name in ("INTERVAL", "RELATIVE_INTERVAL"):
-        monkeypatch.setattr(f"tribo.loops.journal.{name}", 0.0)
+        monkeypatch.setattr(f"tribo.loops.frames.{name}", 0.0)
     long = replace(scene(), output=replace(scene().output, keep=keep))
     how = {"method": "midpoint", "step": 0.01}
     whole, out = tribo.simulate(long, **how), tmp_path / "long.nc"

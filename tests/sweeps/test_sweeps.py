@@ -14,7 +14,8 @@ from scipy import stats
 import tribo
 from tribo import InputError, Output, ensemble, paper, sweep
 from tribo.commands.cli import main
-from tribo.ensembles import batches, request, stores
+from tribo.ensembles import batches, request
+from tribo.loops import frames
 from tribo.model.parameters import with_values
 from tribo.sweeps.figure import quantities, sweep_lines
 
@@ -62,7 +63,8 @@ def test_in_parallel(whole):
 def small(monkeypatch):
     """Two points at a time, which are written at once."""
     monkeypatch.setattr(batches, "CHUNK", 2)
-    monkeypatch.setattr(stores, "INTERVAL", -1.0)
+    monkeypatch.setattr(frames, "INTERVAL", -1.0)
+    monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
 
 
 def interrupt_after(count):
@@ -129,8 +131,9 @@ def test_a_second_sweep_is_refused(whole, tmp_path, small):
     assert out.exists() and not part.exists()
     out.unlink()
     killed = (
-        "import os, tribo; from tribo import paper; from tribo.ensembles import batches, stores\n"
-        "batches.CHUNK, stores.INTERVAL = 2, -1.0\n"
+        "import os, tribo; from tribo import paper; from tribo.ensembles import batches\n"
+        "from tribo.loops import frames\n"
+        "batches.CHUNK, frames.INTERVAL, frames.RELATIVE_INTERVAL = 2, -1.0, 0.0\n"
         "def kill(done): os.kill(os.getpid(), 9)\n"
         f"tribo.sweep(paper.scene('A'), {VALUES}, out={str(out)!r}, progress=kill)"
     )

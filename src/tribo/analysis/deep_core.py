@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.kernels.records import CHARGE, Contact
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import Closest, asperite_name, closest_of_contacts
+from tribo.ledger.closest_bobs import Closest, asperite_names, closest_of_contacts
 from tribo.ledger.samples import Samples
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
@@ -36,10 +36,10 @@ def core_notes(layout: Layout) -> tuple[str, ...]:
     advice = "start them farther apart"
     if any(_moves(layout, surface) for surface in surfaces):
         advice += ", or from tribo.relax(scene)"
-    one, other = (asperite_name(layout, k) for k in bobs[1:])
     return (
-        f"the bobs of {one} and {other} start deep in a repulsive core: {bobs.distance:.3g} apart, "
-        f"with an energy of {energy:.3g}, {ratio:.1g} times their other energies; {advice}",
+        f"the bobs of {asperite_names(layout, bobs[1:])} start deep in a repulsive core: "
+        f"{bobs.distance:.3g} apart, with an energy of {energy:.3g}, {ratio:.1g} times their other "
+        f"energies; {advice}",
     )
 
 

@@ -63,7 +63,7 @@ class Deviation:
 def row(entry: HardScene) -> Row:
     """Run one scene, and compare its end with the reference. Raises KeyboardInterrupt."""
     began = time.perf_counter()
-    result = prepare(entry.scene()).compute_first()
+    result = prepare(entry.scene(), progress=False).compute_first()
     if result.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return judge(entry, result, time.perf_counter() - began)

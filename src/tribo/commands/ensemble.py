@@ -22,8 +22,8 @@ from tribo.commands.scene_options import (
     split,
 )
 from tribo.ensembles.engines import Engine
-from tribo.ensembles.members import Distribution, Source
-from tribo.ensembles.sampling import Sampler, dimensions
+from tribo.ensembles.members import Distribution, Source, draws_of
+from tribo.ensembles.sampling import Sampler
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
@@ -116,7 +116,7 @@ def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int
     from scipy.stats import qmc
 
     with inside("--vary"):
-        numbers = sum(dimensions(scene, vary).values())
+        numbers = sum(draw.dimensions for draw in draws_of(scene, vary).values())
     if numbers == 0:
         raise InputError("--sampler", "needs distributions in --vary, as normal(0,0.1)")
     kinds: dict[str, Callable[..., Sampler]] = {

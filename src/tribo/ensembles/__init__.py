@@ -6,35 +6,31 @@ quantities of each member, or their statistics, serve maps and distributions.
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
-from tribo.ensembles.dataset import (
-    at_end,
-    attributes_of_members,
-    in_file,
-    kept_dataset,
-    saved,
-    times_of,
-    write_members,
-)
+from tribo.ensembles.dataset import common_attributes, kept_attributes, members_dataset, times_of
 from tribo.ensembles.engines import Engine
-from tribo.ensembles.means import MeanRuns, check_series, checked_half_width, means
+from tribo.ensembles.kept_values import KeptValues
+from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
 from tribo.ensembles.members import Source, Variation, check_members_differ, of_surfaces
 from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
-from tribo.ensembles.runner import Execution, Policy, collect, execution, planned, run_members
+from tribo.ensembles.runner import Execution, Runs, planned
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.statistics_store import (
     StatisticsStore,
     statistics_coordinates,
     statistics_variables,
 )
-from tribo.ensembles.stores import MemberStore, Target
+from tribo.ensembles.stores import MemberStore
+from tribo.ensembles.target import Target, in_file
 from tribo.model.scene import Scene
 from tribo.progress import Shown
 from tribo.validation import InputError, boolean, integer
@@ -148,103 +144,93 @@ def ensemble(
     """
     began = time.perf_counter()
     scene = checked_scene(scene).with_heights()
-    vary = of_surfaces(scene, vary)
     if keep is None and half_width is None:
         keep = scene.output.keep
-    for name, other in (("sampler", sampler), ("keep", keep)):
-        if other is not None and half_width is not None:
-            raise InputError("half_width", f"cannot go with {name}; give one or the other")
-    if sampler is not None:
-        vary = sampled(sampler, members, scene, vary)
-    if keep is not None:
-        keep = checked_names(keep)
-    elif checked_time(at) != END or boolean("statistics", statistics):
-        raise InputError("at" if at != END else "statistics", 'needs keep, as keep=["upper.w1"]')
-    request = Request(keep, checked_time(at), False, accuracy, method, step, allow_unresolved)
+    _check_together(keep, at, statistics, half_width, sampler)
+    vary = sampled(sampler, members, scene, of_surfaces(scene, vary))
+    names = None if keep is None else checked_names(keep)
+    request = Request(names, at, False, accuracy, method, step, allow_unresolved)
     wanted = None if half_width is None else checked_half_width(scene, half_width)
     variation = Variation(scene, vary, integer("seed", seed, 0))
     check_members_differ(scene, vary)
     most = _most_members(members, wanted, variation)
-    how = execution(engine, threads)
-    others = {"members": most, "statistics": statistics, "half_width": wanted}
+    how = Execution.checked(engine, threads)
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene)
         kept = request.kept(simulation.layout)
         if wanted is not None:
             check_series(kept, wanted)
-        policy, own = (
-            planned(simulation, kept, variation, most, how.threads),
-            how._replace(progress=progress),
-        )
+        runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
         if statistics:
-            return _statistics(policy, variation, most, target, own, began)
-        if keep is not None:
-            return _members(policy, variation, most, target, own, began)
-        runs = MeanRuns(policy, variation, MemberStore(target.frames), own)
-        return _means(runs, wanted, most, target, began)
+            return _statistics(runs, most, target, began)
+        if names is not None:
+            return _members(runs, most, target, began)
+        return target.saved(mean_dataset(runs, MemberStore(target.frames), wanted, most, began))
 
+    others = {"members": most, "statistics": statistics, "half_width": wanted}
     identity = request.identity(scene, variation, others)
     return in_file(out, resume, identity, progress, most, "members", compute)
 
 
-def _members(
-    policy: Policy, variation: Variation, count: int, target: Target, how: Execution, began: float
-) -> xarray.Dataset:
+def _check_together(
+    keep: Sequence[str] | None,
+    at: str,
+    statistics: bool,
+    half_width: Mapping[str, float] | None,
+    sampler: Sampler | None,
+) -> None:
+    """Refuse arguments that exclude each other.  Raises InputError."""
+    for name, other in (("sampler", sampler), ("keep", keep)):
+        if other is not None and half_width is not None:
+            raise InputError("half_width", f"cannot go with {name}; give one or the other")
+    of_kept = {"at": checked_time(at) != END, "statistics": boolean("statistics", statistics)}
+    for name, given in of_kept.items():
+        if given and keep is None:
+            raise InputError(name, 'needs keep, as keep=["upper.w1"]')
+
+
+def _members(runs: Runs, count: int, target: Target, began: float) -> xarray.Dataset:
     """The data set of all members, or of those that are complete after an interrupt."""
-    store = MemberStore(target.frames)
-    chunks = run_members(policy, variation, range(store.done, count), how)
-    interrupted = collect(chunks, store, how.progress)
-    attributes = attributes_of_members(policy, variation, count)
-    tally = store.tally(float(attributes.get("level", "nan")))
-    attributes = at_end(attributes, tally, interrupted, time.perf_counter() - began)
-    if target.path is not None and target.frames is not None and not interrupted:
-        data = write_members(target.path, target.identity, policy, variation, store, attributes)
-        target.frames.remove()
-        return data
-    found = store.values()
-    members = variation.members(np.arange(found.status.size))
-    return kept_dataset(policy, members, found, attributes)
+    attributes = kept_attributes(runs, count)
+    store = MemberStore(target.frames, float(attributes.get("level", "nan")))
+    interrupted = runs.fill(store, count)
+    scene, tally = runs.policy.simulation.scene, store.tally
+    attributes |= common_attributes(scene, interrupted, tally.notes, began)
+    attributes["members"] = json.dumps(tally.statuses)
+
+    def dataset(found: KeptValues, first: int = 0) -> xarray.Dataset:
+        members = runs.variation.members(np.arange(first, first + found["status"].size))
+        return members_dataset(runs.policy, members, found, attributes)
+
+    if target.path is None or interrupted:
+        return dataset(store.values())
+    sizes = accumulate((found["status"].size for found in store.parts()), initial=0)
+    return target.saved_in_parts(map(dataset, store.parts(), sizes))
 
 
-def _statistics(
-    policy: Policy, variation: Variation, count: int, target: Target, how: Execution, began: float
-) -> xarray.Dataset:
+def _statistics(runs: Runs, count: int, target: Target, began: float) -> xarray.Dataset:
     """The statistics of all members so far.
 
     Raises KeyboardInterrupt or InputError if no member is complete.
     """
     import xarray
 
-    attributes = attributes_of_members(policy, variation, count)
-    kept, level = policy.kept, float(attributes.get("level", "nan"))
-    store = StatisticsStore(kept, level, target.frames)
-    chunks = run_members(policy, variation, range(store.done, count), how)
-    interrupted = collect(chunks, store, how.progress)
+    attributes = kept_attributes(runs, count)
+    kept, scene = runs.policy.kept, runs.policy.simulation.scene
+    store = StatisticsStore(kept, target.frames, float(attributes.get("level", "nan")))
+    interrupted = runs.fill(store, count)
     store.flush()
     moments = store.moments()
     if moments is None:
         if interrupted:
             raise KeyboardInterrupt
         raise InputError("scene", "is completed by no member")
-    seconds = time.perf_counter() - began
-    data = xarray.Dataset(
-        statistics_variables(kept, moments),
-        times_of(kept, policy.simulation.scene) | statistics_coordinates(kept),
-        at_end(attributes, store.tally, interrupted, seconds),
-    )
-    return saved(data, target)
-
-
-def _means(
-    runs: MeanRuns, half_width: Mapping[str, float] | None, most: int, target: Target, began: float
-) -> xarray.Dataset:
-    """The data set of means."""
-    import xarray
-
-    variables, coordinates, attributes = means(runs, half_width, most)
-    attributes["seconds"] = time.perf_counter() - began
-    return saved(xarray.Dataset(variables, coordinates, attributes), target)
+    attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
+    attributes["members"] = json.dumps(store.tally.statuses)
+    coordinates = times_of(kept, scene) | statistics_coordinates(kept)
+    data = xarray.Dataset(statistics_variables(kept, moments), coordinates, attributes)
+    return target.saved(data)
 
 
 def _most_members(
@@ -256,7 +242,5 @@ def _most_members(
         raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
     largest = [] if half_width is None else [MOST_MEMBERS]
     most = min([*largest, *lengths.values()]) if members is None else integer("members", members, 2)
-    for key, length in lengths.items():
-        if length != most:
-            raise InputError(f"vary.{key}", f"must have values for {most} members, got {length}")
+    variation.check_lengths(most)
     return integer("members", most, 2)

@@ -1,22 +1,28 @@
-"""Members that one compiled loop runs together: how many, and what is kept of them."""
+"""Members that one compiled loop runs together: how many, what is kept, and with a given step."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from tribo.ensembles.kept_values import STATUS_TYPE, UNKNOWN, Kept, KeptValues
+from tribo.accuracy.choose_method import check_damped_step, check_resolved
+from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
+from tribo.ensembles.policy import Policy
+from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import member_numbers
+from tribo.layout.member_numbers import MemberNumbers, member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.ledger.passing import passed_through
 from tribo.ledger.runaway import grows
 from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
+from tribo.loops.choose_batch import choose_batch
 from tribo.loops.lane_loop import fit_lanes
+from tribo.loops.resolution import longest_damped_step
 from tribo.prepared import Simulation
 
 # Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
@@ -29,15 +35,6 @@ CHUNK_WORK, CHUNK_WORK_IN_LANES = 1e6, 4e6
 MOST_SAMPLES = 2**17
 # Numbers in the samples of all members of a call, at most: 16 MB.
 MOST_NUMBERS = 2**21
-
-
-def starts_of(
-    simulation: Simulation, initial: InitialState, members: Members, own_numbers: Sequence[str]
-) -> MemberStarts:
-    """Some members before their runs, with the numbers in which they differ beside their starts."""
-    y = initial.of_members(values_at_start(members.values), members.seeds)
-    numbers = member_numbers(simulation.layout, len(y), members.values) if own_numbers else None
-    return MemberStarts(y, members.seeds, numbers)
 
 
 def chunk_of(simulation: Simulation, evaluations: float | None) -> int:
@@ -69,15 +66,58 @@ def delivered(kept: Kept, runs: MemberRuns, level: float, guarded: bool = False)
     With `guarded`, those whose energy grows without bound count as not completed too.
     """
     members = len(runs.counts)
-    found = KeptValues.without_runs(kept, members)
-    found.values = kept_series(kept, runs)
     stopped = passed_through(runs.layout, runs.samples)
     if guarded:
         stopped = stopped | grows(runs.layout, runs.samples)
     complete = runs.complete & ~stopped.reshape(-1, members).any(axis=0)
-    found.status = np.where(complete, str(Status.COMPLETED), UNKNOWN).astype(STATUS_TYPE)
-    found.steps, found.evaluations = (runs.counts[:, k].copy() for k in (STEPS, EVALUATIONS))
-    found.level[:] = level
+    found = kept.without_runs(members) | kept_series(kept, runs)
+    found["status"][complete] = str(Status.COMPLETED)
+    found["steps"] = runs.counts[:, STEPS].copy()
+    found["force_evaluations"] = runs.counts[:, EVALUATIONS].copy()
+    found["level"][:] = level
     if kept.counts:
-        found.note = np.where(parted(runs.layout, runs.samples), f"surfaces {PART}", "")
+        found["note"] = np.where(parted(runs.layout, runs.samples), f"surfaces {PART}", "")
     return found
+
+
+class BatchRuns(Policy):
+    """Runs members in batches, which one compiled loop runs together."""
+
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
+        super().__init__(simulation, kept, own_numbers)
+        self._initial = InitialState(simulation.layout)
+
+    def begin(self, members: Members) -> MemberStarts:
+        """Members before their runs, with the numbers in which they differ beside their starts."""
+        y, numbers = self._initial.of_members(values_at_start(members.values), members.seeds), None
+        if self.own_numbers:
+            numbers = member_numbers(self.simulation.layout, len(y), members.values)
+        return MemberStarts(y, members.seeds, numbers)
+
+
+class StepRuns(BatchRuns):
+    """Runs members in batches with the given step of the simulation, also with noise."""
+
+    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
+        super().__init__(simulation, kept, own_numbers)
+        layout, first_step = simulation.layout, simulation.integrator.first_step
+        self._batch = choose_batch(layout, simulation.method, first_step, bool(own_numbers))
+        assert isinstance(simulation.plan.setting, float)
+        self._step = simulation.plan.setting
+        self.chunk = chunk_of(simulation, layout.scene.duration / self._step + layout.times.size)
+
+    def compute(self, members: Members) -> KeptValues:
+        """Run some members.  Those that do not complete have the status UNKNOWN."""
+        starts = self.begin(members)
+        if starts.numbers is not None and self.simulation.method.splits:
+            self._check_step(starts.numbers)
+        runs = self._batch.run(self._step, starts)
+        return delivered(self.kept, runs, math.nan, guarded=True)
+
+    def _check_step(self, own: MemberNumbers) -> None:
+        """Refuse a step that is too long for some member.  Raises InputError."""
+        layout = self.simulation.layout
+        names = ("gamma", "swing_gamma", "temperature", "swing_temperature")
+        numbers = (own.of_surfaces[..., OF_MEMBERS.index(name)] for name in names)
+        check_damped_step(longest_damped_step(layout, *numbers), self._step)
+        check_resolved(layout, self.simulation.method, self._step, own)

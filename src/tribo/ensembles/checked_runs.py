@@ -16,7 +16,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -27,14 +27,13 @@ from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
-from tribo.ensembles.batches import chunk_of, delivered, kept_series, starts_of
-from tribo.ensembles.kept_values import UNKNOWN, Kept, KeptValues
+from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
+from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues
 from tribo.ensembles.members import Members
 from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
-from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import LayoutOfMembers
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
@@ -113,37 +112,33 @@ class CheckedPlan(NamedTuple):
         return cls(str(method), float(level), int(evaluations), numbers)
 
 
-class CheckedRuns:
-    """Runs members of an ensemble in batches, by a `plan` that has to be set.
+class CheckedRuns(BatchRuns):
+    """Runs members in batches, by a `plan` that has to be set.
 
-    The simulation has an adaptive method and an accuracy.  Members differ in their starts, and in
-    numbers with the keys `own_numbers`.  The first of the `steppers`, `exact`, is that of single
-    runs.  `pilot` is the number of members by which it is found whom to check, `finest` the finest
-    level that is tried.
+    The simulation has an adaptive method and an accuracy.  The first of the `steppers`, `exact`, is
+    that of single runs.  `pilot` is the number of members by which it is found whom to check,
+    `finest` the finest level that is tried.
     """
 
     plan: CheckedPlan
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
+        super().__init__(simulation, kept, own_numbers)
         assert simulation.accuracy is not None
-        self.simulation = simulation
-        self.kept = kept
         asked = simulation.accuracy
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name
-        self.own_numbers = own_numbers
         self.steppers = _steppers(simulation, bool(own_numbers))
-        self._initial = InitialState(simulation.layout)
-        self._pair = simulation.integrator.pair is not None
-        self.pilot = PILOT if self._pair else PILOT_OF_LARGE
-        self.finest = FLOOR if self._pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
+        pair = simulation.integrator.pair is not None
+        self.pilot = PILOT if pair else PILOT_OF_LARGE
+        self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
 
-    @property
-    def chunk(self) -> int:
+    @cached_property
+    def chunk(self) -> int:  # type: ignore[override]
         """Members that are run in one call."""
-        evaluations = None if self._pair else self.simulation.finest.evaluations
-        return chunk_of(self.simulation, evaluations)
+        pair = self.simulation.integrator.pair is not None
+        return chunk_of(self.simulation, None if pair else self.simulation.finest.evaluations)
 
     def compute(self, members: Members) -> KeptValues:
         """Run some members, check and refine them.
@@ -154,17 +149,13 @@ class CheckedRuns:
         starts = self.begin(members)
         runs = self.run(plan.method, plan.level, plan.scales, starts)
         found = delivered(self.kept, runs, plan.level)
-        complete = found.status != UNKNOWN
+        complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         every = self.kept.with_errors
         checked = complete & (every or self._doubtful(runs, starts) | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
-
-    def begin(self, members: Members) -> MemberStarts:
-        """Some members before their runs."""
-        return starts_of(self.simulation, self._initial, members, self.own_numbers)
 
     def _doubtful(self, runs: MemberRuns, starts: MemberStarts) -> np.ndarray:
         """Whether runs by the plan may miss their accuracy, (members,)."""
@@ -224,19 +215,18 @@ class CheckedRuns:
             fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
             exact, excess = self._compared(fine, coarse)
             known = np.isfinite(excess)
-            for name, bounds in found.errors.items():
-                bounds[now] = self._bounds(exact, name, excess)
-            found.error[now] = np.where(known, excess * self.strictest, np.nan)
+            for name in self.kept.names if self.kept.with_errors else ():
+                found[f"{name}{ERROR}"][now] = self._bounds(exact, name, excess)
+            found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now, coarse = now[bad], fine.of_members(bad)
             if not now.size:
                 return
-            refined = kept_series(self.kept, coarse)
-            for name, values in refined.items():
-                found.values[name][now] = values
-            found.level[now], found.steps[now] = level, coarse.counts[:, STEPS]
-            found.evaluations[now] = coarse.counts[:, EVALUATIONS]
-        found.status[now] = UNKNOWN
+            for name, values in kept_series(self.kept, coarse).items():
+                found[name][now] = values
+            found["level"][now], found["steps"][now] = level, coarse.counts[:, STEPS]
+            found["force_evaluations"][now] = coarse.counts[:, EVALUATIONS]
+        found["status"][now] = UNKNOWN
 
 
 def compared(runs: MemberRuns) -> Samples:

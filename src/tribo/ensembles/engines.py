@@ -3,74 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
-Job = TypeVar("Job")
-Found = TypeVar("Found")
+Task = TypeVar("Task")
+Value = TypeVar("Value")
 
-# Jobs under way for each thread: one more than it computes, so that it never waits.
+# It has ``submit`` or ``map`` as executors of concurrent.futures, or is a client of Dask.
+Engine = Any
+
+# Tasks under way for each thread: one more than it computes, so that it never waits.
 AHEAD = 2
-# Jobs under way on an engine, which is the largest number of workers that it keeps busy.  Their
+# Tasks under way on an engine, which is the largest number of workers that it keeps busy.  Their
 # results wait in memory for their turn, some 1 MB each.
 UNDER_WAY = 256
 
 
-class Mapper(Protocol):
-    """An engine that has no more than ``map``."""
-
-    def map(self, function: Callable[[Job], Found], jobs: Iterable[Job], /) -> Iterable[Found]:
-        """The function's values, in the order of the jobs."""
-
-
-class Pending(Protocol):
-    """A job that was submitted."""
-
-    def result(self) -> Any:
-        """The function's value, once it is known."""
-
-    def cancel(self) -> object:
-        """Drop the job if it has not begun."""
-
-
-class Submitter(Protocol):
-    """An engine that has ``submit``, as a client of dask.distributed."""
-
-    def submit(self, function: Callable[[Job], Found], job: Job, /) -> Pending:
-        """Let the engine compute the function's value."""
-
-
-Engine = Executor | Submitter | Mapper
-
-
-def run_jobs(
+def run_tasks(
     engine: Engine,
-    function: Callable[[Job], Found],
-    jobs: Iterable[Job],
+    function: Callable[[Task], Value],
+    tasks: Iterable[Task],
     under_way: int = UNDER_WAY,
-) -> Iterator[Found]:
-    """The function's values in the order of the jobs, of which few are under way at a time."""
+) -> Iterator[Value]:
+    """The function's values in the order of the tasks, of which few are under way at a time."""
     if not hasattr(engine, "submit"):
-        yield from engine.map(function, jobs)
+        yield from engine.map(function, tasks)
         return
-    rest = iter(jobs)
-    waiting: list[Pending] = [engine.submit(function, job) for job in islice(rest, under_way)]
+    rest = iter(tasks)
+    waiting = [engine.submit(function, task) for task in islice(rest, under_way)]
     try:
         while waiting:
             yield waiting.pop(0).result()
-            waiting.extend(engine.submit(function, job) for job in islice(rest, 1))
+            waiting.extend(engine.submit(function, task) for task in islice(rest, 1))
     finally:
         for pending in waiting:
             pending.cancel()
 
 
 def in_threads(
-    function: Callable[[Job], Found], jobs: Iterable[Job], threads: int
-) -> Iterator[Found]:
-    """The function's values in the order of the jobs, computed by threads of this process."""
+    function: Callable[[Task], Value], tasks: Iterable[Task], threads: int
+) -> Iterator[Value]:
+    """The function's values in the order of the tasks, computed by threads of this process."""
     if threads == 1:
-        yield from map(function, jobs)
+        yield from map(function, tasks)
         return
     with ThreadPoolExecutor(threads) as pool:
-        yield from run_jobs(pool, function, jobs, AHEAD * threads)
+        yield from run_tasks(pool, function, tasks, AHEAD * threads)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
@@ -25,8 +25,6 @@ from tribo.ledger.quantities import (
 )
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
-from tribo.loops.frames import Arrays
-from tribo.loops.state import below
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.results.force_averages import force_average
@@ -46,94 +44,45 @@ SUMMED = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
 INTERVAL = "_time_half_width"
 # The quantity beside which the share of time without contact is kept, where contact has a range.
 FRICTION, SHARE = "friction_force", "time_without_contact"
+# What is added to the name of a quantity for the bounds on its errors.
+ERROR = "_error"
+# Counts of members beside those of statuses: run again with finer settings, and in need of these.
+CHECKED, REFINED = "checked", "refined"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
 
-@dataclass(eq=False)
-class KeptValues:
-    """Kept quantities of some members, and how their runs went; all but `values` are (members,)."""
+# Kept quantities of some members by name, (members, [times,] [asperites]), NaN without a value;
+# bounds on their errors, as "upper.w1_error", NaN where unknown, if Kept.with_errors; and how the
+# runs went, (members,): status, steps, force_evaluations, the level of the tolerances (NaN of a
+# run of its own, or with a given step), the error, which is the largest difference from a finer run
+# in scales (NaN of members not checked), and a note with limitations, a line each.
+KeptValues = dict[str, np.ndarray]
 
-    values: dict[str, np.ndarray]  # name -> (members, [times,] [asperites]); NaN of members without
-    # name -> bounds on errors, NaN where unknown; of all quantities if Kept.with_errors
-    errors: dict[str, np.ndarray]
-    status: np.ndarray
-    steps: np.ndarray
-    evaluations: np.ndarray
-    level: np.ndarray  # of the tolerances; NaN of members with a run of their own, or a given step
-    error: np.ndarray  # largest difference from a finer run, in scales; NaN of members not checked
-    note: np.ndarray  # limitations of each run, a line each
 
-    @classmethod
-    def without_runs(cls, kept: Kept, members: int, status: str = UNKNOWN, note: str = "") -> Self:
-        """The values of members that have not been run."""
-        shapes = zip(kept.names, kept.shapes, strict=True)
-        return cls(
-            {name: np.full((members, *shape), np.nan) for name, shape in shapes},
-            {name: np.full(members, np.nan) for name in kept.names if kept.with_errors},
-            np.full(members, status, dtype=STATUS_TYPE),
-            np.zeros(members, np.int64),
-            np.zeros(members, np.int64),
-            np.full(members, np.nan),
-            np.full(members, np.nan),
-            np.full(members, note),
-        )
+def joined(parts: Sequence[KeptValues]) -> KeptValues:
+    """The values of members one after another."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """Parts one after another."""
-        tables = [part.arrays() for part in parts]
-        return cls.of_arrays(
-            {name: np.concatenate([t[name] for t in tables]) for name in tables[0]}
-        )
 
-    def arrays(self) -> Arrays:
-        """All of it, by name."""
-        rest = [each.name for each in fields(self) if each.name not in ("values", "errors")]
-        return (
-            {f"value_{name}": values for name, values in self.values.items()}
-            | {f"bound_{name}": values for name, values in self.errors.items()}
-            | {name: getattr(self, name) for name in rest}
-        )
+def completed(found: KeptValues) -> np.ndarray:
+    """Which members completed, (members,)."""
+    return np.asarray(found["status"] == str(Status.COMPLETED))
 
-    @classmethod
-    def of_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Self:
-        """As :meth:`arrays` returned it."""
-        rest = [each.name for each in fields(cls) if each.name not in ("values", "errors")]
-        values, errors = (below(prefix, dict(arrays)) for prefix in ("value_", "bound_"))
-        return cls(values, errors, *(arrays[name] for name in rest))
 
-    def set_alone(self, index: int, result: Result, kept: Kept) -> None:
-        """Fill in one member.  Raises KeyboardInterrupt if its run was interrupted."""
-        if result.status == Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        completed = result.status == Status.COMPLETED
-        missed = completed and result.met is False
-        self.status[index] = MISSED if missed else str(result.status)
-        self.steps[index] = result.cost.steps
-        self.evaluations[index] = result.cost.force_evaluations
-        note = "\n".join(filter(None, [result.shortcoming, *result.notes]))
-        if result.shortcoming and kept.with_errors:
-            note = result.shortcoming
-        self.note = self.note.astype(np.result_type(self.note, np.array(note)))
-        self.note[index] = note
-        known = completed and (kept.with_errors or not missed)
-        values = kept.values_of(result) if known else {}
-        bounds = result.error_estimate if known and kept.with_errors else {}
-        for name in kept.names:
-            self.values[name][index] = values.get(name, np.nan)
-            if name in self.errors:
-                bound = bounds.get(name, bounds.get(name.rpartition(".")[2]))
-                self.errors[name][index] = np.nan if bound is None else bound * kept.terms(name)
+def set_note(found: KeptValues, index: int, note: str) -> None:
+    """Replace the note of one member."""
+    notes = found["note"]
+    found["note"] = notes.astype(np.result_type(notes, np.array(note)))
+    found["note"][index] = note
 
 
 @dataclass(frozen=True)
 class Kept:
     """What is kept of each member."""
 
-    names: tuple[str, ...]  # "upper.w1"
+    shapes: Mapping[str, tuple[int, ...]]  # "upper.w1" -> its shape in one member
     at_samples: bool  # at all times of the scene, or at the end alone
-    shapes: tuple[tuple[int, ...], ...] = field(repr=False)  # of each quantity in one member
     # each value has an error estimate; values that miss the accuracy are kept too
     with_errors: bool = False
     # asperites of each surface, over which quantities are summed; else empty
@@ -147,7 +96,7 @@ class Kept:
         if not exceeds_memory(layout, times):
             names += sum_names(scene)
         counts = {surface.name: surface.count for surface in scene.surfaces}
-        return cls(tuple(names), True, ((times,),) * len(names), counts=counts)
+        return cls(dict.fromkeys(names, (times,)), True, counts=counts)
 
     @classmethod
     def checked(
@@ -155,57 +104,57 @@ class Kept:
     ) -> Self:
         """The names, each once, of quantities of a scene.  Raises InputError."""
         ledger, times = assemble(layout, Samples.at_zero(layout)), layout.times.size
-        scene, surfaces = layout.scene, layout.parts
         if at_samples and exceeds_memory(layout, times):
             raise InputError(
                 "at", f'"samples" would keep series that are too long: {times} times; give fewer'
             )
-        names: list[str] = []
+        leading = (times,) if at_samples else ()
+        shapes: dict[str, tuple[int, ...]] = {}
         for name in map(str, keep):
-            shape = _shape(name, ledger, scene)
+            shape = _shape(name, ledger, layout.scene)
             if shape is None and (at_samples or not is_interval(name)):
                 raise InputError(
                     f"keep.{name}",
-                    f'must be a quantity of a surface, as "{next(iter(surfaces))}.w1", or one of '
-                    'the system, as "contact_energy"',
+                    f'must be a quantity of a surface, as "{next(iter(layout.parts))}.w1", or one '
+                    'of the system, as "contact_energy"',
                 )
-            names.append(name)
-            if name.rpartition(".")[2] in AVERAGED and not at_samples:
-                _check_averaged(scene)
-                names.append(f"{name}{INTERVAL}")
-                surface, _, kind = name.rpartition(".")
-                beside = f"{surface}.{SHARE}"
-                if kind == FRICTION and _shape(beside, ledger, scene) is not None:
-                    names.append(beside)
-        unique = tuple(dict.fromkeys(names))
-        leading = (times,) if at_samples else ()
-        own = (_shape(name, ledger, scene) or () for name in unique)
-        return cls(unique, at_samples, tuple((*leading, *shape) for shape in own), with_errors)
+            shapes[name] = (*leading, *(shape or ()))
+            surface, _, kind = name.rpartition(".")
+            if kind in AVERAGED and not at_samples:
+                _check_averaged(layout.scene)
+                shapes[f"{name}{INTERVAL}"] = ()
+                if kind == FRICTION and _shape(f"{surface}.{SHARE}", ledger, layout.scene) == ():
+                    shapes[f"{surface}.{SHARE}"] = ()
+        return cls(shapes, at_samples, with_errors)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all quantities."""
+        return tuple(self.shapes)
 
     @property
     def times(self) -> int:
         """The number of times at which quantities are kept."""
-        return self.shapes[0][0] if self.at_samples else 1
+        return next(iter(self.shapes.values()))[0] if self.at_samples else 1
 
     def columns(self, name: str) -> int:
         """The number of values of a quantity at one time."""
-        return int(np.prod(self.shapes[self.names.index(name)], dtype=int)) // self.times
+        return int(np.prod(self.shapes[name], dtype=int)) // self.times
 
     def dimensions(self, name: str) -> tuple[str, ...]:
         """Of a quantity in one member."""
-        shape = self.shapes[self.names.index(name)]
         found = ("time",) if self.at_samples else ()
         asperites = (f"{name.rpartition('.')[0]}_asperite",)
-        return found + asperites * (len(shape) > len(found))
+        return found + asperites * (len(self.shapes[name]) > len(found))
 
-    def about(self, name: str) -> dict[str, str]:
-        """The units and the meaning of a quantity."""
+    def about(self, name: str, of: str = "") -> dict[str, str]:
+        """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
         quantity = EVERY_QUANTITY[kind]
         when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
         meaning = quantity.long_name + when * (not self.at_samples)
         before = "half-width of the 95 % interval of: " * is_interval(name)
-        return {"units": quantity.units, "long_name": before + meaning}
+        return {"units": quantity.units, "long_name": of + before + meaning}
 
     def terms(self, name: str) -> int:
         """The number of values of asperites that a kept value is the sum of."""
@@ -216,7 +165,41 @@ class Kept:
         """A series as it is kept: (times,) or (times, asperites)."""
         return np.sum(series, axis=1) if self.counts and series.ndim == 2 else series
 
-    def values_of(self, result: Result) -> dict[str, np.ndarray | float]:
+    def without_runs(self, members: int, status: str = UNKNOWN, note: str = "") -> KeptValues:
+        """The values of members that have not been run."""
+        bounds = [f"{name}{ERROR}" for name in self.names if self.with_errors]
+        shapes = {**self.shapes, **dict.fromkeys([*bounds, "level", "error"], ())}
+        return {
+            **{name: np.full((members, *shape), np.nan) for name, shape in shapes.items()},
+            **{name: np.zeros(members, np.int64) for name in ("steps", "force_evaluations")},
+            "status": np.full(members, status, STATUS_TYPE),
+            "note": np.full(members, note),
+        }
+
+    def fill_in(self, found: KeptValues, index: int, result: Result) -> None:
+        """Set the values of one member.  Raises KeyboardInterrupt if its run was interrupted."""
+        if result.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        ended = result.status == Status.COMPLETED
+        missed = ended and result.met is False
+        found["status"][index] = MISSED if missed else str(result.status)
+        found["steps"][index] = result.cost.steps
+        found["force_evaluations"][index] = result.cost.force_evaluations
+        note = "\n".join(filter(None, [result.shortcoming, *result.notes]))
+        if result.shortcoming and self.with_errors:
+            note = result.shortcoming
+        set_note(found, index, note)
+        known = ended and (self.with_errors or not missed)
+        values = self._values_of(result) if known else {}
+        for name in self.names:
+            found[name][index] = values.get(name, np.nan)
+            if self.with_errors:
+                bounds = result.error_estimate if known else {}
+                bound = bounds.get(name, bounds.get(name.rpartition(".")[2]))
+                own = np.nan if bound is None else bound * self.terms(name)
+                found[f"{name}{ERROR}"][index] = own
+
+    def _values_of(self, result: Result) -> dict[str, np.ndarray | float]:
         """The kept values of a complete result."""
         found: dict[str, np.ndarray | float] = {}
         ledger = result.ledger if self.at_samples else result.ledger.at_end()
@@ -233,7 +216,7 @@ class Kept:
                 found[name] = result.time_without_contact(name.rpartition(".")[0])
             else:
                 found[name] = ledger.series(name)[0][-1]
-        return {name: found[name] for name in self.names}
+        return found
 
 
 def total_names(scene: Scene) -> list[str]:
@@ -291,37 +274,34 @@ def _check_averaged(scene: Scene) -> None:
         )
 
 
-@dataclass
-class Tally:
-    """Counts of members, for the notes of an ensemble."""
+class Tally(Counter[str]):
+    """Numbers of members by status, of those that were CHECKED, and of those that were REFINED."""
 
-    status: dict[str, int] = field(default_factory=dict)
-    checked: int = 0  # run again with finer settings
-    refined: int = 0  # needed these
-
-    def add(
-        self, status: np.ndarray, level: np.ndarray, error: np.ndarray, common_level: float
-    ) -> None:
-        """Take in some members; `common_level` is that of most of them, NaN if there is none."""
-        others = status[status != str(Status.COMPLETED)]  # comparing is quicker than counting
-        counts = Counter(others.tolist())
-        counts[str(Status.COMPLETED)] = status.size - others.size
-        self.status = dict(Counter(self.status) + counts)
-        self.checked += int(np.isfinite(error).sum())
+    def take_in(self, found: KeptValues, common_level: float) -> None:
+        """Count some members; `common_level` is that of most of them, NaN if there is none."""
+        others = found["status"][~completed(found)]  # comparing is quicker than counting
+        self.update(others.tolist())
+        self.update({str(Status.COMPLETED): found["status"].size - others.size})
+        self.update({CHECKED: int(np.isfinite(found["error"]).sum())})
         if np.isfinite(common_level):
-            self.refined += int((level != common_level).sum())
+            self.update({REFINED: int((found["level"] != common_level).sum())})
+
+    @property
+    def statuses(self) -> dict[str, int]:
+        """The numbers of members by status."""
+        return {name: n for name, n in self.items() if n and name not in (CHECKED, REFINED)}
 
     @property
     def notes(self) -> list[str]:
         """How many members were refined, and how many have no values."""
-        notes, total = [], sum(self.status.values())
-        stopped = {name: n for name, n in self.status.items() if name != Status.COMPLETED}
+        notes, total = [], sum(self.statuses.values())
+        stopped = sorted(name for name in self.statuses if name != Status.COMPLETED)
         if stopped:
-            names = ", ".join(sorted(stopped))
-            notes.append(f"{sum(stopped.values())} of {total} members have no values ({names})")
-        if self.checked:
+            number = total - self[str(Status.COMPLETED)]
+            notes.append(f"{number} of {total} members have no values ({', '.join(stopped)})")
+        if self[CHECKED]:
             notes.append(
-                f"{self.checked} members were run again with finer settings; {self.refined} needed "
-                "them"
+                f"{self[CHECKED]} members were run again with finer settings; {self[REFINED]} "
+                "needed them"
             )
         return notes

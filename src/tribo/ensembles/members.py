@@ -9,17 +9,17 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
+from tribo.ensembles.swing_states import SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
-from tribo.model.parameters import is_parameter, of_each_surface, with_values
+from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
 
@@ -54,14 +54,15 @@ class Members(NamedTuple):
         return Member(int(self.numbers[index]), int(self.seeds[index]), values)
 
 
+def is_start(key: str) -> bool:
+    """Whether a key of members is that of an initial angle or its rate."""
+    of, _, name = key.rpartition(".")
+    return name in UNITS and "." not in of and of not in (INTERACTION, FIELD)
+
+
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Initial angles and their rates alone."""
-
-    def is_initial(key: str) -> bool:
-        of, _, name = key.rpartition(".")
-        return name in UNITS and "." not in of  # a reservoir has a temperature too
-
-    return {key: v for key, v in values.items() if is_initial(key)}
+    return {key: v for key, v in values.items() if is_start(key)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class Member:
         """The scene with the member's seed and values, with or without initial angles and rates."""
         own = self.values
         if not with_start:
-            own = {key: v for key, v in own.items() if key not in values_at_start(own)}
+            own = {key: v for key, v in own.items() if not is_start(key)}
         moved = replace(scene, seed=self.seed)
         return with_values(moved, _plain(own)) if own else moved
 
@@ -88,6 +89,70 @@ class Member:
 
 def _plain(values: Mapping[str, np.ndarray]) -> dict[str, float | np.ndarray]:
     return {key: v if v.size > 1 else float(v[0]) for key, v in values.items()}
+
+
+class Draw(Protocol):
+    """What is drawn for whole blocks of members: the values of one or several keys."""
+
+    name: str  # its key in `vary`
+    keys: tuple[str, ...]
+    dimensions: int  # numbers that a member draws
+    block: int  # members that are drawn at once
+
+    def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
+        """Random values of a block of members, key -> (block, size)."""
+
+    def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """The values at points in the unit cube (members, dimensions)."""
+
+
+class DistributionDraw:
+    """Values of one key from a distribution; of a velocity, its x component alone is drawn."""
+
+    def __init__(self, key: str, source: Distribution, size: int) -> None:
+        self.name = key
+        self.keys: tuple[str, ...] = (key,)
+        self.dimensions = 1 if key.endswith(f".{VELOCITY}") else size
+        self.block = max(1, BLOCK // size)
+        self._source, self._size = source, size
+
+    def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
+        """Random values; the distribution may draw all numbers of a member at once."""
+        drawn = self._source.rvs(size=self.block * self.dimensions, random_state=rng)
+        value = _numbers(self.name, drawn)
+        if value.size not in (self.block, self.block * self._size):
+            got = value.size / self.block
+            raise InputError(self.name, f"must draw 1 or {self._size} numbers, got {got:g}")
+        return {self.name: value.reshape(self.block, -1)}
+
+    def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """The inverse cumulative function of the points.  Raises InputError if there is none."""
+        if not hasattr(self._source, "ppf"):
+            wanted = "must have ppf, as a distribution of scipy.stats has"
+            raise InputError(f"vary.{self.name}", wanted)
+        return {self.name: self._source.ppf(points)}
+
+
+class SeedDraw:
+    """Seeds of the members' scenes."""
+
+    name, block = "", BLOCK
+
+    def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
+        """Seeds (block,)."""
+        raw = rng.bit_generator.random_raw(BLOCK)  # type: ignore[attr-defined]
+        return {self.name: raw >> np.uint64(1)}  # integers in files are signed
+
+
+def draws_of(scene: Scene, vary: Mapping[str, Source]) -> dict[str, Draw]:
+    """What of `vary` is drawn, by its key there.  Raises InputError."""
+    joint, draws = joint_starts(scene, vary), dict[str, Draw]()
+    for key, source in vary.items():
+        if isinstance(source, SwingStates):
+            draws[key] = joint[key]
+        elif isinstance(source, Distribution):
+            draws[key] = DistributionDraw(key, source, size_of(scene, key))
+    return draws
 
 
 class Variation:
@@ -107,30 +172,31 @@ class Variation:
         self.seed = seed
         self._seeds = seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
-        self._arrays: dict[str, np.ndarray] = {}
-        self._distributions: dict[str, Distribution] = {}
-        self.sizes: dict[str, int] = {}
         with inside("vary"):
-            self._joint = joint_starts(scene, vary)
-            for key, source in [*vary.items(), *self._joint.items()]:
-                if isinstance(source, SwingStates):
-                    continue
-                size = self.sizes[key] = size_of(scene, key)
-                if isinstance(source, JointStart):
-                    continue
-                if isinstance(source, Distribution):
-                    self._distributions[key] = source
-                else:
-                    self._arrays[key] = _rows(key, source, size)
-        self._last_seeds: tuple[int, np.ndarray] = (-1, np.empty(0))
-        self._last_draws: dict[str, tuple[int, np.ndarray]] = {}
-        of_start = [f"{s.name}.{name}" for s in scene.surfaces for name in UNITS]
-        self.own_numbers = tuple(key for key in self.sizes if key not in of_start)
+            draws = draws_of(scene, vary)
+            self._draws = {key: draw for draw in draws.values() for key in draw.keys}
+            plain = [key for key, source in vary.items() if not isinstance(source, SwingStates)]
+            keys = dict.fromkeys([*plain, *self._draws])
+            self.sizes = {key: size_of(scene, key) for key in keys}
+            self._arrays = {
+                key: _rows(key, vary[key], size)
+                for key, size in self.sizes.items()
+                if key not in self._draws
+            }
+        self._last: dict[str, tuple[int, dict[str, np.ndarray]]] = {}
+        self.own_numbers = tuple(key for key in self.sizes if not is_start(key))
 
     @property
     def lengths(self) -> dict[str, int]:
         """The number of members that each array has values for."""
         return {key: len(rows) for key, rows in self._arrays.items()}
+
+    def check_lengths(self, members: int) -> None:
+        """Raise InputError about an array that has not a value for each of the members."""
+        for key, length in self.lengths.items():
+            if length != members:
+                problem = f"must have values for {members} members, got {length}"
+                raise InputError(f"vary.{key}", problem)
 
     def member(self, number: int) -> Member:
         """A member by its number, from 0 on."""
@@ -142,7 +208,9 @@ class Variation:
             key: np.broadcast_to(self.rows(key, numbers), (numbers.size, size))
             for key, size in self.sizes.items()
         }
-        return Members(numbers, self.seeds(numbers), values)
+        seeds = self._seeds
+        seeds = self._drawn(SeedDraw(), "", numbers) if seeds is None else seeds[numbers]
+        return Members(numbers, seeds, values)
 
     def sample(self, count: int, size: int) -> Members:
         """So many of `count` members, or all if they are fewer: the first, or with arrays, which
@@ -160,61 +228,32 @@ class Variation:
             for key in self.sizes
         }
 
-    def seeds(self, numbers: np.ndarray) -> np.ndarray:
-        """The seeds of the scenes of some members, (members,)."""
-        if self._seeds is not None:
-            return self._seeds[numbers]
-        return _of_blocks(numbers, BLOCK, self._seeds_of)
-
     def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
         """The values of one quantity in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
             rows = self._arrays[key][numbers]
-        elif key in self._joint:
-            each = self._joint[key].block
-            rows = _of_blocks(numbers, each, lambda block: self._draw_joint(key, block))
         else:
-            each = self._members_in_block(key)
-            rows = _of_blocks(numbers, each, lambda block: self._draw(key, block))
+            rows = self._drawn(self._draws[key], key, numbers)
         if key in self._velocity_y and rows.shape[1] == 1:  # its x component
             return np.column_stack([rows, np.full(len(rows), self._velocity_y[key])])
         return rows
 
-    def _members_in_block(self, key: str) -> int:
-        return max(1, BLOCK // self.sizes[key])
+    def _drawn(self, draw: Draw | SeedDraw, key: str, numbers: np.ndarray) -> np.ndarray:
+        """Values of members whose numbers ascend, from those of whole blocks of members."""
+        blocks, firsts = np.unique(numbers // draw.block, return_index=True)
+        parts = np.split(numbers % draw.block, firsts[1:])
+        pairs = zip(blocks.tolist(), parts, strict=True)
+        return np.concatenate([self._block(draw, block)[key][part] for block, part in pairs])
 
-    def _sequence(self, block: int, key: str = "") -> np.random.SeedSequence:
-        return np.random.SeedSequence(self.seed, spawn_key=(block, *key.encode()))
-
-    def _seeds_of(self, block: int) -> np.ndarray:
-        """The seeds of a block of members."""
-        if self._last_seeds[0] != block:
-            seeds = np.random.PCG64(self._sequence(block)).random_raw(BLOCK)
-            self._last_seeds = block, seeds >> np.uint64(1)  # integers in files are signed
-        return self._last_seeds[1]
-
-    def _draw(self, key: str, block: int) -> np.ndarray:
-        """The random values of one quantity in a block of members."""
-        known = self._last_draws.get(key)
-        if known is not None and known[0] == block:
-            return known[1]
-        rng = np.random.default_rng(self._sequence(block, key))
-        size, members = self.sizes[key], self._members_in_block(key)
-        wanted = 1 if key in self._velocity_y else size
-        with inside("vary"):
-            drawn = self._distributions[key].rvs(size=members * wanted, random_state=rng)
-            value = _numbers(key, drawn)
-            if value.size not in (members, members * size):
-                got = value.size / members
-                raise InputError(key, f"must draw 1 or {size} numbers, got {got:g}")
-        rows = value.reshape(members, -1)
-        self._last_draws[key] = block, rows
-        return rows
-
-    def _draw_joint(self, key: str, block: int) -> np.ndarray:
-        """The values of one of the quantities that are drawn together, in a block of members."""
-        joint = self._joint[key]
-        return joint.draw(block, np.random.default_rng(self._sequence(block, joint.name)))[key]
+    def _block(self, draw: Draw | SeedDraw, block: int) -> dict[str, np.ndarray]:
+        """The random values of a block of members, of which the last one is remembered."""
+        last = self._last.get(draw.name)
+        if last is None or last[0] != block:
+            sequence = np.random.SeedSequence(self.seed, spawn_key=(block, *draw.name.encode()))
+            with inside("vary"):
+                last = block, draw.random(np.random.default_rng(sequence))
+            self._last[draw.name] = last
+        return last[1]
 
 
 def of_surfaces(scene: Scene, vary: object) -> dict[str, Source]:
@@ -238,7 +277,7 @@ def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
     if not (is_random(scene) or vary):
         raise InputError(
             "vary",
-            "is empty, and the scene draws nothing: all members would be the same; vary a start, "
+            "is empty, and nothing is random, so that all members would be the same; vary a start, "
             "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
         )
 
@@ -247,15 +286,6 @@ def is_random(scene: Scene) -> bool:
     """Whether runs of a scene depend on its seed."""
     return noisy(scene) or any(
         (s.bath and s.bath.temperature) or s.initial.temperature for s in scene.surfaces
-    )
-
-
-def _of_blocks(numbers: np.ndarray, size: int, values: Callable[[int], np.ndarray]) -> np.ndarray:
-    """Values by ascending numbers, from those of whole blocks of numbers."""
-    blocks, firsts = np.unique(numbers // size, return_index=True)
-    parts = np.split(numbers, firsts[1:])
-    return np.concatenate(
-        [values(int(block))[part % size] for block, part in zip(blocks, parts, strict=True)]
     )
 
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.ensembles.checked_runs import CheckedPlan
-from tribo.ensembles.dataset import kept_dataset
+from tribo.ensembles.dataset import members_dataset
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Members
-from tribo.ensembles.runner import complete, policy_of
+from tribo.ensembles.runner import policy_of
 from tribo.model.scene_file import scene_from
 from tribo.simulation import prepare
 from tribo.validation import InputError, integer, short_repr
@@ -53,7 +53,9 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     scene = scene_from(tomllib.loads(attributes["scene"]))
     # The method of a pair's lanes takes the place of `method`, which found the scales.
     step = json.loads(attributes["step"])
-    simulation = prepare(scene, method=attributes["method_alone"], step=step, threads=1)
+    simulation = prepare(
+        scene, method=attributes["method_alone"], step=step, progress=False, threads=1
+    )
     kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]
@@ -62,5 +64,5 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
         one["seed"].values,
         {name: one[name].values.reshape(1, -1) for name in names},
     )
-    runs = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
-    return kept_dataset(runs, members, complete(runs, members), attributes)
+    policy = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
+    return members_dataset(policy, members, policy.complete(members), attributes)

@@ -75,7 +75,7 @@ class Request(NamedTuple):
         Where each value has an error estimate, these may exceed the accuracy.
         """
         simulation = prepare(
-            self.recorded(scene), self.accuracy, self.method, self._step(scene), threads=1
+            self.recorded(scene), self.accuracy, self.method, self._step(scene), False, threads=1
         )
         if simulation.accuracy is None or self.with_errors:
             return simulation

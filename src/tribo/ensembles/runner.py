@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import pickle
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
@@ -18,26 +17,21 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.levels import work
-from tribo.accuracy.plan import Plan
+from tribo.ensembles.batches import StepRuns
 from tribo.ensembles.checked_plan import checked_plan
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
-from tribo.ensembles.engines import Engine, in_threads, run_jobs
+from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
-from tribo.ensembles.single_runs import SingleRuns, run_alone
-from tribo.ensembles.statistics_store import StatisticsStore
-from tribo.ensembles.step_runs import StepRuns
-from tribo.ensembles.stores import MemberStore
+from tribo.ensembles.policy import Policy
+from tribo.ensembles.single_runs import SingleRuns
+from tribo.ensembles.stores import Store
 from tribo.layout.member_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.batch_general import has_batches
 from tribo.loops.lane_loop import fit_lanes
-from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
-from tribo.simulation import from_settings
 from tribo.validation import integer, must_be
-
-Policy = CheckedRuns | StepRuns | SingleRuns
 
 # Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, which
 # a result takes too.  Of longer runs, those by which the setting is chosen would take longer than
@@ -55,25 +49,70 @@ class Execution(NamedTuple):
     # called with the number of members that have been run
     progress: Callable[[int], None] | None = None
 
+    @classmethod
+    def checked(cls, engine: Engine | None, threads: int | None) -> Execution:
+        """What runs members, with a thread for each core by default.  Raises InputError."""
+        if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
+            raise must_be("engine", "an executor, with submit or map", engine)
+        return cls(
+            engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+        )
 
-def execution(engine: Engine | None, threads: int | None) -> Execution:
-    """What runs members, with a thread for each core by default.  Raises InputError."""
-    if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
-        raise must_be("engine", "an executor, with submit or map", engine)
-    return Execution(
-        engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
-    )
+    def collect(self, chunks: Iterable[KeptValues], store: Store) -> bool:
+        """Take in the next members, in order, and tell how many the store has.
+
+        Returns whether an interrupt ended that; the store then has the members that are complete.
+        """
+        try:
+            for found in chunks:
+                store.add(found)
+                if self.progress is not None:
+                    self.progress(store.done)
+        except KeyboardInterrupt:
+            interrupts.answer()
+            return True
+        return False
 
 
-class Setup(NamedTuple):
-    """All that a process of an engine needs to run members; it can be pickled."""
+class Runs(NamedTuple):
+    """Members that are run: how, which they are, and by what."""
 
-    scene: str  # as text, from which plug-ins are loaded there
-    plan: Plan
-    kept: Kept
-    own_numbers: Sequence[str]
-    checked: CheckedPlan | None
-    alone: bool
+    policy: Policy
+    variation: Variation
+    how: Execution
+
+    def chunks(self, numbers: range | np.ndarray) -> Iterator[KeptValues]:
+        """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
+        policy, how = self.policy, self.how
+        firsts = range(0, len(numbers), policy.chunk)
+        # Values are drawn in this thread: distributions need not be safe in others.
+        chunks = (self.variation.members(np.asarray(numbers[k : k + policy.chunk])) for k in firsts)
+        if how.engine is not None:
+            content = pickle.dumps(policy)
+            yield from run_tasks(how.engine, _run_task, ((content, some) for some in chunks))
+            return
+        threads = 1 if isinstance(policy, SingleRuns) else how.threads  # Python runs between these
+
+        def compute(some: Members) -> tuple[Members, KeptValues]:
+            return some, policy.compute(some)
+
+        for some, found in in_threads(compute, chunks, threads):
+            policy.run_alone(some, found)
+            yield found
+
+    def fill(self, store: Store, count: int) -> bool:
+        """Run the members that a store of `count` does not have; whether that was interrupted."""
+        return self.how.collect(self.chunks(range(store.done, count)), store)
+
+
+def planned(
+    simulation: Simulation, kept: Kept, variation: Variation, count: int, how: Execution
+) -> Runs:
+    """The runs of an ensemble of `count` members, by the policy that suits it."""
+    policy = policy_of(simulation, kept, variation.own_numbers)
+    if isinstance(policy, CheckedRuns):
+        policy.plan = checked_plan(policy, variation, count, how.threads)
+    return Runs(policy, variation, how)
 
 
 def policy_of(
@@ -87,10 +126,10 @@ def policy_of(
         return SingleRuns(simulation, kept, own_numbers)
     if simulation.accuracy is None:
         return StepRuns(simulation, kept, own_numbers)
-    runs = CheckedRuns(simulation, kept, own_numbers)
+    policy = CheckedRuns(simulation, kept, own_numbers)
     if plan is not None:
-        runs.plan = plan
-    return runs
+        policy.plan = plan
+    return policy
 
 
 def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
@@ -112,82 +151,12 @@ def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     return found and work(layout, simulation.finest) <= MOST_WORK
 
 
-def planned(
-    simulation: Simulation, kept: Kept, variation: Variation, count: int, threads: int
-) -> Policy:
-    """The policy of an ensemble of `count` members."""
-    runs = policy_of(simulation, kept, variation.own_numbers)
-    if isinstance(runs, CheckedRuns):
-        runs.plan = checked_plan(runs, variation, count, threads)
-    return runs
-
-
-def run_members(
-    runs: Policy, variation: Variation, numbers: range | np.ndarray, how: Execution
-) -> Iterator[KeptValues]:
-    """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
-    firsts = range(0, len(numbers), runs.chunk)
-    # Values are drawn in this thread: distributions need not be safe in others.
-    chunks = (variation.members(np.asarray(numbers[k : k + runs.chunk])) for k in firsts)
-    if how.engine is not None:
-        setup = pickle.dumps(
-            Setup(
-                runs.simulation.scene.to_toml(),
-                runs.simulation.settings,
-                runs.kept,
-                variation.own_numbers,
-                runs.plan,
-                isinstance(runs, SingleRuns),
-            )
-        )
-        yield from run_jobs(how.engine, _run_job, ((setup, some) for some in chunks))
-        return
-    threads = 1 if isinstance(runs, SingleRuns) else how.threads  # Python runs between these
-
-    def compute(some: Members) -> tuple[Members, KeptValues]:
-        return some, runs.compute(some)
-
-    for some, found in in_threads(compute, chunks, threads):
-        run_alone(runs.simulation, runs.kept, some, found)
-        yield found
-
-
-def collect(
-    chunks: Iterable[KeptValues],
-    store: MemberStore | StatisticsStore,
-    progress: Callable[[int], None] | None,
-) -> bool:
-    """Take in the next members, in order, and tell how many the store has.
-
-    Returns whether an interrupt ended that; the store then has the members that are complete.
-    """
-    try:
-        for found in chunks:
-            store.add(found)
-            if progress is not None:
-                progress(store.done)
-    except KeyboardInterrupt:
-        interrupts.answer()
-        return True
-    return False
-
-
-def _run_job(job: tuple[bytes, Members]) -> KeptValues:
+def _run_task(task: tuple[bytes, Members]) -> KeptValues:
     """Run some members, in a process that may not have the scene yet."""
-    return complete(_ready(job[0]), job[1])
-
-
-def complete(runs: Policy, members: Members) -> KeptValues:
-    """Run some members in this thread, also those that need settings of their own."""
-    found = runs.compute(members)
-    run_alone(runs.simulation, runs.kept, members, found)
-    return found
+    return _ready(task[0]).complete(task[1])
 
 
 @lru_cache(MOST_READY)
-def _ready(setup: bytes) -> Policy:
-    scene, plan, kept, own_numbers, checked, is_alone = pickle.loads(setup)
-    simulation = from_settings(scene_from(tomllib.loads(scene)), plan)
-    if is_alone:
-        return SingleRuns(simulation, kept, own_numbers)
-    return policy_of(simulation, kept, own_numbers, checked)
+def _ready(content: bytes) -> Policy:
+    policy: Policy = pickle.loads(content)
+    return policy

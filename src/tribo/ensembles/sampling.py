@@ -8,8 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tribo.ensembles.members import VELOCITY, Distribution, Source, size_of
-from tribo.ensembles.swing_states import joint_starts
+from tribo.ensembles.members import Source, draws_of
 from tribo.model.scene import Scene
 from tribo.validation import InputError, inside, short_repr
 
@@ -24,54 +23,30 @@ class Sampler(Protocol):
 
 
 def sampled(
-    sampler: Sampler, members: int | None, scene: Scene, vary: Mapping[str, Source]
+    sampler: Sampler | None, members: int | None, scene: Scene, vary: Mapping[str, Source]
 ) -> dict[str, Source]:
-    """`vary` with the points of a sampler in place of random numbers. Raises InputError.
+    """`vary` with the points of a sampler, if there is one, in place of random numbers.
 
     Each distribution becomes an array (members, numbers of a member): its inverse cumulative
     function ``ppf`` of as many coordinates of the points, in the order of `vary`.  The sampler is
-    copied, so that it draws the same points in a later call.
+    copied, so that it draws the same points in a later call.  Raises InputError.
     """
+    if sampler is None:
+        return dict(vary)
     if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
         raise InputError("sampler", f"must be one of scipy.stats.qmc, got {short_repr(sampler)}")
     if members is None:
         raise InputError("members", "is missing; a sampler needs the number of members")
-    found = dict(vary)
     with inside("vary"):
-        joint = {each.name: each for each in joint_starts(scene, vary).values()}
-        drawn = dimensions(scene, vary)
-        for key in drawn:
-            if key not in joint and not hasattr(vary[key], "ppf"):
-                raise InputError(key, "must have ppf, as a distribution of scipy.stats has")
-    if sampler.d != sum(drawn.values()):
+        draws = draws_of(scene, vary)
+    numbers = sum(draw.dimensions for draw in draws.values())
+    if sampler.d != numbers:
         raise InputError(
-            "sampler",
-            f"has {sampler.d} dimensions, and members have {sum(drawn.values())} numbers to draw",
+            "sampler", f"has {sampler.d} dimensions, and members have {numbers} numbers to draw"
         )
+    found = {key: source for key, source in vary.items() if key not in draws}
     points, first = copy.deepcopy(sampler).random(members), 0
-    for key, size in drawn.items():
-        own = points[:, first : first + size]
-        if key in joint:
-            del found[key]
-            found |= joint[key].values(own)
-        else:
-            found[key] = vary[key].ppf(own)  # type: ignore[union-attr]
-        first += size
+    for draw in draws.values():
+        found |= draw.at_points(points[:, first : first + draw.dimensions])
+        first += draw.dimensions
     return found
-
-
-def dimensions(scene: Scene, vary: Mapping[str, Source]) -> dict[str, int]:
-    """The numbers that a member draws, by the keys of distributions.
-
-    Raises InputError if a key names no quantity of the scene.
-    """
-    joint = {each.name: each.dimensions for each in joint_starts(scene, vary).values()}
-    return {
-        key: joint[key] if key in joint else _size(scene, key)
-        for key, source in vary.items()
-        if key in joint or isinstance(source, Distribution)
-    }
-
-
-def _size(scene: Scene, key: str) -> int:
-    return 1 if key.endswith(f".{VELOCITY}") else size_of(scene, key)

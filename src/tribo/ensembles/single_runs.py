@@ -1,34 +1,26 @@
-"""Members of any scene, each a run of its own, and the plan that they share."""
+"""Members of any scene, each a run of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from tribo.accuracy.choose_method import check_resolved
-from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues
+from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Member, Members, is_random
+from tribo.ensembles.policy import Policy
 from tribo.kernels.status import Status
 from tribo.prepared import Simulation
 from tribo.result import Result
-from tribo.simulation import from_settings, prepare
-from tribo.validation import InputError
+from tribo.simulation import from_settings
 
 
-class SingleRuns:
-    """Runs members of an ensemble one by one, first by the settings of its simulation.
-
-    `own_numbers` are keys of what members differ in beside initial angles and rates.  There is no
-    plan beside that of the simulation.
-    """
+class SingleRuns(Policy):
+    """Runs members of an ensemble one by one, first by the settings of its simulation."""
 
     chunk = 1
-    plan = None
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
-        self.simulation = simulation
-        self.kept = kept
+        super().__init__(simulation, kept, own_numbers)
         self._own_scenes = bool(own_numbers) or is_random(simulation.scene)
 
     def compute(self, members: Members) -> KeptValues:
@@ -36,12 +28,12 @@ class SingleRuns:
 
         Those that miss their accuracy have the status UNKNOWN, unless errors are kept too.
         """
-        found = KeptValues.without_runs(self.kept, members.numbers.size)
+        found = self.kept.without_runs(members.numbers.size)
         for index in range(members.numbers.size):
             result = self._run(members.member(index))
             missed = result.status == Status.COMPLETED and result.met is False
             if not missed or self.kept.with_errors:
-                found.set_alone(index, result, self.kept)
+                self.kept.fill_in(found, index, result)
         return found
 
     def _run(self, member: Member) -> Result:
@@ -62,28 +54,3 @@ def _check_step(simulation: Simulation) -> None:
     step, method = simulation.plan.setting, simulation.method
     if simulation.plan.tuned is None and isinstance(step, float) and method.splits:
         check_resolved(simulation.layout, method, step)
-
-
-def run_alone(simulation: Simulation, kept: Kept, members: Members, found: KeptValues) -> None:
-    """Run the members whose status is UNKNOWN: with the given step, or with settings of their own.
-
-    The settings are searched for, for each member.
-    """
-    asked = simulation.accuracy
-    for index in np.flatnonzero(found.status == UNKNOWN):
-        scene = members.member(int(index)).scene(simulation.scene, with_start=True)
-        found.level[index] = found.error[index] = np.nan
-        try:
-            if asked is None:
-                own = from_settings(scene, simulation.settings)
-            else:
-                own = prepare(scene, asked, simulation.method.name, threads=1)
-        except InputError as error:  # the accuracy is out of reach
-            found.status[index] = REFUSED if kept.with_errors else MISSED
-            found.note = found.note.astype(object)
-            found.note[index] = str(error) if kept.with_errors else ""
-            found.note = found.note.astype(str)
-            for values in found.values.values():
-                values[index] = np.nan
-        else:
-            found.set_alone(int(index), own.compute_first(), kept)

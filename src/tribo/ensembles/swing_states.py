@@ -73,7 +73,16 @@ class Canonical(SwingStates):
 
 
 @dataclass(frozen=True)
-class Microcanonical(SwingStates):
+class TotalEnergy(SwingStates):
+    """Pendulums that share a total energy, or less than that."""
+
+    energy: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
+
+
+class Microcanonical(TotalEnergy):
     """Pendulums with a given total energy, which is shared uniformly.
 
     Attributes
@@ -87,11 +96,6 @@ class Microcanonical(SwingStates):
         It is not positive.
     """
 
-    energy: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
-
     def uniforms(self, count: int) -> int:
         """The last energy is what the others leave."""
         return count - 1
@@ -101,8 +105,7 @@ class Microcanonical(SwingStates):
         return self.energy * _shares(uniforms)
 
 
-@dataclass(frozen=True)
-class EnergyBall(SwingStates):
+class EnergyBall(TotalEnergy):
     """Pendulums whose total energy has an upper limit, uniform in the space of angles and rates.
 
     For N pendulums, the probability of a total energy of at most e is (e / energy)^N.
@@ -117,11 +120,6 @@ class EnergyBall(SwingStates):
     InputError
         It is not positive.
     """
-
-    energy: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
 
     def uniforms(self, count: int) -> int:
         """The sum and the shares of it."""
@@ -160,15 +158,12 @@ class JointStart:
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         self.dimensions = states.uniforms(self._phi.size) + self._phi.size
         self.block = max(1, BLOCK // self.dimensions)
-        self._last: tuple[int, dict[str, np.ndarray]] = -1, {}
 
-    def draw(self, block: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
-        """Key -> (block, asperites) of a block of members, which `rng` is for."""
-        if self._last[0] != block:
-            self._last = block, self.values(rng.random((self.block, self.dimensions)))
-        return self._last[1]
+    def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
+        """Key -> (block, asperites), random."""
+        return self.at_points(rng.random((self.block, self.dimensions)))
 
-    def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
+    def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Key -> (members, asperites), from points in the unit cube (members, dimensions)."""
         count = self._phi.size
         first = self.dimensions - count
@@ -190,22 +185,21 @@ def swing_inertia(surface: Surface) -> np.ndarray:
 
 
 def joint_starts(scene: Scene, vary: Mapping[str, Any]) -> dict[str, JointStart]:
-    """The starts that are drawn together, by the keys of all that they draw. Raises InputError."""
+    """The starts that are drawn together, by their names.  Raises InputError."""
     found: dict[str, JointStart] = {}
     for name, source in vary.items():
         if (name.rpartition(".")[2] == SWING_STATE) != isinstance(source, SwingStates):
             raise InputError(
                 name,
-                "must be tribo.Canonical, Microcanonical or EnergyBall for the keys "
-                f'"surface.{SWING_STATE}" and "*.{SWING_STATE}", and for these alone, got '
-                f"{short_repr(source)}",
+                f'must be tribo.Canonical, Microcanonical or EnergyBall for "...{SWING_STATE}", '
+                f"and for this alone, got {short_repr(source)}",
             )
         if isinstance(source, SwingStates):
             joint = JointStart(name, source, _swinging(scene, name, vary))
-            for key in joint.keys:
-                if key in found:
-                    raise InputError(name, f"cannot go with {found[key].name}, which draws {key}")
-            found |= dict.fromkeys(joint.keys, joint)
+            for other in found.values():
+                if both := {*joint.keys} & {*other.keys}:
+                    raise InputError(name, f"cannot go with {other.name}, which draws {min(both)}")
+            found[name] = joint
     return found
 
 

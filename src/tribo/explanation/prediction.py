@@ -31,7 +31,7 @@ from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.cuts import up_to_runaway
 from tribo.loops.general import GeneralLoop
 from tribo.loops.guards import TRIALS
-from tribo.loops.integrate import Columns, Integration, Setting, TimeLoop, integrate
+from tribo.loops.integrate import Columns, Integration, Reached, Setting, TimeLoop, integrate
 from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].
@@ -152,18 +152,20 @@ class Limit:
     def __init__(self, search: Search) -> None:
         self._search = search
 
-    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
+    def restore(self, *_: object) -> Reached:
         """Nothing: all runs begin at the start."""
-        return None
+        return Reached()
 
     def due(self) -> bool:
         """Always."""
         return True
 
-    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
+    def keep(
+        self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
+    ) -> None:
         """Raise OverBudgetError where the run has taken the rest of the budget."""
         clock = loop.clocks[0]
-        if status is None and (clock["steps"] + clock["rejected"]) % TRIALS == 0:
+        if reached.status is None and (clock["steps"] + clock["rejected"]) % TRIALS == 0:
             self._search.check(loop)
 
 

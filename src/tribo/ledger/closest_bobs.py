@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -84,6 +84,11 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
             x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
             places[:, span.place, 0], places[:, span.place, 1] = x, y
     return places
+
+
+def asperite_names(layout: Layout, indices: Iterable[int]) -> str:
+    """Two asperites, as a part of a sentence."""
+    return " and ".join(asperite_name(layout, index) for index in indices)
 
 
 def asperite_name(layout: Layout, index: int) -> str:

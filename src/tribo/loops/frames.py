@@ -13,7 +13,8 @@ import io
 import json
 import os
 import struct
-from collections.abc import Iterator
+import time
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO, Self
 
@@ -56,6 +57,8 @@ class Frames:
         # Offset and size of the frames that are needed, by their names.
         self._places: dict[object, tuple[int, int]] = {}
         self._last = (0, 0)  # the frame that was read last
+        self._due_from = time.perf_counter()
+        self._took = 0.0  # to write all frames since then
         self._file = self._open()
         if resume:
             try:
@@ -104,8 +107,22 @@ class Frames:
         """Of all frames but the first, in their order."""
         return [name for name in self._places if name != IDENTITY]
 
+    def forget(self, names: Iterable[object]) -> None:
+        """Need some frames no longer."""
+        for name in names:
+            self._places.pop(name, None)
+
+    def is_due(self) -> bool:
+        """Whether it is time to write what was reached; the next time is counted from then."""
+        now = time.perf_counter()
+        due = now - self._due_from > max(INTERVAL, RELATIVE_INTERVAL * self._took)
+        if due:
+            self._due_from, self._took = now, 0.0
+        return due
+
     def append(self, name: object, arrays: Arrays) -> None:
         """Write a frame, which replaces the last one of the same name.  Raises InputError."""
+        began = time.perf_counter()
         if IDENTITY not in self._places:
             self._write(IDENTITY, {IDENTITY: as_bytes(json.dumps(self._identity))})
         self._write(name, arrays)
@@ -113,6 +130,7 @@ class Frames:
         replaced = self._end - needed
         if OPEN_FILES_CAN_BE_REPLACED and replaced > max(MOST_REPLACED, needed):
             self._compact()
+        self._took += time.perf_counter() - began
 
     def _open(self) -> BinaryIO:
         """Open the file, for this process alone; it is created if there is none."""

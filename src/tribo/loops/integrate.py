@@ -72,34 +72,28 @@ class TimeLoop(Protocol):
         """The first samples in `columns`, which were recorded at `times`."""
 
 
+@dataclass(eq=False)
+class Reached:
+    """How far an integration has come: whole portions, what of them is held, and how it ended."""
+
+    portions: int = 0  # that a streamed ledger has taken in
+    held: Samples | None = None  # of these portions
+    status: Status | None = None  # None while it goes on
+
+
 class Checkpoints(Protocol):
-    """Where an integration keeps its samples and its memory while it goes on."""
+    """Where an integration keeps what it has reached while it goes on."""
 
-    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
-        """Fill in what was kept, if anything; the status of an integration that had ended."""
-
-    def due(self) -> bool:
-        """Whether it is time to keep what was reached."""
-
-    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
-        """Keep the samples so far and the memory, and the status if the integration has ended."""
-
-
-class PortionCheckpoints(Protocol):
-    """Where a streamed integration keeps its portions while it goes on."""
-
-    def restore_portions(
-        self, loop: TimeLoop, streamed: StreamedLedger
-    ) -> tuple[int, Samples | None]:
-        """Take in what was kept, if anything; the number of portions, and the samples held."""
+    def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
+        """Fill in what was kept, if anything: portions, samples of the next one, and memory."""
 
     def due(self) -> bool:
         """Whether it is time to keep what was reached."""
 
-    def keep_portions(
-        self, loop: TimeLoop, streamed: StreamedLedger, number: int, held: Samples
+    def keep(
+        self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
     ) -> None:
-        """Keep what was taken in, after so many portions."""
+        """Keep the portions and samples so far, and the memory."""
 
 
 @dataclass(eq=False)
@@ -161,7 +155,6 @@ def integrate(
     progress: Progress | None = None,
     streamed: StreamedLedger | None = None,
     checkpoints: Checkpoints | None = None,
-    portions: PortionCheckpoints | None = None,
     columns: Columns | None = None,
     before: Samples | None = None,
     most: float | None = None,
@@ -169,23 +162,31 @@ def integrate(
     """Integrate through `times`.
 
     Ends at the last time, or where something stops it; then the state reached is the last sample.
-    `streamed` takes in the samples, of which only the first and the last two are kept then; of such
-    a run `portions` keep what is reached, of others `checkpoints`.  `columns` are those of a loop
-    that has begun, `before` is the first sample of a run that is continued, and adaptive steps may
-    take `most` force evaluations, those of the scene without it.
+    `streamed` takes in the samples, of which only the first and the last two are kept then;
+    `checkpoints` keep what is reached.  `columns` are those of a loop that has begun, `before` is
+    the first sample of a run that is continued, and adaptive steps may take `most` force
+    evaluations, those of the scene without it.
     """
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
-    held: Samples | None = None
-    status, done, cut = Status.COMPLETED, 0, False
-    if streamed is not None and portions is not None:
-        done, held = portions.restore_portions(loop, streamed)
-    for first in range(rows * done, times.size, rows):
-        portion = times[first : first + rows]
-        if first > 0:
-            loop.clocks["sample"] = 0
-        status = _run_through(loop, portion, columns, progress, checkpoints, most)
+    reached = Reached() if checkpoints is None else checkpoints.restore(loop, columns, streamed)
+    cut = False
+
+    def between(t: float) -> None:
+        if checkpoints is not None and checkpoints.due():
+            checkpoints.keep(loop, columns, streamed, reached)
+        if progress is not None:
+            progress(t)
+
+    for first in range(rows * reached.portions, times.size, rows):
+        portion, held = times[first : first + rows], reached.held
+        status = reached.status or run_in_chunks(loop, portion, columns, between, most)
+        ended = status != Status.COMPLETED or first + rows >= times.size
+        if ended and checkpoints is not None and reached.status is None:
+            # An interrupt ends the program, not the integration, which can be continued.
+            reached.status = None if status == Status.INTERRUPTED else status
+            checkpoints.keep(loop, columns, streamed, reached)
         memory, counts, passages = _reached(loop, status)
         new = _recorded(loop, portion, columns, status)
         if before is not None and first == 0:
@@ -201,11 +202,11 @@ def integrate(
             if end is not None:
                 status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
             held = held.last_interval(loop.layout.beginning)
+        reached = Reached(reached.portions + 1, held)
         if status != Status.COMPLETED:
             break
-        more = first + rows < times.size  # else the result is next
-        if more and streamed is not None and portions is not None and portions.due():
-            portions.keep_portions(loop, streamed, first // rows + 1, held)
+        if not ended:
+            loop.clocks["sample"] = 0
     whole = held
     assert whole is not None
     seconds = time.perf_counter() - began
@@ -224,33 +225,6 @@ def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[
     counts[STEPS], counts[EVALUATIONS], passages, *last = (loop.clocks[name][0] for name in names)
     bobs = (int(np.argmax(loop.layout.places.columns == column)) for column in last)
     return memory, counts, (int(passages), *bobs)
-
-
-def _run_through(
-    loop: TimeLoop,
-    times: np.ndarray,
-    columns: Columns,
-    progress: Progress | None,
-    checkpoints: Checkpoints | None,
-    most: float | None,
-) -> Status:
-    """Run through the times, from the last checkpoint if there is one; how it ended."""
-    if checkpoints is None:
-        return run_in_chunks(loop, times, columns, progress, most)
-    status = checkpoints.restore(loop, columns)
-    if status is not None:
-        return status
-
-    def between(t: float) -> None:
-        if checkpoints.due():
-            checkpoints.keep(loop, columns, None)
-        if progress is not None:
-            progress(t)
-
-    status = run_in_chunks(loop, times, columns, between, most)
-    # An interrupt ends the program, not the integration, which can be continued.
-    checkpoints.keep(loop, columns, None if status == Status.INTERRUPTED else status)
-    return status
 
 
 def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Status) -> Samples:

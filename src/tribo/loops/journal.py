@@ -8,7 +8,7 @@ integrations from the journal and continues the last one.
 from __future__ import annotations
 
 import hashlib
-import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Self
@@ -19,8 +19,8 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
-from tribo.loops.frames import INTERVAL, PART, RELATIVE_INTERVAL, Arrays, Frames, as_bytes
-from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.loops.frames import PART, Arrays, Frames, as_bytes
+from tribo.loops.integrate import Columns, Memory, Reached, Setting, TimeLoop
 from tribo.loops.state import below
 from tribo.model.identity import Identity
 from tribo.validation import InputError
@@ -33,11 +33,29 @@ class KeptIntegration:
     """What a journal has of one integration."""
 
     key: bytes
-    samples: list[Columns] = field(default_factory=list)
-    # Of a streamed run, in place of samples: by the number of portions up to there.
+    # Samples of portions that were under way, by the numbers of the portion and of the part.
+    parts: dict[tuple[int, int], Columns] = field(default_factory=dict)
+    # By the number of portions up to there, of a streamed run.
     portions: dict[int, Arrays] = field(default_factory=dict)
     memory: Memory | None = None
     status: Status | None = None
+
+    def take_in(self, arrays: Arrays) -> object:
+        """Add a frame; returns its name."""
+        if "key" in arrays:
+            return "key"
+        if "status" in arrays:
+            self.memory = below("memory_", arrays)
+            status = arrays["status"].tobytes().decode()
+            self.status = Status(status) if status else None
+            return "memory"
+        if "portions" in arrays:
+            number = int(arrays["portions"])
+            self.portions[number] = below("portion_", arrays)
+            return "portions", number
+        place, columns = tuple(arrays["place"].tolist()), below("column_", arrays)
+        self.parts[place] = tuple(columns[str(k)] for k in range(len(columns)))
+        return place
 
 
 class Journal:
@@ -55,7 +73,7 @@ class Journal:
             number = int(arrays["number"])
             if "key" in arrays:
                 self._kept.append(KeptIntegration(arrays["key"].tobytes()))
-            self._frames.name_last((_take_in(self._kept[number], arrays), number))
+            self._frames.name_last((self._kept[number].take_in(arrays), number))
 
     def __enter__(self) -> Self:
         return self
@@ -66,6 +84,10 @@ class Journal:
     def remove(self) -> None:
         """Remove the file, as the result is complete."""
         self._frames.remove()
+
+    def is_due(self) -> bool:
+        """Whether it is time to write what was reached."""
+        return self._frames.is_due()
 
     def integration(self, key: bytes) -> JournaledIntegration:
         """The next integration of the run; `key` identifies its settings.
@@ -85,6 +107,10 @@ class Journal:
             )
         return JournaledIntegration(self, number, self._kept[number])
 
+    def forget(self, number: int, names: Iterable[object]) -> None:
+        """Need some frames of an integration no longer."""
+        self._frames.forget((name, number) for name in names)
+
     def write(self, number: int, name: object, arrays: Arrays) -> None:
         """Append a frame of an integration; it replaces the last one of the same name.
 
@@ -100,95 +126,62 @@ class JournaledIntegration:
         self._journal = journal
         self._number = number
         self._kept = kept
-        self._done = 0  # samples that the journal has, or portions of a streamed run
-        self._took = 0.0
-        self._last = time.perf_counter()
+        self.due = journal.is_due
+        # What the journal has: portions, and of the next one parts and samples in them.
+        self._portions, self._parts, self._samples = 0, 0, 0
 
-    def restore(self, loop: TimeLoop, columns: Columns) -> Status | None:
-        """Fill in what the journal has, if anything; the status of an integration that ended."""
-        if self._kept.memory is None:
-            return None
-        for part in self._kept.samples:
-            stop = self._done + len(part[0])
-            for column, values in zip(columns, part, strict=True):
-                column[self._done : stop] = values
-            self._done = stop
-        self._kept.samples = []
-        loop.restore(self._kept.memory)
-        return self._kept.status
-
-    def due(self) -> bool:
-        """Whether it is time to keep what was reached."""
-        waited = time.perf_counter() - self._last
-        return waited > max(INTERVAL, RELATIVE_INTERVAL * self._took)
-
-    def keep(self, loop: TimeLoop, columns: Columns, status: Status | None) -> None:
-        """Write the samples so far and the memory, and the status if the integration ended."""
-        began = time.perf_counter()
-        done = int(loop.clocks["sample"][0])
-        if done > self._done:
-            rows = {f"column_{k}": c[self._done : done] for k, c in enumerate(columns)}
-            self._journal.write(self._number, ("samples", self._done), rows)
-            self._done = done
-        self._keep_memory(loop.memory(), str(status or ""), began)
-
-    def _keep_memory(self, memory: Memory, status: str, began: float) -> None:
-        """Write what the loop needs to continue, at the end of a write that `began` then."""
-        arrays = {f"memory_{name}": array for name, array in memory.items()}
-        self._journal.write(self._number, "memory", arrays | {"status": as_bytes(status)})
-        self._last = time.perf_counter()
-        self._took = self._last - began
-
-    def restore_portions(
-        self, loop: TimeLoop, streamed: StreamedLedger
-    ) -> tuple[int, Samples | None]:
-        """The same for a streamed run: the portions that were kept, and the last samples held."""
-        memory = self._kept.memory
+    def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
+        """Fill in what the journal has, if anything: portions, samples of the next one, memory."""
+        kept, memory = self._kept, self._kept.memory
         if memory is None:
-            return 0, None
-        self._done = int(memory["portions"])
-        chain, last = [], self._done  # a kill may have left portions without the memory after them
+            return Reached()
+        self._portions = last = int(memory["portions"])
+        chain = []  # a kill may have left portions without the memory after them
         while last > 0:
-            chain.append(self._kept.portions[last])
+            chain.append(kept.portions[last])
             last = int(chain[-1]["first"])
         for arrays in reversed(chain):
+            assert streamed is not None
             streamed.take_back(arrays)
-        self._kept.portions = {}
+        while (values := kept.parts.get((self._portions, self._parts))) is not None:
+            stop = self._samples + len(values[0])
+            for column, some in zip(columns, values, strict=True):
+                column[self._samples : stop] = some
+            self._parts, self._samples = self._parts + 1, stop
+        kept.parts, kept.portions = {}, {}
         loop.restore(below("loop_", memory))
-        return self._done, Samples(**below("held_", memory))
+        held = below("held_", memory)
+        return Reached(self._portions, Samples(**held) if held else None, kept.status)
 
-    def keep_portions(
-        self, loop: TimeLoop, streamed: StreamedLedger, number: int, held: Samples
+    def keep(
+        self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
     ) -> None:
-        """Write what a streamed run has taken in since the last call, after so many portions."""
-        began = time.perf_counter()
-        new = streamed.new_arrays() | {"first": np.array(self._done)}
-        new = {f"portion_{name}": array for name, array in new.items()}
-        new["portions"] = np.array(number)
-        self._journal.write(self._number, ("portions", number), new)
-        self._done = number
+        """Write the portions and samples since the last call, and the memory."""
+        number, done_with = np.array(reached.portions), list[tuple[int, int]]()
+        if reached.portions > self._portions:
+            assert streamed is not None
+            new = streamed.new_arrays() | {"first": np.array(self._portions)}
+            arrays = {f"portion_{name}": array for name, array in new.items()}
+            self._write(("portions", reached.portions), arrays | {"portions": number})
+            done_with = [(self._portions, part) for part in range(self._parts)]
+            self._portions, self._parts, self._samples = reached.portions, 0, 0
+        done = int(loop.clocks["sample"][0])
+        if done > self._samples:
+            arrays = {f"column_{k}": c[self._samples : done] for k, c in enumerate(columns)}
+            place = self._portions, self._parts
+            self._write(place, arrays | {"place": np.array(place)})
+            self._parts, self._samples = self._parts + 1, done
         memory = {f"loop_{name}": array for name, array in loop.memory().items()}
-        memory |= {f"held_{each.name}": getattr(held, each.name) for each in fields(held)}
-        self._keep_memory(memory | {"portions": np.array(number)}, "", began)
+        if reached.held is not None:
+            memory |= {f"held_{f.name}": getattr(reached.held, f.name) for f in fields(Samples)}
+        memory = {
+            f"memory_{name}": array for name, array in (memory | {"portions": number}).items()
+        }
+        self._write("memory", memory | {"status": as_bytes(str(reached.status or ""))})
+        self._journal.forget(self._number, done_with)
 
-
-def _take_in(kept: KeptIntegration, arrays: Arrays) -> object:
-    """Add a frame to what is kept of its integration; returns the frame's name."""
-    if "key" in arrays:
-        return "key"
-    if "status" in arrays:
-        kept.memory = below("memory_", arrays)
-        status = arrays["status"].tobytes().decode()
-        kept.status = Status(status) if status else None
-        return "memory"
-    if "portions" in arrays:
-        number = int(arrays["portions"])
-        kept.portions[number] = below("portion_", arrays)
-        return "portions", number
-    columns = below("column_", arrays)
-    name = ("samples", sum(len(part[0]) for part in kept.samples))
-    kept.samples.append(tuple(columns[str(k)] for k in range(len(columns))))
-    return name
+    def _write(self, name: object, arrays: Arrays) -> None:
+        self._journal.write(self._number, name, arrays)
 
 
 def key_of(setting: Setting, times: np.ndarray, start: np.ndarray) -> bytes:

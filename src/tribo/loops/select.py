@@ -87,10 +87,7 @@ class Integrator:
             exactly = np.array_equal(start, self.layout.start)
             self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
-        whole, portions = (entry, None) if streamed is None else (None, entry)
-        run = integrate(
-            loop, times, self._progress, streamed, whole, portions, before=before, most=most
-        )
+        run = integrate(loop, times, self._progress, streamed, entry, before=before, most=most)
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run

@@ -53,8 +53,8 @@ def check(
         name = as_table(potential)["calculator"]
         raise InputError(
             "potential",
-            'must be a potential of pairs, and "ase" is a calculator of all bobs together; check '
-            f"its energy of two atoms, as in: tribo check ase-dimer calculator={name} "
+            "must be a potential of pairs, not of all bobs together; check two atoms, as in: tribo "
+            f"check ase-dimer calculator={name} "
             """symbols='["Cu", "Cu"]' low=2 high=5 tolerance=1e-3 many_body=true""",
         )
     scan = PotentialScan(as_potential(potential))

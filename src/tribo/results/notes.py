@@ -13,7 +13,7 @@ from tribo.kernels.encounters import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import asperite_name, closest_bobs
+from tribo.ledger.closest_bobs import asperite_names, closest_bobs
 from tribo.ledger.ledger import Ledger
 from tribo.loops.guards import reach_of
 from tribo.loops.integrate import Integration
@@ -95,9 +95,9 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     count, *bobs = run.passages
     if count == 0:
         return ()
-    one, other = (asperite_name(layout, bob) for bob in bobs)
     return (
-        f"in {count} steps bobs passed one another within the step, {one} and {other} last; "
+        f"in {count} steps bobs passed one another within the step, {asperite_names(layout, bobs)} "
+        "last; "
         f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
         "motion, but works of their contact are inaccurate; a smaller step resolves them",
     )
@@ -156,27 +156,22 @@ def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:
     bobs = closest_bobs(layout, last)
     if bobs is None:
         return float(last.t[0]), ""
-    distance, *both = bobs
-    one, other = (asperite_name(layout, bob) for bob in both)
-    return float(last.t[0]), f"; the closest bobs, of {one} and {other}, were {distance:.3g} apart"
+    both = asperite_names(layout, bobs[1:])
+    return float(last.t[0]), f"; the closest bobs, of {both}, were {bobs.distance:.3g} apart"
 
 
 def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     """Where the bobs of a run that missed its accuracy were closest, among its recorded times."""
     samples = run.samples
     looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
-    found = []
-    for t in samples.t[looked_at]:
-        bobs = closest_bobs(layout, samples.at(np.array([t])))
-        if bobs is not None:
-            found.append((*bobs, float(t)))
+    looks = ((closest_bobs(layout, samples.at(np.array([t]))), t) for t in samples.t[looked_at])
+    found = [(*bobs, float(t)) for bobs, t in looks if bobs is not None]
     if not found:
         return ()
     distance, *both, t = min(found)
-    one, other = (asperite_name(layout, bob) for bob in both)
     return (
-        f"among the recorded times, bobs were closest at t = {t:.9g}: those of {one} and {other} "
-        f"were {distance:.3g} apart",
+        f"among the recorded times, bobs were closest at t = {t:.9g}: those of "
+        f"{asperite_names(layout, both)} were {distance:.3g} apart",
     )
 
 

@@ -6,31 +6,27 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles import ensemble
-from tribo.ensembles.dataset import in_file, saved
 from tribo.ensembles.engines import Engine
-from tribo.ensembles.kept_values import NOT_RUN, REFUSED, total_names
+from tribo.ensembles.kept_values import total_names
 from tribo.ensembles.members import Source, Variation, of_surfaces
 from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
-from tribo.ensembles.runner import Execution, collect, execution
+from tribo.ensembles.runner import Execution
 from tribo.ensembles.sampling import Sampler, sampled
-from tribo.ensembles.stores import MemberStore, Target
-from tribo.interrupts import answer
-from tribo.kernels.status import Status
+from tribo.ensembles.stores import MemberStore
+from tribo.ensembles.target import Target, in_file
 from tribo.layout.layout import lay_out
-from tribo.loops.frames import as_bytes
-from tribo.model.parameters import of_each_surface, with_values
+from tribo.model.parameters import of_each_surface
 from tribo.model.scene import Scene
 from tribo.progress import Shown
-from tribo.sweeps.dataset import Table, attributes_of, coordinates_of, key_coordinates, side_by_side
+from tribo.sweeps.dataset import Table, attributes_of, coordinates_of
 from tribo.sweeps.grid import Grid, Keys
+from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
-from tribo.validation import InputError, boolean, inside, integer
+from tribo.validation import InputError, boolean, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -101,43 +97,27 @@ def sweep(
     """
     began = time.perf_counter()
     grid = Grid(checked_scene(scene), values)
-    each = _members(grid, members, of_surfaces(scene, vary), seed, sampler, half_width)
+    each = _members(grid, members, vary, seed, sampler, half_width)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
-    alone = each.number is None
-    request = Request(names, checked_time(at), alone, accuracy, method, step, allow_unresolved)
+    settings = accuracy, method, step, allow_unresolved
+    request = Request(names, checked_time(at), each.number is None, *settings)
     request.check()
-    if request.at != END and "duration" in grid.keys:
+    if at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
-    how = execution(engine, threads)
-    per_point = boolean("statistics", statistics) or half_width is not None
-    ensemble_at = partial(
-        ensemble,
-        members=each.number,
-        vary=each.vary,
-        keep=None if half_width is not None else names,
-        at=at,
-        statistics=statistics,
-        half_width=half_width,
-        engine=engine,
-        accuracy=accuracy,
-        method=method,
-        step=step,
-        threads=how.threads,
-        progress=False,
-        allow_unresolved=allow_unresolved,
-        seed=each.seed,
-    )
+    how = Execution.checked(engine, threads)
+    wanted = {"statistics": boolean("statistics", statistics), "half_width": half_width}
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
-        if per_point:
-            data = _point_by_point(grid, ensemble_at, target, progress, began)
+        if statistics or half_width is not None:
+            ensemble_at = _ensemble_at(request, each, how, wanted)
+            data = point_by_point(grid, ensemble_at, target.frames, progress, began)
         else:
-            data = _together(grid, request, each, target, how._replace(progress=progress), began)
-        return saved(data, target)
+            own = how._replace(progress=progress)
+            data = _together(grid, request, each, MemberStore(target.frames), own, began)
+        return target.saved(data)
 
-    others: dict[str, object] = {"values": grid.identity(), "members": each.number}
-    others |= {"statistics": statistics, "half_width": half_width}
+    others: dict[str, object] = {"values": grid.identity(), "members": each.number, **wanted}
     identity = request.identity(scene, Variation(scene, each.vary, each.seed), others)
     return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
 
@@ -145,28 +125,55 @@ def sweep(
 def _members(
     grid: Grid,
     members: int | None,
-    vary: Mapping[str, Source],
+    vary: Mapping[str, Source] | None,
     seed: int,
     sampler: Sampler | None,
     half_width: Mapping[str, float] | None,
 ) -> PointMembers:
     """The members of each point.  Raises InputError."""
-    if members is None and (vary or sampler is not None) and half_width is None:
+    sources = of_surfaces(grid.scene, vary)
+    if members is None and (sources or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)
-    if sampler is not None:
-        vary = sampled(sampler, members, grid.scene, vary)
-    for key, length in Variation(grid.scene, vary, integer("seed", seed, 0)).lengths.items():
-        if number is not None and length != number:
-            raise InputError(f"vary.{key}", f"must have values for {number} members, got {length}")
+    sources = sampled(sampler, members, grid.scene, sources)
+    variation = Variation(grid.scene, sources, integer("seed", seed, 0))
+    if number is not None:
+        variation.check_lengths(number)
     for key in of_each_surface(grid.scene, dict.fromkeys(grid.keys)):
-        if key in vary:
+        if key in sources:
             raise InputError(f"vary.{key}", "is swept too; give it once")
-    return PointMembers(number, vary, seed)
+    return PointMembers(number, sources, seed)
+
+
+def _ensemble_at(
+    request: Request, each: PointMembers, how: Execution, wanted: Mapping[str, Any]
+) -> Callable[[Scene], xarray.Dataset]:
+    """The ensemble of one point, as a function of its scene."""
+    return partial(
+        ensemble,
+        members=each.number,
+        vary=each.vary,
+        keep=None if wanted["half_width"] is not None else request.keep,
+        at=request.at,
+        engine=how.engine,
+        accuracy=request.accuracy,
+        method=request.method,
+        step=request.step,
+        threads=how.threads,
+        progress=False,
+        allow_unresolved=request.allow_unresolved,
+        seed=each.seed,
+        **wanted,
+    )
 
 
 def _together(
-    grid: Grid, request: Request, each: PointMembers, target: Target, how: Execution, began: float
+    grid: Grid,
+    request: Request,
+    each: PointMembers,
+    store: MemberStore,
+    how: Execution,
+    began: float,
 ) -> xarray.Dataset:
     """All points by one engine, those that one plan serves side by side.
 
@@ -176,88 +183,14 @@ def _together(
 
     kept = request.kept(lay_out(request.recorded(grid.scene.with_heights())))
     sets, order, simulation = point_sets(grid, request, each)
-    store, report = MemberStore(target.frames), how.progress
-
-    def finished(done: int) -> None:
-        if report is not None:
-            report(done // each.each)
-
-    chunks = runs_of(sets, store.done, how, simulation)
-    interrupted = collect(chunks, store, finished)
+    report = how.progress
+    if report is not None:
+        how = how._replace(progress=lambda done: report(done // each.each))
+    interrupted = how.collect(runs_of(sets, store.done, how, simulation), store)
     table = Table(grid, order, kept, store.values(), each)
     table.check_any_ran()
-    status = str(Status.INTERRUPTED if interrupted else Status.COMPLETED)
-    seconds = time.perf_counter() - began
     return xarray.Dataset(
         table.variables(),
         coordinates_of(grid, kept, grid.scene, None if each.number is None else sets[0]),
-        attributes_of(grid.scene, kept.names, status, table.notes(), seconds),
-    )
-
-
-def _point_by_point(
-    grid: Grid,
-    ensemble_at: Callable[[Scene], xarray.Dataset],
-    target: Target,
-    report: Callable[[int], None] | None,
-    began: float,
-) -> xarray.Dataset:
-    """An ensemble at each point, side by side.  Raises KeyboardInterrupt if none is complete."""
-    import xarray
-
-    found: dict[int, xarray.Dataset] = {}
-    notes: dict[int, str] = {}
-    for arrays in () if target.frames is None else target.frames.read():
-        assert target.frames is not None
-        index = int(arrays["point"])
-        target.frames.name_last(index)
-        if "note" in arrays:
-            notes[index] = arrays["note"].tobytes().decode()
-        else:
-            content = arrays["data"].tobytes()
-            found[index] = xarray.load_dataset(content, engine="h5netcdf")
-    interrupted = False
-    try:
-        for index in range(len(found) + len(notes), grid.size):
-            scene = with_values(grid.scene, grid.point(index))
-            arrays = {"point": np.array(index)}
-            try:
-                found[index] = ensemble_at(scene)
-                content = bytes(found[index].to_netcdf(engine="h5netcdf"))
-                arrays["data"] = as_bytes(content)
-            except InputError as error:
-                notes[index] = str(error)
-                arrays["note"] = as_bytes(str(error))
-            if target.frames is not None:
-                target.frames.append(index, arrays)
-            if report is not None:
-                report(len(found) + len(notes))
-    except KeyboardInterrupt:
-        answer()
-        interrupted = True
-        if not found:
-            raise
-    if not found:
-        with inside(grid.label(0)):
-            raise InputError("", notes[0])
-    variables, coordinates = side_by_side(grid, found)
-    first = found[min(found)]
-    points = [
-        REFUSED if k in notes else found[k].attrs["status"] if k in found else NOT_RUN
-        for k in range(grid.size)
-    ]
-    about = {"long_name": "end of the ensemble"}
-    variables["point_status"] = tuple(grid.names), np.array(points).reshape(grid.shape), about
-    keys = key_coordinates(grid)
-    lines = [f"{grid.label(k)}: {note}" for k, note in sorted(notes.items())]
-    return xarray.Dataset(
-        variables,
-        coordinates | keys,
-        attributes_of(
-            grid.scene,
-            [str(name) for name in first.data_vars],
-            str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
-            lines,
-            time.perf_counter() - began,
-        ),
+        attributes_of(grid.scene, kept.names, interrupted, table.notes(), began),
     )

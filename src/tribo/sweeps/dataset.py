@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,10 @@ from tribo.ensembles.dataset import (
     COUNTS,
     Attributes,
     common_attributes,
-    counts_of,
     times_of,
     varied_coordinates,
 )
-from tribo.ensembles.kept_values import NOT_RUN, REFUSED, Kept, KeptValues
+from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.model.scene import Scene
@@ -34,18 +33,17 @@ class Table:
         self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: PointMembers
     ) -> None:
         members = each.number
-        missing = grid.size * (members or 1) - found.status.size
+        missing = grid.size * (members or 1) - found["status"].size
         if missing:
-            rest = KeptValues.without_runs(kept, missing, NOT_RUN)
-            found = KeptValues.joined([found, rest])
+            found = joined([found, kept.without_runs(missing, NOT_RUN)])
         self._grid, self._kept, self._found = grid, kept, found
         self._ran = tuple(len(axis.rows) for axis in order)
         self._to_grid = [order.index(axis) for axis in grid.axes]
         self._taken = {*grid.keys, *each.vary}  # names of coordinates
         self._members = () if members is None else (members,)
         self.dimensions = (*grid.names, *("member",) * len(self._members))
-        self.status = self.placed(found.status)
-        self.note = self.placed(found.note)
+        self.status = self.placed(found["status"])
+        self.note = self.placed(found["note"])
 
     def placed(self, rows: np.ndarray) -> np.ndarray:
         """Values of all runs, (keys..., [members], ...)."""
@@ -59,13 +57,13 @@ class Table:
         variables: dict[str, Variable] = {"status": (self.dimensions, self.status, about)}
         for name in self._kept.names:
             variables |= self._quantity(name)
-        for name, values in counts_of(self._found).items():
-            meaning = {"long_name": COUNTS[name]}
-            variables[name] = self.dimensions, self.placed(values.astype(float)), meaning
+        for name, meaning in COUNTS.items():
+            values = self.placed(self._found[name].astype(float))
+            variables[name] = self.dimensions, values, {"long_name": meaning}
         return variables
 
     def _quantity(self, name: str) -> dict[str, Variable]:
-        kept, values = self._kept, self.placed(self._found.values[name])
+        kept, values = self._kept, self.placed(self._found[name])
         own, about = kept.dimensions(name), kept.about(name)
         kind = name.rpartition(".")[2]
         if kind in SUMMED_QUANTITIES and not (own or kept.at_samples):
@@ -84,10 +82,10 @@ class Table:
                 table = np.array([pair[k] for pair in pairs]).reshape(*self._grid.shape, *rest)
                 what = about | {"long_name": f"{word.replace('_', '-')} of: {about['long_name']}"}
                 variables[f"{name}_{word}"] = (*self._grid.names, *own), table, what
-        bounds = self._found.errors.get(name)
+        bounds = self._found.get(f"{name}{ERROR}")
         if bounds is not None and np.isfinite(bounds).any():
             what = about | {"long_name": f"bound on the error of: {about['long_name']}"}
-            variables[f"{name}_error"] = self.dimensions, self.placed(bounds), what
+            variables[f"{name}{ERROR}"] = self.dimensions, self.placed(bounds), what
         return variables
 
     def notes(self) -> list[str]:
@@ -142,15 +140,11 @@ def coordinates_of(
 
 
 def attributes_of(
-    scene: Scene, names: Sequence[str], status: str, notes: list[str], seconds: float
+    scene: Scene, names: Sequence[str], interrupted: bool, notes: list[str], began: float
 ) -> Attributes:
     """Properties of the whole sweep; text is JSON where it is no word."""
-    return common_attributes(scene) | {
-        "keep": json.dumps(list(names)),
-        "status": status,
-        "notes": json.dumps(notes),
-        "seconds": seconds,
-    }
+    keep: Attributes = {"keep": json.dumps(list(names))}
+    return keep | common_attributes(scene, interrupted, notes, began)
 
 
 def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, Any]:
@@ -160,36 +154,3 @@ def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, A
         nothing = np.full(values.shape[1:], np.nan)
         return nothing, nothing
     return interval(complete)
-
-
-def side_by_side(
-    grid: Grid, found: Mapping[int, Any]
-) -> tuple[dict[str, Variable], dict[str, Variable]]:
-    """Variables and coordinates of data sets of points, whose sizes may differ.
-
-    What a point does not have is NaN, or zero members of a histogram's bin.
-    """
-    first = next(iter(found.values()))
-    variables: dict[str, Variable] = {}
-    for name in map(str, [*first.data_vars, "status" if "status" in first.coords else ""]):
-        if not name:
-            continue
-        arrays = {index: data[name].values for index, data in found.items()}
-        shape = np.max([each.shape for each in arrays.values()], axis=0)
-        kind = first[name].dtype.kind
-        empty: Any = {"U": NOT_RUN, "i": 0}.get(kind, np.nan)
-        dtype = np.result_type(*arrays.values(), np.array(NOT_RUN)) if kind == "U" else None
-        table = np.full((grid.size, *map(int, shape)), empty, dtype)
-        for index, values in arrays.items():
-            places: tuple[Any, ...] = (index, *map(slice, values.shape))
-            table[places] = values
-        dimensions = (*grid.names, *map(str, first[name].dims))
-        table = table.reshape(*grid.shape, *table.shape[1:])
-        variables[name] = dimensions, table, dict(first[name].attrs)
-    largest = max(found.values(), key=lambda data: data.sizes.get("member", 0))
-    coordinates: dict[str, Variable] = {
-        str(name): (each.dims, each.values, dict(each.attrs))
-        for name, each in largest.coords.items()
-        if name != "status" and name not in grid.keys
-    }
-    return variables, coordinates

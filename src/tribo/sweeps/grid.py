@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 
@@ -25,9 +25,15 @@ class Axis(NamedTuple):
     keys: tuple[str, ...]
     rows: list[tuple[Value, ...]]  # a value of each key, at each place
 
-    def at(self, place: int) -> dict[str, Value]:
+    def at(self, place: SupportsIndex) -> dict[str, Value]:
         """The values at a place by their keys."""
         return dict(zip(self.keys, self.rows[place], strict=True))
+
+
+def values_at(axes: Sequence[Axis], places: Iterable[SupportsIndex]) -> dict[str, Value]:
+    """The values at a place on each axis, by their keys."""
+    pairs = zip(axes, places, strict=True)
+    return {key: value for axis, place in pairs for key, value in axis.at(place).items()}
 
 
 class Grid:
@@ -60,10 +66,7 @@ class Grid:
 
     def point(self, index: int) -> dict[str, Value]:
         """The values of a point by their keys."""
-        found: dict[str, Value] = {}
-        for axis, place in zip(self.axes, np.unravel_index(index, self.shape), strict=True):
-            found |= axis.at(int(place))
-        return found
+        return values_at(self.axes, np.unravel_index(index, self.shape))
 
     def label(self, index: int) -> str:
         """The values of a point, as a message writes them."""

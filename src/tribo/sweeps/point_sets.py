@@ -14,19 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.ensembles.engines import run_jobs
-from tribo.ensembles.kept_values import REFUSED, KeptValues
-from tribo.ensembles.members import VELOCITY, Source, Variation, size_of
+from tribo.ensembles.engines import run_tasks
+from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
+from tribo.ensembles.members import Source, Variation, is_start, size_of
 from tribo.ensembles.request import Request
-from tribo.ensembles.runner import Execution, in_batches, planned, run_members
+from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
 from tribo.layout.member_numbers import can_differ
-from tribo.model.initial import UNITS
 from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
-from tribo.sweeps.grid import Axis, Grid
+from tribo.sweeps.grid import Axis, Grid, values_at
 from tribo.validation import InputError
 
 
@@ -99,15 +98,9 @@ def point_sets(
     outer = [axis for axis in grid.axes if axis not in inner]
     sets = []
     for places in np.ndindex(*(len(axis.rows) for axis in outer)):
-        own: dict[str, Any] = {}
-        for axis, place in zip(outer, places, strict=True):
-            own |= axis.at(place)
-        scene = grid.scene
-        if own or inner:
-            for axis in inner:  # together with the first values of the others
-                own = axis.at(0) | own
-            scene = with_values(scene, own)
-        scene = scene.with_heights()
+        # Together with the first values of the others.
+        own = values_at(outer, places) | values_at(inner, [0] * len(inner))
+        scene = with_values(grid.scene, own).with_heights()
         sets.append(_set_of(scene, request, inner, members))
     return sets, outer + inner, simulation
 
@@ -135,11 +128,8 @@ def _served_by_one_plan(
     candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
     if not candidates:
         return [], None
-    places = {axis.name: (len(axis.rows) // 2 if axis in candidates else 0) for axis in grid.axes}
-    own: dict[str, Any] = {}
-    for axis in grid.axes:
-        own |= axis.at(places[axis.name])
-    scene = with_values(grid.scene, own).with_heights()
+    places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
+    scene = with_values(grid.scene, values_at(grid.axes, places)).with_heights()
     if request.recorded(scene).output.series:
         return [], None
     try:
@@ -151,13 +141,13 @@ def _served_by_one_plan(
         return [], None
 
     def differ(axis: Axis) -> bool:
-        numbers = [k for k in _of_surfaces(scene, axis.keys) if not _is_start(scene, k)]
+        numbers = [k for k in _of_surfaces(scene, axis.keys) if not is_start(k)]
         return not numbers or (not plan.automatic and can_differ(simulation.layout, numbers, pair))
 
     inner = [axis for axis in candidates if differ(axis)]
     varied = Variation(scene, members.vary, members.seed).own_numbers
     keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
-    keys = [key for key in keys if not _is_start(scene, key)]
+    keys = [key for key in keys if not is_start(key)]
     if not inner or not in_batches(simulation, [*varied, *keys]):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
@@ -181,12 +171,6 @@ def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
     return list(of_each_surface(scene, dict.fromkeys(keys)))
 
 
-def _is_start(scene: Scene, key: str) -> bool:
-    """Whether a key is of an initial angle or rate."""
-    surface, _, name = key.rpartition(".")
-    return name in UNITS and name != VELOCITY and surface in [s.name for s in scene.surfaces]
-
-
 def runs_of(
     sets: list[PointSet], done: int, how: Execution, simulation: Simulation | None
 ) -> Iterator[KeptValues]:
@@ -200,17 +184,17 @@ def runs_of(
             left.append((each, max(0, done)))
         done -= each.runs
     if how.engine is not None and len(sets) > 1:
-        jobs = ((pickle.dumps(each), first) for each, first in left)
-        yield from run_jobs(how.engine, _run_job, jobs)
+        tasks = ((pickle.dumps(each), first) for each, first in left)
+        yield from run_tasks(how.engine, _run_task, tasks)
         return
     for each, first in left:
         yield from _runs_of_set(each, first, how, simulation)
 
 
-def _run_job(job: tuple[bytes, int]) -> KeptValues:
+def _run_task(task: tuple[bytes, int]) -> KeptValues:
     """Run a set in a process that does not have it yet."""
-    content, first = job
-    return KeptValues.joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
+    content, first = task
+    return joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
 
 
 def _runs_of_set(
@@ -222,14 +206,14 @@ def _runs_of_set(
         if simulation is None:
             simulation = request.prepare(points.scene_at(points.points // 2))
         kept, variation = request.kept(simulation.layout), points.variation
-        runs = planned(simulation, kept, variation, points.runs, how.threads)
-        for found in run_members(runs, variation, range(done, points.runs), how):
-            done += found.status.size
+        runs = planned(simulation, kept, variation, points.runs, how)
+        for found in runs.chunks(range(done, points.runs)):
+            done += found["status"].size
             yield found
     except InputError as error:
         if points.points == 1:
             kept = request.kept(lay_out(request.recorded(points.scene)))
-            yield KeptValues.without_runs(kept, points.runs - done, REFUSED, str(error))
+            yield kept.without_runs(points.runs - done, REFUSED, str(error))
             return
         for point in points.split():
             if done < point.runs:

@@ -166,7 +166,7 @@ def means_precision(
     if not methods.noisy(scene):
         raise InputError("scene", "must have thermal noise; without it, measure single runs")
     seconds = number("seconds", seconds, POSITIVE, "s")
-    simulation = prepare(scene)
+    simulation = prepare(scene, progress=False)
     first = simulation.compute()
     if first.status == Status.INTERRUPTED:
         raise KeyboardInterrupt

@@ -135,7 +135,7 @@ def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, Toleranc
     rough = bool(np.isfinite(scene.smoothness))
     candidates = FOR_ROUGH if rough else FOR_SMOOTH
     name = next(n for n in candidates if not methods.refusal(methods.named(n), scene))
-    simulation = prepare(scene, FINEST, name)
+    simulation = prepare(scene, FINEST, name, progress=False)
     result, finest = simulation.compute_first(), simulation.finest
     if result.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
