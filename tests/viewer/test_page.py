@@ -78,7 +78,7 @@ def test_the_sentence(result):
     assert abs(w1) < abs(pseudowork)
     said = sentence_of(result)
     assert 'bob of "upper" lags: friction\'s point of action moves less' in said
-    assert f"({w1:.3g}) is smaller than its pseudowork ({pseudowork:.3g})" in said
+    assert f"({w1:.3g}) is smaller in magnitude than its pseudowork ({pseudowork:.3g})" in said
     rigid = replace(result.scene.surfaces[0], asperite=tribo.Asperite(kappa=np.inf))
     scene = replace(result.scene, surfaces=(rigid, result.scene.surfaces[1]))
     assert "equals its pseudowork" in sentence_of(tribo.simulate(scene, accuracy=1e-8))

@@ -47,6 +47,6 @@ def sentence(scene: Scene, works_of: Mapping[str, Mapping[str, np.ndarray]]) -> 
     less = "less" if lag else "more"
     return (
         f"{bobs} {seen}: friction's point of action moves {less} than the block, so the work of "
-        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} than its pseudowork "
-        f"({pseudowork:.3g})."
+        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} in magnitude than its "
+        f"pseudowork ({pseudowork:.3g})."
     )
