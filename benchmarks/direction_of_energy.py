@@ -148,7 +148,7 @@ def integral(members: int) -> dict:
             }
         ax.axhline(1.0, color=plotting.INK, linewidth=0.6)
         ax.set(xlabel="$t$", ylabel="$\\langle e^{-w/T}\\rangle$")
-        ax.legend(frameon=False)
+        ax.legend(frameon=False, loc="lower left")
     plotting.save(ax, FOLDER / "statistics_integral.png")
     return found
 

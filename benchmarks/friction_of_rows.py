@@ -145,7 +145,7 @@ def closed_regular(speed: float) -> float:
 
 
 def draw(found: dict) -> None:
-    """Figure 9."""
+    """Figure 10."""
     fine = np.geomspace(0.45, 2.4, 40)
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 0.5 * plotting.WIDE)
@@ -165,7 +165,7 @@ def draw(found: dict) -> None:
 
 
 def main() -> None:
-    """Run and draw figure 9."""
+    """Run and draw figure 10."""
     closed = {
         "one encounter": closed_encounter,
         "random row": closed_random,

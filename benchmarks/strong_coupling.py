@@ -60,7 +60,7 @@ def change_of_sign(x: np.ndarray, mean: np.ndarray, half: np.ndarray) -> list[li
 
 
 def one_energy() -> dict:
-    """Figure 5, second part: the paper's cases at one energy of the upper pendulum."""
+    """Figure 7: the paper's cases at one energy of the upper pendulum."""
     found: dict = {}
     with plotting.style():
         ax = plotting.axes()
@@ -111,7 +111,7 @@ def losses(case: str, speed: float, attractive: bool, temperature: float, member
 
 
 def block(members: int = 1000) -> dict:
-    """Figure 7: a free block and a table at a temperature, cases C and E."""
+    """Figure 4: a free block and a table at a temperature, cases C and E."""
     found: dict = {"members": members}
     speeds = np.array([0.2, 0.26, 0.32, 0.36, 0.4, 0.5, 0.7, 1.0, 1.5])
     with plotting.style():

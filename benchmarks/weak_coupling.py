@@ -59,7 +59,7 @@ def from_rest(potential, speed, way, gap):
 
 
 def speeds(_members: int) -> dict:
-    """Figure 4: the gain from rest against speed over 1.5 decades."""
+    """Figure 5: the gain from rest against speed over 1.5 decades."""
     found, rates = {}, np.geomspace(0.4, 12.6, 13)
     kinds = {
         "Gaussian": (lambda s: tribo.Gaussian(s, WIDTH), gaussian, 12.0, 0.0, 0.005),
@@ -127,7 +127,7 @@ def phases(amplitude: float, speed: float, strength: float, count: int = 64) -> 
 
 
 def one_energy(_members: int) -> dict:
-    """Figure 5: the mean gain at one energy against amplitude over speed, and its sign."""
+    """Figure 6: the mean gain at one energy against amplitude over speed, and its sign."""
     speed, strength = 1.5, 0.01
     reduced = np.linspace(0.3, 4.2, 14)
     closed = np.array([drift(x * speed, speed) for x in reduced])
@@ -202,7 +202,7 @@ def change_of_sign(near: float, setting, strength: float, scrambles: int = 8):
 
 
 def two_temperatures(_members: int) -> dict:
-    """Figure 6: the mean work against friction between surfaces at two temperatures."""
+    """Figure 9: the mean work against friction between surfaces at two temperatures."""
     frequencies, hot, speed, strength = (1.0, 0.6), 0.5, 0.25, 0.02
     setting = speed, frequencies, hot
     cold = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0])

@@ -33,22 +33,15 @@ from tribo.loops.select import Integrator
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
-from tribo.results.notes import (
-    approach_notes,
-    budget_notes,
-    calculator_notes,
-    drive_notes,
-    halving_notes,
-    passage_notes,
-    run_notes,
-    stop_notes,
-)
+from tribo.results import notes as notes_on
 from tribo.results.pumped_heat import pumping_notes
 from tribo.results.run_result import Constant, Cost
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
 MOST_HALVINGS = 10
+# Of a run whose errors are not estimated.
+NO_BOUNDS: Mapping[str, float] = {}
 
 
 class Simulation:
@@ -74,7 +67,7 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
-        self._notes = run_notes(self.layout, self.method, step)
+        self._notes = notes_on.run_notes(self.layout, self.method, step)
         self._streams = is_streamed(self.layout, self.layout.times.size)
         self._initial_state = InitialState(self.layout)
 
@@ -196,17 +189,17 @@ class Simulation:
                 if run.status != Status.ENCOUNTER_JUMPED:
                     break
                 assert isinstance(setting, float)
-                notes = halving_notes(layout, run, setting, 0.5 * setting)
+                notes = notes_on.halving_notes(layout, run, setting, 0.5 * setting)
                 setting = 0.5 * setting
                 run, ledger, watched = self._deliver(setting, times, y)
-        notes += passage_notes(layout, run)
+        notes += notes_on.passage_notes(layout, run)
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
             notes += _left_out(ledger())
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         cost = partial(cost_of, [run], seconds, ratio)
-        return self._result(run.status, None, notes, {}, ledger, cost, run, setting)
+        return self._result(run, ledger, cost, notes, setting=setting)
 
     def _deliver(
         self, setting: Setting, times: np.ndarray, y: np.ndarray
@@ -234,8 +227,12 @@ class Simulation:
         if fine.status == Status.COMPLETED and len(runs) > 1:
             bounds, scales, excess = self._errors(runs[-3:])
             met = excess <= 1.0
-            notes = () if met else (*approach_notes(self.layout, fine), self._missed(excess))
-            open_budget = budget_notes(self.layout, assemble(self.layout, fine.samples), bounds)
+            notes = (
+                () if met else (*notes_on.approach_notes(self.layout, fine), self._missed(excess))
+            )
+            open_budget = notes_on.budget_notes(
+                self.layout, assemble(self.layout, fine.samples), bounds
+            )
             assert self.accuracy is not None
             weak = weak_notes(scales, self.accuracy) if met else ()
             met, notes = met and not open_budget, (*notes, *weak, *open_budget)
@@ -249,17 +246,16 @@ class Simulation:
             notes += _left_out(ledger())
             known = known if run.status == Status.COMPLETED else False
             cost = partial(cost_of, runs, seconds, ratio, search, run)
-            return self._result(run.status, known, notes, bounds, ledger, cost, run)
+            return self._result(run, ledger, cost, notes, known, bounds)
         cost = partial(cost_of, runs, seconds, ratio, search)
-        reported = partial(_reported, layout, fine)
-        return self._result(fine.status, known, notes, bounds, reported, cost, fine)
+        return self._result(fine, partial(_reported, layout, fine), cost, notes, known, bounds)
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout, samples = self.layout, run.samples
         watched = Watched.of(layout, samples) if watched is None else watched
         return (
-            *drive_notes(layout, assemble(layout, samples.ends())),
+            *notes_on.drive_notes(layout, assemble(layout, samples.ends())),
             *passing_notes(layout, samples),
             *separation_notes(layout.scene, watched.looks, watched.touching),
             *pumping_notes(layout, watched),
@@ -297,13 +293,12 @@ class Simulation:
 
     def _result(
         self,
-        status: Status,
-        met: bool | None,
-        notes: tuple[str, ...],
-        bounds: Mapping[str, float],
+        run: Integration,
         assemble_ledger: Callable[[], Ledger],
         add_up_cost: Callable[[], Cost],
-        run: Integration,
+        notes: tuple[str, ...],
+        met: bool | None = None,
+        bounds: Mapping[str, float] = NO_BOUNDS,
         setting: Setting | None = None,
     ) -> Result:
         """A result, with what all results of the simulation share."""
@@ -317,12 +312,12 @@ class Simulation:
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
-        notes = calculator_notes(run) + stop_notes(layout, run) + notes
+        notes = notes_on.calculator_notes(run) + notes_on.stop_notes(layout, run) + notes
         if keep is not None:
             run = run.without_samples()
         return Result(
             self.scene,
-            status,
+            run.status,
             method,
             self.why,
             self.accuracy,

@@ -24,11 +24,11 @@ from tribo.loops.journal import PART, Journal
 from tribo.loops.select import Integrator
 from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
-from tribo.model.scene import Scene
+from tribo.model.scene import Scene, checked_scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import ProgressBar, Shown, reported, shown
 from tribo.result import Result, load_result
-from tribo.validation import InputError, TriboWarning, as_path, boolean, inside
+from tribo.validation import TriboWarning, as_path, boolean, inside
 
 
 def prepare(
@@ -129,8 +129,7 @@ def _task(
     threads: int | None,
 ) -> _Task:
     """What is asked for.  Raises InputError."""
-    if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    scene = checked_scene(scene)
     if boolean("allow_unresolved", allow_unresolved):
         scene = replace(scene, numerics=replace(scene.numerics, allow_unresolved=True))
     layout, origin = lay_out(scene), None

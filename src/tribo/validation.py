@@ -9,7 +9,7 @@ import difflib
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -204,14 +204,10 @@ def as_path(value: object) -> Path:
     return Path(value)
 
 
-def inside(prefix: str) -> AbstractContextManager[None]:
+@contextmanager
+def inside(prefix: str) -> Iterator[None]:
     """A context whose InputErrors are about fields that are parts of `prefix`."""
-
-    @contextmanager
-    def relabel() -> Iterator[None]:
-        try:
-            yield
-        except InputError as error:
-            raise error.under(prefix) from None
-
-    return relabel()
+    try:
+        yield
+    except InputError as error:
+        raise error.under(prefix) from None

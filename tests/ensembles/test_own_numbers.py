@@ -9,7 +9,7 @@ from scipy import stats
 import tribo
 from support.crossed import Push
 from tribo.ensembles.kept_values import Kept
-from tribo.ensembles.members import Variation
+from tribo.ensembles.members import Variation, values_at_start
 from tribo.ensembles.runner import policy_of
 from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
@@ -284,3 +284,9 @@ def test_a_step_that_one_member_does_not_resolve(vary, what):
         tribo.simulate(with_values(scene, {key: vary[key][2]}), **how)
     allowed = tribo.ensemble(scene, 2, {key: vary[key][:2]}, keep=["upper.w1"], **how)
     assert set(allowed["status"].values) == {"completed"}
+
+
+def test_a_parameter_may_have_the_name_of_a_start():
+    """As of a potential, or of a field, of the user's own."""
+    values = {key: np.zeros((2, 1)) for key in ("upper.nu", "interaction.nu", "field.phi")}
+    assert list(values_at_start(values)) == ["upper.nu"]

@@ -24,10 +24,9 @@ from tribo.ledger.closest_bobs import asperite_name, closest_bobs
 from tribo.ledger.samples import Samples
 from tribo.loops.state import State, state_at_rest
 from tribo.model.fields import Corrugation
-from tribo.model.scene import Scene
+from tribo.model.scene import Scene, checked_scene
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
-from tribo.validation import must_be
 
 # Steps until the search is given up: bobs have then moved up to 40 rods.
 MOST_STEPS = 400
@@ -97,9 +96,7 @@ def relax(scene: Scene) -> State:
     InputError
         If `scene` is not a Scene, or a plug-in does not compile.
     """
-    if not isinstance(scene, Scene):
-        raise must_be("scene", "a tribo.Scene", scene)
-    layout = lay_out(scene)
+    layout = lay_out(checked_scene(scene))
     motion = _Accelerations(layout)
     u = layout.start[: layout.core] / motion.lengths
     for _ in range(MOST_ESCAPES):

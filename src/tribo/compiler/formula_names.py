@@ -15,7 +15,7 @@ import numpy as np
 from numba import jit, types
 from numba.extending import is_jitted, overload
 
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
 
 
@@ -24,10 +24,7 @@ def choose(condition, x, y):
     return np.where(condition, x, y)
 
 
-_options: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
-
-
-@overload(choose, **_options)
+@overload(choose, **OVERLOAD)
 def _choose(condition, x, y):
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)

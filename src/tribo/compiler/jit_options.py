@@ -33,3 +33,5 @@ if NATIVE:
 # Kernels, and kernels that make or return arrays.
 KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **UNCOUNTED}
 OWNING_KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **COUNTED}
+# Functions of Python that kernels compile in another way, as arguments of numba.extending.overload.
+OVERLOAD: dict[str, Any] = {"jit_options": KERNEL, "strict": False}

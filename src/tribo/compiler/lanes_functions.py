@@ -2,14 +2,13 @@
 
 import math
 import operator
-from typing import Any
 
 import numpy as np
 from numba import types
 from numba.extending import overload
 
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import (
     LANES,
     LanesType,
@@ -150,13 +149,10 @@ def exponential(x):
     return where_less(given, LOWEST_EXPONENT, 0.0, y)
 
 
-_options: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
-
-
 def _of_lanes(function, implementation) -> None:
     """Let formulas call a function of one number for Lanes."""
 
-    @overload(function, **_options)
+    @overload(function, **OVERLOAD)
     def find(x):
         return implementation if isinstance(x, LanesType) else None
 
@@ -174,7 +170,7 @@ for _function in (np.floor, math.floor):
 def _of_two(function, implementation) -> None:
     """Let formulas call a function of two numbers, one of them Lanes at least."""
 
-    @overload(function, **_options)
+    @overload(function, **OVERLOAD)
     def find(x, y):
         return implementation if LanesType in (type(x), type(y)) else None
 
@@ -185,7 +181,7 @@ for _function in (np.minimum, min):
     _of_two(_function, lambda x, y: where_less(y, x, y, x))
 
 
-@overload(operator.pow, prefer_literal=True, **_options)
+@overload(operator.pow, prefer_literal=True, **OVERLOAD)
 def _power(x, n):
     if not isinstance(x, LanesType) or not isinstance(n, types.IntegerLiteral):
         return None

@@ -15,6 +15,7 @@ from numba import config, types
 from numba.extending import intrinsic, models, overload, register_model
 
 from tribo.compiler.jit import inlined
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, instruction, lanes
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.pointers import PointerType
@@ -108,14 +109,14 @@ def _set(builder, data, row, i, value):
     builder.store(value, _element(builder, data, row, i))
 
 
-@overload(operator.getitem)
+@overload(operator.getitem, **OVERLOAD)
 def _getitem(data, at):
     if isinstance(data, RowsType):
         return lambda data, at: _get(data, at[0], at[1])
     return None
 
 
-@overload(operator.setitem)
+@overload(operator.setitem, **OVERLOAD)
 def _setitem(data, at, value):
     if isinstance(data, RowsType):
         return lambda data, at, value: _set(data, at[0], at[1], value)

@@ -10,8 +10,10 @@ import ctypes
 from typing import Any
 
 from tribo.compiler.numba_private import (
+    AnnotateTypes,
     CompilerBase,
     DefaultPassBuilder,
+    DumpParforDiagnostics,
     InlineClosureLikes,
     InlineOverloads,
     JITCodeLibrary,
@@ -100,7 +102,7 @@ class KernelLower(Lower):
         super().storevar(value, name, argidx if self.context.enable_nrt else None)
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
+@register_pass(mutates_CFG=False, analysis_only=False)
 class LinkedLowering(NativeLowering):
     """Lower a kernel to code for its callers."""
 
@@ -125,7 +127,7 @@ class LinkedLowering(NativeLowering):
         return True
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
+@register_pass(mutates_CFG=False, analysis_only=False)
 class LoopLowering(NativeLowering):
     """Lower a time loop to machine code."""
 
@@ -138,14 +140,16 @@ class LoopLowering(NativeLowering):
         return super().run_pass(state)
 
 
-# Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, and
-# overloads that are expanded in their callers.
+# Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, overloads
+# that are expanded in their callers, and reports of types and of parallel loops.
 UNNEEDED = (
     WithLifting,
     InlineClosureLikes,
     MakeFunctionToJitFunction,
     NopythonRewrites,
     InlineOverloads,
+    AnnotateTypes,
+    DumpParforDiagnostics,
 )
 
 

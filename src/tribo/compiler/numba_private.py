@@ -74,6 +74,8 @@ if NATIVE:
     from numba.core.compiler_machinery import register_pass as register_pass
     from numba.core.lowering import Lower as Lower
     from numba.core.serialize import dumps as dumps
+    from numba.core.typed_passes import AnnotateTypes as AnnotateTypes
+    from numba.core.typed_passes import DumpParforDiagnostics as DumpParforDiagnostics
     from numba.core.typed_passes import InlineOverloads as InlineOverloads
     from numba.core.typed_passes import NativeLowering as NativeLowering
     from numba.core.typed_passes import NopythonRewrites as NopythonRewrites

@@ -1,5 +1,6 @@
-"""Numbers that may be Lanes, and NamedTuples of them: scenes that differ, side by side."""
+"""NamedTuples whose numbers differ between scenes: from rows of a table, or Lanes side by side."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic, overload
 
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
 from tribo.compiler.numba_private import cgutils
@@ -53,6 +55,36 @@ def numbers_at_lane(typing_context, each, i):
     return floats(each, types.intp), build
 
 
+def has_plain_numbers(potential: Any) -> bool:
+    """Whether a potential consists of floats alone, of which a table has columns."""
+    fields = potential if isinstance(potential, tuple) else ()
+    return bool(fields) and all(isinstance(value, float) for value in fields)
+
+
+def numbers_of(potential: Any) -> Sequence[float]:
+    """A row of a table for `with_numbers`; empty where the potential is no plain numbers."""
+    return tuple(potential) if has_plain_numbers(potential) else ()
+
+
+@intrinsic
+def with_numbers(typing_context, potential, table, row):
+    """The potential with the numbers in a row of a table, where it consists of numbers alone."""
+    plain = _is_plain(potential, types.float64)
+
+    def build(context, builder, sig, args):
+        value, array, index = args
+        if not plain:
+            return value
+        data = context.make_array(sig.args[1])(context, builder, array).data
+        first = builder.mul(index, ir.Constant(index.type, len(potential.types)))
+        for k in range(len(potential.types)):
+            place = builder.gep(data, [builder.add(first, ir.Constant(index.type, k))])
+            value = builder.insert_value(value, builder.load(place), k)
+        return value
+
+    return potential(potential, table, types.intp), build
+
+
 def potential_of(contact, lane):
     """The potential of an interaction; for `lane` that of one member of an ensemble.
 
@@ -61,7 +93,7 @@ def potential_of(contact, lane):
     return contact.potential
 
 
-@overload(potential_of)
+@overload(potential_of, **OVERLOAD)
 def _find_potential_of(contact, lane):
     if isinstance(contact[contact.fields.index("numbers")], types.NoneType):
         return potential_of
@@ -82,7 +114,7 @@ def lane_of(x, i):
     return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
 
 
-@overload(lane_of)
+@overload(lane_of, **OVERLOAD)
 def _find_lane_of(x, i):
     return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
 
@@ -104,7 +136,7 @@ def largest_of_runs(members, x):
 def _keep_members_apart(function: Any) -> None:
     """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
 
-    @overload(function)
+    @overload(function, **OVERLOAD)
     def find(members, x):
         return function if isinstance(members, types.NoneType) else (lambda members, x: x)
 
@@ -122,7 +154,7 @@ def _set_block(array, k, x):
     set_block(array, k, x)
 
 
-@overload(set_numbers)
+@overload(set_numbers, **OVERLOAD)
 def _find_set_numbers(array, k, x):
     return _set_block if isinstance(x, LanesType) else set_numbers
 
@@ -132,7 +164,7 @@ def add_numbers(array, k, x):
     array[k] += x
 
 
-@overload(add_numbers)
+@overload(add_numbers, **OVERLOAD)
 def _find_add_numbers(array, k, x):
     if isinstance(x, LanesType):
         return lambda array, k, x: set_block(array, k, block(array, k) + x)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
-from itertools import accumulate
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +20,7 @@ from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import KeptValues
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
 from tribo.ensembles.members import Source, Variation, check_members_differ, of_surfaces
-from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
+from tribo.ensembles.request import END, Request, checked_names, checked_time
 from tribo.ensembles.runner import Execution, Runs, planned
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.statistics_store import (
@@ -31,7 +30,7 @@ from tribo.ensembles.statistics_store import (
 )
 from tribo.ensembles.stores import MemberStore
 from tribo.ensembles.target import Target, in_file
-from tribo.model.scene import Scene
+from tribo.model.scene import Scene, checked_scene
 from tribo.progress import Shown
 from tribo.validation import InputError, boolean, integer
 
@@ -199,14 +198,17 @@ def _members(runs: Runs, count: int, target: Target, began: float) -> xarray.Dat
     attributes |= common_attributes(scene, interrupted, tally.notes, began)
     attributes["members"] = json.dumps(tally.statuses)
 
-    def dataset(found: KeptValues, first: int = 0) -> xarray.Dataset:
-        members = runs.variation.members(np.arange(first, first + found["status"].size))
-        return members_dataset(runs.policy, members, found, attributes)
+    def datasets(parts: Iterable[KeptValues]) -> Iterator[xarray.Dataset]:
+        first = 0
+        for found in parts:
+            numbers = np.arange(first, first + found["status"].size)
+            first += numbers.size
+            members = runs.variation.members(numbers)
+            yield members_dataset(runs.policy, members, found, attributes)
 
     if target.path is None or interrupted:
-        return dataset(store.values())
-    sizes = accumulate((found["status"].size for found in store.parts()), initial=0)
-    return target.saved_in_parts(map(dataset, store.parts(), sizes))
+        return next(datasets([store.values()]))
+    return target.saved_in_parts(datasets(store.parts()))
 
 
 def _statistics(runs: Runs, count: int, target: Target, began: float) -> xarray.Dataset:

@@ -21,7 +21,7 @@ from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
-from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, short_repr
+from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_be, short_repr
 
 VELOCITY = "velocity"
 # Numbers that are drawn at once, of one quantity: calls of a distribution take about 0.1 ms.
@@ -323,18 +323,13 @@ def _is_of_scene(scene: Scene, key: str) -> bool:
 def _rows(key: str, source: Source, size: int) -> np.ndarray:
     """Values (n, 1) or (n, size), a row for each member."""
     if not is_list(source):
-        raise InputError(
-            key,
-            "must be an array with a value for each member, or a distribution as those of "
-            f"scipy.stats, got {short_repr(source)}",
-        )
+        wanted = "an array with a value for each member, or a distribution as those of scipy.stats"
+        raise must_be(key, wanted, source)
     table = _numbers(key, source)
     if table.ndim == 1:
         table = table[:, None]
     if table.ndim != 2 or table.shape[1] not in (1, size):
-        raise InputError(
-            key, f"must be of shape (members,) or (members, {size}), got {np.shape(table)}"
-        )
+        raise must_be(key, f"of shape (members,) or (members, {size})", np.shape(table))
     return table
 
 

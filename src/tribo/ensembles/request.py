@@ -19,7 +19,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import FURTHER, needs_accounts
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
-from tribo.model.settings import Numerics, Output
+from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, choice, inside, is_list, number, short_repr
@@ -39,10 +39,6 @@ class Request(NamedTuple):
     method: str | None
     step: float | None
     allow_unresolved: bool
-
-    def check(self) -> None:
-        """Refuse settings that no run can have.  Raises InputError."""
-        Numerics(_plain(self.accuracy), self.method, self.step, self.allow_unresolved)
 
     def recorded(self, scene: Scene) -> Scene:
         """The scene with its numerics, and with the times and series that the quantities need."""
@@ -134,13 +130,6 @@ class Request(NamedTuple):
 
 def _plain(accuracy: Accuracy | None) -> float | dict[str, float] | None:
     return dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
-
-
-def checked_scene(scene: object) -> Scene:
-    """The scene of many runs.  Raises InputError."""
-    if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {short_repr(scene)}")
-    return scene
 
 
 def checked_names(keep: object) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo.ensembles.members import Source, draws_of
 from tribo.model.scene import Scene
-from tribo.validation import InputError, inside, short_repr
+from tribo.validation import InputError, inside, must_be
 
 
 class Sampler(Protocol):
@@ -34,7 +34,7 @@ def sampled(
     if sampler is None:
         return dict(vary)
     if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
-        raise InputError("sampler", f"must be one of scipy.stats.qmc, got {short_repr(sampler)}")
+        raise must_be("sampler", "one of scipy.stats.qmc", sampler)
     if members is None:
         raise InputError("members", "is missing; a sampler needs the number of members")
     with inside("vary"):

@@ -28,8 +28,8 @@ from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
 from tribo.model.effects import Effect
-from tribo.model.scene import Scene
-from tribo.validation import InputError, inside
+from tribo.model.scene import Scene, checked_scene
+from tribo.validation import inside
 
 # Time of a run from which on the explanation says what makes it slow [s].
 LONG = 45 * 60.0
@@ -57,8 +57,7 @@ def explain(scene: Scene) -> Explanation:
     InputError
         As for :func:`tribo.prepare`.
     """
-    if not isinstance(scene, Scene):
-        raise InputError("scene", f"must be a tribo.Scene, got {scene!r}")
+    scene = checked_scene(scene)
     layout, given = lay_out(scene), scene.numerics
     check_keep(layout)
     with inside("numerics"):

@@ -25,7 +25,7 @@ from tribo.files import replace_file
 from tribo.kernels.kinematics import nearest_image
 from tribo.layout.contacts import SKIN
 from tribo.model.scene import Scene
-from tribo.validation import InputError, as_path
+from tribo.validation import as_path, must_be
 
 DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
 # Step that is written, where the scene has none, as a fraction of the shortest time of a contact.
@@ -71,11 +71,8 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     InputError
         If the folder cannot be written, or there are too many surfaces or different masses.
     """
-    if len(scene.surfaces) > MOST_SURFACES:
-        raise InputError(
-            "surface",
-            f"must be at most {MOST_SURFACES} for LAMMPS's groups, got {len(scene.surfaces)}",
-        )
+    if (count := len(scene.surfaces)) > MOST_SURFACES:
+        raise must_be("surface", f"at most {MOST_SURFACES} for LAMMPS's groups", count)
     atoms = atoms_of(scene)
     farthest = _farthest(scene, atoms)
     reach = longest_cutoff(scene, farthest)
@@ -97,9 +94,7 @@ def _made(directory: str | os.PathLike[str]) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(
-            "directory", f"must be a folder ({error.strerror}), got {folder}"
-        ) from None
+        raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
     return folder
 
 

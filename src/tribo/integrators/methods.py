@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from tribo.compiler.plugin_methods import recognize_class
 from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux, time_loops
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
-from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
+from tribo.integrators.runge_kutta import RungeKutta
 from tribo.integrators.splitting import Splitting, alternating, composed, splitting_steps
 from tribo.model.scene import Scene
 from tribo.validation import InputError, choice
@@ -43,7 +44,7 @@ class Method:
     name: str  # in scene files and on the command line
     order: int  # of convergence, of the motion and of the ledger
     # The time loop finds the method's functions by their class.
-    coefficients: RungeKutta | EmbeddedRungeKutta | Nystrom | Collocation | Splitting
+    coefficients: RungeKutta | Nystrom | Collocation | Splitting
     use: str  # what it is good for
     source: str  # where it was published
     adaptive: bool = False  # whether it chooses its steps by a tolerance; else they are equal
@@ -66,6 +67,20 @@ class Method:
         return time_loops.adaptive_steps if self.adaptive else time_loops.equal_steps
 
 
+# What methods of one family share.
+_NYSTROM: dict[str, Any] = {
+    "source": "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
+    "adaptive": True,
+    "refuses": _CUSTOM_FORCES | _FRICTION,
+    "smoothness": 0,
+}
+_KAHAN_LI: dict[str, Any] = {
+    "source": "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
+    "remembers": 1,
+    "refuses": _CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
+    "smoothness": 2,
+    "first_level": _HIGHER_ORDER,
+}
 METHODS = {
     method.name: method
     for method in (
@@ -100,20 +115,14 @@ METHODS = {
             8,
             nystrom_tableaux.RKN8,
             "forces that depend on positions only, accuracies from 1e-3 to 1e-8",
-            "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
-            adaptive=True,
-            refuses=_CUSTOM_FORCES | _FRICTION,
-            smoothness=0,
+            **_NYSTROM,
         ),
         Method(
             "rkn12",
             12,
             nystrom_tableaux.RKN12,
             "forces that depend on positions only, accuracies from 1e-8 to 1e-13",
-            "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
-            adaptive=True,
-            refuses=_CUSTOM_FORCES | _FRICTION,
-            smoothness=0,
+            **_NYSTROM,
         ),
         Method(
             "gauss-radau-15",
@@ -150,22 +159,14 @@ METHODS = {
             6,
             composed(*tableaux.read("kahan-li-6")["weights"]),
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
-            "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
-            remembers=1,
-            refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
-            smoothness=2,
-            first_level=_HIGHER_ORDER,
+            **_KAHAN_LI,
         ),
         Method(
             "kahan-li-8",
             8,
             composed(*tableaux.read("kahan-li-8")["weights"]),
             "long runs without reservoirs at accuracies beyond 1e-9",
-            "W. Kahan, R.-C. Li, Math. Comput. 66 (1997) 1089",
-            remembers=1,
-            refuses=_CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
-            smoothness=2,
-            first_level=_HIGHER_ORDER,
+            **_KAHAN_LI,
         ),
         Method(
             "blanes-moan-6",

@@ -5,7 +5,7 @@ step's increment is added with compensation, so that round-off does not accumula
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,41 +27,31 @@ class Stages(NamedTuple):
 
 
 class RungeKutta(NamedTuple):
-    """k_i = f(t + c_i h, y + h sum_j a_ij k_j); the step ends at y + h sum_i b_i k_i."""
+    """k_i = f(t + c_i h, y + h sum_j a_ij k_j); the step ends at y + h sum_i b_i k_i.
+
+    Adaptive methods have the weights of two error estimates, of orders 5 and 3.  E. Hairer, S. P.
+    Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, II.10,
+    for their combination.
+    """
 
     a: np.ndarray  # (stages, stages), strictly lower triangular
     b: np.ndarray  # (stages,)
     c: np.ndarray  # (stages,)
+    e5: Any = None  # (stages,)
+    e3: Any = None  # (stages,)
+    order: float = 8.0  # of the combined error estimate as a power of h
+    most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
         """The arrays that a step needs, for Python."""
-        return empty_stages(self.b.size, state)
+        stages, coordinates, accounts = self.b.size, state.y.size, state.s.size
+        return Stages(room((stages, coordinates)), room((stages, accounts)), room((coordinates,)))
 
     def step(self, model, neighbours, clock, h, end, state, work):
         """Advance the state to the time `end`."""
         evaluate_stages(self, model, neighbours, clock, h, state, work)
         complete_step(self, model, neighbours, clock, h, end, state, work)
         return COMPLETED
-
-
-class EmbeddedRungeKutta(NamedTuple):
-    """The same with the weights of two error estimates, of orders 5 and 3.
-
-    E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-    Springer 1993, II.10, for their combination.
-    """
-
-    a: np.ndarray  # (stages, stages), strictly lower triangular
-    b: np.ndarray  # (stages,)
-    c: np.ndarray  # (stages,)
-    e5: np.ndarray  # (stages,)
-    e3: np.ndarray  # (stages,)
-    order: float = 8.0  # of the combined error estimate as a power of h
-    most_growth: float = MAX_GROWTH
-
-    def workspace(self, model: Model, state: State) -> Stages:
-        """The arrays that a step needs, for Python."""
-        return empty_stages(self.b.size, state)
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
@@ -75,12 +65,6 @@ class EmbeddedRungeKutta(NamedTuple):
             copy_state(state, new)
             complete_step(self, model, neighbours, clock, h, end, new, work)
         return error, math.isfinite(error)
-
-
-def empty_stages(count: int, state: State) -> Stages:
-    """Room for that many stages."""
-    coordinates, accounts = state.y.size, state.s.size
-    return Stages(room((count, coordinates)), room((count, accounts)), room((coordinates,)))
 
 
 @expanded

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tribo.integrators.runge_kutta import EmbeddedRungeKutta, RungeKutta
+from tribo.integrators.runge_kutta import RungeKutta
 
 
 def stages(*rows: list[float]) -> np.ndarray:
@@ -38,4 +38,4 @@ CLASSICAL = RungeKutta(
 )
 
 _TABLE = read("dop853")
-DOP853 = EmbeddedRungeKutta(_TABLE["a"], _TABLE["b"], _TABLE["c"], _TABLE["e5"], _TABLE["e3"])
+DOP853 = RungeKutta(_TABLE["a"], _TABLE["b"], _TABLE["c"], _TABLE["e5"], _TABLE["e3"])

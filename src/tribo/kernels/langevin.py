@@ -4,14 +4,14 @@ On the swing it is a torque, -gamma omega + noise.  Splitting methods use the ex
 constant force, :func:`damped_motion`; all others integrate the friction alone, and refuse noise.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
 from numba.extending import overload
 
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit_options import OVERLOAD
 from tribo.compiler.lanes import broadcast, sqrt, where_less, with_lane
 from tribo.compiler.lanes_functions import exponential
 from tribo.compiler.lanes_memory import block
@@ -121,10 +121,7 @@ def _normals_of_members(noise, temperature, count, each):
     return first, second, third, fourth, fifth, sixth
 
 
-_options: dict[str, Any] = {"jit_options": KERNEL}
-
-
-@overload(normals, **_options)
+@overload(normals, **OVERLOAD)
 def _normals(noise, temperature, count, each):
     """Let kernels call `normals` with a generator, or with Deviates."""
     return _normals_of_members if isinstance(noise, types.BaseNamedTuple) else normals

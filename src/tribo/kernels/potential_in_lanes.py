@@ -10,6 +10,7 @@ from typing import Any
 from numba import TypingError, config, njit, types
 from numba.extending import overload
 
+from tribo.compiler.jit_options import OVERLOAD, OWNING_KERNEL
 from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, with_lane
 from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
 from tribo.compiler.plugin_methods import formula
@@ -22,7 +23,7 @@ def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
     Raises NumbaError if it does not compile for another reason than an operation that Lanes lack.
     """
     force = formula(potential_type.instance_class.force_between)
-    compiled = njit(error_model="numpy")(force)
+    compiled = njit(**OWNING_KERNEL)(force)
     charge = lanes if lanes in potential_type.types else charge
     try:
         compiled.compile((potential_type, lanes, charge, lanes))
@@ -42,7 +43,7 @@ def force_in_lanes(potential, r, end, charge, others, low, high):
     return potential.force_between(r, charge, others)
 
 
-@overload(force_in_lanes, strict=False)
+@overload(force_in_lanes, **OVERLOAD)
 def _force_in_lanes(potential, r, end, charge, others, low, high):
     return force_in_lanes if is_vectorized(potential, charge) else _one_by_one
 
@@ -62,7 +63,7 @@ def range_in_lanes(potential):
     return potential.range()
 
 
-@overload(range_in_lanes, strict=False)
+@overload(range_in_lanes, **OVERLOAD)
 def _range_in_lanes(potential):
     return _ranges if lanes in potential.types else range_in_lanes
 

@@ -178,12 +178,15 @@ def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
 
 
 def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:
-    """(count,) index of each bob's species; None where no interaction depends on species."""
+    """(count,) index of each bob's species; None where no interaction depends on species.
+
+    The bobs have the columns (n, members).
+    """
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])
     species = room((count,))
-    species[columns] = np.searchsorted(scene.species, names)
+    species[columns] = np.searchsorted(scene.species, names)[:, None]
     return species
 
 

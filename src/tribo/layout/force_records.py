@@ -59,7 +59,7 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
 
 
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
-    """All lattice springs; None without any."""
+    """All lattice springs between bars with the columns (n, members); None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     tables, chains = [], []
     count = 0
@@ -78,14 +78,13 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
             x, y = bars[:, i] - bars[:, j]
             less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
             table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
-        runs = _chains(columns[i], columns[j], k)
-        tables.append(table)
-        chains.append(runs)
+        tables.append(np.repeat(table, columns.shape[1], axis=1))
+        chains.append(_chains(columns[i].ravel(), columns[j].ravel(), k))
     every = np.concatenate(chains)
-    return in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
+    return _in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
 
 
-def in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
+def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
     """The springs of chains, each of which begins with a block and fills its last one."""
     whole = -(-chains["count"] // LANES) * LANES
     chains["first"] = np.cumsum(whole) - whole

@@ -246,7 +246,7 @@ def lay_out(scene: Scene) -> Layout:
     between, within, rows, skin = contacts.lay_out_contacts(scene)
     orders = _orders(scene, bobs, rows > 0 and not calls)
     places = slots.places(mine, theirs, np.arange(shared), orders)
-    model = model_tables(scene, asperites, theirs, places)._replace(
+    model = model_tables(scene, asperites, theirs, places.columns[:, None])._replace(
         contacts=between,
         within=within,
         inner=True if within else None,

@@ -48,11 +48,6 @@ def with_scratch(model: Model, columns: int) -> Model:
     return model._replace(**tables)
 
 
-def scratch_bytes(model: Model) -> int:
-    """Bytes of the tables that a loop writes."""
-    return 8 * model.each.shape[1] * sum(SCRATCH[name] for name in _needed(model))
-
-
 def _needed(model: Model) -> list[str]:
     """The names of the tables that loops of a layout write."""
     return [name for name in SCRATCH if getattr(model, name) is not None]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.compiler.potential_numbers import has_plain_numbers, numbers_of
+from tribo.compiler.numbers_in_lanes import has_plain_numbers, numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import fill_parameters, resting_bobs

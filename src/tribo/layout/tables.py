@@ -21,29 +21,36 @@ ONES += [records.INVERSE_MASS, records.INVERSE_INERTIA, records.INVERSE_BAR_LENG
 
 
 def model_tables(
-    scene: Scene, asperites: np.ndarray, numbering: slots.Numbering, places: slots.Places
+    scene: Scene,
+    asperites: np.ndarray,
+    numbering: slots.Numbering,
+    columns: np.ndarray,
+    apart: bool = False,
 ) -> Model:
-    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent."""
+    """The tables of the kernels; contacts, fields and forces of plug-ins are still absent.
+
+    Asperites have the columns (n, members); where they are `apart`, each has constants of its own.
+    """
     n = numbering.columns
-    _place_constants(numbering.surfaces, asperites)
-    shared = columns_of_constants(numbering.surfaces, asperites["surface"], places.columns)
+    _place_constants(numbering.surfaces, asperites, apart)
+    shared = columns_of_constants(numbering.surfaces, asperites["surface"][:, None], columns)
     bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
     torsional = _oscillators(
         numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
     )
-    lattice = springs(scene, asperites, places.columns)
+    lattice = springs(scene, asperites, columns)
     pulls = lattice is not None or bath is not None
     on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
     on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
     return Model(
         constants=_constants(scene, asperites, numbering.surfaces, shared),
-        each=_each(scene, asperites, places.columns, n),
+        each=_each(scene, asperites, columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
         ledger=None if scene.output.ledger == "none" else True,
         sums=True if scene.output.ledger == "surfaces" else None,
         contacts=(),
-        species=contacts.species(scene, places.columns, n),
+        species=contacts.species(scene, columns, n),
         bobs=True,
         drive=True,
         internal=True if pulls else None,
@@ -70,11 +77,11 @@ def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
     return not surface["tilted"] and all(same)
 
 
-def _place_constants(surfaces: np.ndarray, asperites: np.ndarray) -> None:
+def _place_constants(surfaces: np.ndarray, asperites: np.ndarray, apart: bool) -> None:
     """Set where the constants of all surfaces stand."""
     ends, first = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1)), 0
     for k, surface in enumerate(surfaces):
-        alike = are_alike(surface, asperites[ends[k] : ends[k + 1]])
+        alike = not apart and are_alike(surface, asperites[ends[k] : ends[k + 1]])
         surface["first_constants"], surface["constants_mask"] = first, 0 if alike else -1
         first += LANES if alike else surface["stop"] - surface["start"]
 
@@ -97,13 +104,16 @@ def columns_of_constants(
 def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
     """The table of constants that differ between asperites that are alike otherwise."""
     table = room((records.EACH_ROWS, count))
-    table[records.X_START, columns] = asperites["x"]
-    on_bars = asperites["facing"] * asperites["pivot"]
-    table[records.Y_START, columns] = asperites["y"] + on_bars
     depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
-    table[records.Z, columns] = np.concatenate(depths)
-    table[records.CHARGE, columns] = np.concatenate([s.each["charge"] for s in scene.surfaces])
-    table[records.PRESENT, columns] = 1.0
+    values = {
+        records.X_START: asperites["x"],
+        records.Y_START: asperites["y"] + asperites["facing"] * asperites["pivot"],
+        records.Z: np.concatenate(depths),
+        records.CHARGE: np.concatenate([s.each["charge"] for s in scene.surfaces]),
+        records.PRESENT: np.ones(asperites.size),
+    }
+    for row, value in values.items():
+        table[row, columns] = value[:, None]
     return table
 
 
@@ -116,7 +126,7 @@ def _constants(
     """
     table = room((len(records.CONSTANTS), count_of_constants(surfaces)))
     table[ONES] = 1.0
-    table[:, columns] = constants_of(scene, asperites)
+    table[:, columns] = constants_of(scene, asperites)[:, :, None]
     _fill_blocks(table, surfaces)
     return table
 
@@ -162,7 +172,7 @@ def _pivots(asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray) ->
     if not np.any(asperites["pivot"] > 0.0):
         return None
     pivots = room((1, count_of_constants(surfaces)))
-    pivots[0, columns] = asperites["pivot"]
+    pivots[0, columns] = asperites["pivot"][:, None]
     _fill_blocks(pivots, surfaces)
     return pivots
 

@@ -10,7 +10,7 @@ The identities that must hold, and by which the accounts are audited:
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -34,6 +34,8 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
 
+# Where the scene's output does not ask for them.
+NO_OSCILLATORS: Mapping[str, np.ndarray] = {}
 # Characters of a line of a text that stands for series.
 WIDTH = 100
 
@@ -210,6 +212,38 @@ class Ledger:
             {name: some(table, name) for name, table in self.blocks.items()},
             some(self.system, ""),
             kept,
+        )
+
+    def flat(self) -> dict[str, np.ndarray]:
+        """All series by their full names, as "upper.W"."""
+        tables = [*self.surfaces.items(), *self.blocks.items()]
+        own = {f"{surface}.{name}": table[name] for surface, table in tables for name in table}
+        return own | dict(self.system)
+
+    @classmethod
+    def of_flat(
+        cls,
+        t: np.ndarray,
+        series: Mapping[str, np.ndarray],
+        surfaces: Iterable[str],
+        kept: tuple[str, ...] = (),
+        oscillators: Mapping[str, np.ndarray] = NO_OSCILLATORS,
+    ) -> Ledger:
+        """The ledger of series by their full names, and of the names of all surfaces."""
+        of_surfaces: dict[str, dict[str, np.ndarray]] = {name: {} for name in surfaces}
+        blocks: dict[str, dict[str, np.ndarray]] = {name: {} for name in of_surfaces}
+        system: dict[str, np.ndarray] = {}
+        for full, values in series.items():
+            surface, _, name = full.rpartition(".")
+            table = of_surfaces if values.ndim == 2 else blocks
+            (table[surface] if surface else system)[name] = values
+        return Ledger(
+            t,
+            {name: known(table, kept) for name, table in of_surfaces.items()},
+            {name: known(table, kept) for name, table in blocks.items()},
+            known(system, kept),
+            kept,
+            oscillators,
         )
 
     def at_end(self) -> Ledger:

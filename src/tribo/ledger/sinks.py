@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from tribo.kernels.force_probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.ledger import Ledger, assemble, known
+from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.passing import passed_through
-from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES, Table
+from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
 from tribo.ledger.runaway import first_lost
 from tribo.ledger.samples import Samples
 from tribo.ledger.watched import Watched, look_interval
@@ -23,8 +23,10 @@ SERIES_BYTES = 2**30
 # Bytes of the samples of one portion: 1/8 of the above, so that a portion needs little memory
 # beside the state of the run.
 PORTION_BYTES = 2**27
-# Begins the names of the arrays of `Watched` in files.
-WATCHED = "watched "
+# Begin the names of series, and of the arrays of `Watched`, in files.
+SERIES, WATCHED = "series ", "watched "
+# The name of the times among series.
+TIMES = "t"
 
 
 class StreamedLedger:
@@ -45,7 +47,7 @@ class StreamedLedger:
         self._layout = layout
         self._guarded = guarded and layout.model.ledger is not None
         self._known = 0.0  # see `first_lost`
-        self._portions: list[Ledger] = []
+        self._portions: list[dict[str, np.ndarray]] = []  # series by full names, and times
         self._watched: list[Watched] = []
         self._written = 0  # portions that `new_arrays` has returned
 
@@ -73,7 +75,7 @@ class StreamedLedger:
 
     def _watch(self, samples: Samples) -> None:
         """Keep what notes need of new samples."""
-        done = sum(portion.t.size for portion in self._portions)
+        done = sum(portion[TIMES].size for portion in self._portions)
         every = look_interval(self._layout.times.size)
         self._watched.append(Watched.of(self._layout, samples, -done % every, every))
 
@@ -85,66 +87,37 @@ class StreamedLedger:
     def _keep(self, ledger: Ledger) -> None:
         """Keep what the scene asks for."""
         keep = self._layout.scene.output.keep
-        if keep is not None:
-            self._portions.append(ledger.only(keep))
-            return
+        some = Ledger(ledger.t, {}, ledger.blocks, ledger.system)
+        series = some.flat() if keep is None else ledger.only(keep).flat()
         # Copies: the loop writes the next portion into the same arrays.
-        blocks = {name: _copied(table) for name, table in ledger.blocks.items()}
-        self._portions.append(Ledger(np.array(ledger.t), {}, blocks, _copied(ledger.system)))
+        copies = {name: np.array(values) for name, values in series.items()}
+        self._portions.append({TIMES: np.array(ledger.t), **copies})
 
     def new_arrays(self) -> dict[str, np.ndarray]:
         """The portions since the last call, and what the next one needs, as arrays for a file."""
         new, watched = self._portions[self._written :], self._watched[self._written :]
         self._written = len(self._portions)
-        series = {
-            (part, name, quantity): [getattr(ledger, part)[name][quantity] for ledger in new]
-            for part in ("surfaces", "blocks")
-            for name, table in getattr(new[0], part).items()
-            for quantity in table
-        }
-        series |= {("system", "", name): [x.system[name] for x in new] for name in new[0].system}
-        arrays = {str(k): np.concatenate(values) for k, values in enumerate(series.values())}
-        arrays["t"] = np.concatenate([ledger.t for ledger in new])
-        arrays["names"] = np.frombuffer(json.dumps(list(series)).encode(), np.uint8)
+        arrays = {SERIES + name: values for name, values in _joined(new).items()}
         arrays["known"] = np.array(self._known)
         return arrays | {WATCHED + k: v for k, v in Watched.joined(watched)._asdict().items()}
 
     def take_back(self, arrays: dict[str, np.ndarray]) -> None:
         """Take in portions from the arrays of a file."""
-        scene = self._layout.scene
-        kept, names = tuple(scene.output.keep or ()), [each.name for each in scene.surfaces]
-        parts: dict[str, dict[str, dict[str, np.ndarray]]] = {
-            "surfaces": {name: {} for name in names if kept},
-            "blocks": {name: {} for name in names},
-            "system": {"": {}},
-        }
-        for k, (part, name, quantity) in enumerate(json.loads(arrays["names"].tobytes())):
-            parts[part][name][quantity] = arrays[str(k)]
-        surfaces, blocks, system = parts["surfaces"], parts["blocks"], parts["system"][""]
-        self._portions.append(Ledger(arrays["t"], surfaces, blocks, system, kept))
+        names = [name for name in arrays if name.startswith(SERIES)]
+        self._portions.append({name.removeprefix(SERIES): arrays[name] for name in names})
         self._watched.append(Watched(*(arrays[WATCHED + name] for name in Watched._fields)))
         self._written, self._known = len(self._portions), float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:
         """All series; those of asperites that are left out are at the ends of `samples`."""
-        portions = self._portions
-        t = np.concatenate([portion.t for portion in portions])
-        kept = portions[0].kept
-        blocks = {
-            name: _joined([portion.blocks[name] for portion in portions], kept)
-            for name in portions[0].blocks
-        }
-        system = _joined([portion.system for portion in portions], kept)
-        if not kept:
-            begun = samples.index_from(self._layout.beginning)
-            ends = np.unique([begun, samples.t.size - 1])
-            at_ends = assemble(self._layout, samples).rows(ends)
-            return Ledger(t, at_ends.surfaces, blocks, system, kept, at_ends.oscillators)
-        surfaces = {
-            name: _joined([portion.surfaces[name] for portion in portions], kept)
-            for name in portions[0].surfaces
-        }
-        return Ledger(t, surfaces, blocks, system, kept)
+        layout, series = self._layout, _joined(self._portions)
+        kept = tuple(layout.scene.output.keep or ())
+        found = Ledger.of_flat(series.pop(TIMES), series, layout.parts, kept)
+        if kept:
+            return found
+        begun = samples.index_from(layout.beginning)
+        ends = assemble(layout, samples).rows(np.unique([begun, samples.t.size - 1]))
+        return replace(found, surfaces=ends.surfaces, oscillators=ends.oscillators)
 
 
 def is_streamed(layout: Layout, times: int) -> bool:
@@ -164,13 +137,9 @@ def portion_size(layout: Layout) -> int:
     return max(1, PORTION_BYTES // _sample_bytes(layout))
 
 
-def _copied(table: Table) -> dict[str, np.ndarray]:
-    return {name: np.array(table[name]) for name in table}
-
-
-def _joined(tables: list[Table], kept: tuple[str, ...]) -> Table:
-    names = tables[0]
-    return known({name: np.concatenate([each[name] for each in tables]) for name in names}, kept)
+def _joined(portions: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """Series of portions one after another."""
+    return {name: np.concatenate([each[name] for each in portions]) for name in portions[0]}
 
 
 def _sample_bytes(layout: Layout) -> int:

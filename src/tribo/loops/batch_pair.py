@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.jit import EntryPoint, time_loop
-from tribo.compiler.potential_numbers import numbers_of
+from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import COUNTS

@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
-from tribo.compiler.potential_numbers import numbers_of
+from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.integrators.lane_queue import queue_of
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance

@@ -149,14 +149,8 @@ class Scene(ComparedByValue):
         names = [s.name for s in self.surfaces]
         for i, interaction in enumerate(interactions):
             with inside(f"interaction[{i}]"):
-                for name in interaction.between or ():
-                    if name not in names:
-                        raise must_be("between", f"one of the surfaces {shortened(names)}", name)
-                for name in interaction.species or ():
-                    if name not in self.species:
-                        raise must_be(
-                            "species", f"one of the species {shortened(self.species)}", name
-                        )
+                _check_names("between", interaction.between, "surfaces", names)
+                _check_names("species", interaction.species, "species", self.species)
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
@@ -168,9 +162,7 @@ class Scene(ComparedByValue):
         for i, item in enumerate(value):
             if not isinstance(item, Field):
                 raise must_be(f"field[{i}]", "a tribo.Field", item)
-            for name in item.on:
-                if name not in names:
-                    raise must_be(f"field[{i}].on", f"one of the surfaces {shortened(names)}", name)
+            _check_names(f"field[{i}].on", item.on, "surfaces", names)
         return tuple(value)
 
     def _check_period(self) -> None:
@@ -405,3 +397,17 @@ class Scene(ComparedByValue):
             "field": [fields.as_table(item) for item in self.fields],
             "surface": [surface_table(surface) for surface in self.surfaces],
         }
+
+
+def checked_scene(scene: object) -> Scene:
+    """The scene of a call.  Raises InputError about anything else."""
+    if not isinstance(scene, Scene):
+        raise must_be("scene", "a tribo.Scene", scene)
+    return scene
+
+
+def _check_names(field: str, given: Sequence[str] | None, kind: str, known: Sequence[str]) -> None:
+    """Refuse names that none of the surfaces, or of the species, has."""
+    for name in given or ():
+        if name not in known:
+            raise must_be(field, f"one of the {kind} {shortened(known)}", name)

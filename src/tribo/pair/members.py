@@ -1,7 +1,7 @@
 """Many runs of a pair, one after another, without Python between them."""
 
 from tribo.compiler.jit import kernel
-from tribo.compiler.potential_numbers import with_numbers
+from tribo.compiler.numbers_in_lanes import with_numbers
 from tribo.kernels.status import CODE, EVALUATIONS, STEPS
 from tribo.pair.loop import COLUMNS, pair_collocation
 

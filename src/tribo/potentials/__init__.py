@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
+from tribo.potentials.combined import Scaled, Sum
 from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
 from tribo.potentials.dimers import from_dimer
@@ -17,7 +18,7 @@ from tribo.potentials.lennard_jones import LennardJones
 from tribo.potentials.mie import Mie
 from tribo.potentials.morse import Morse
 from tribo.potentials.plummer import Plummer
-from tribo.potentials.potential import Potential, Scaled, Sum, as_potential
+from tribo.potentials.potential import Potential, as_potential
 from tribo.potentials.registry import BUILT_IN
 from tribo.potentials.soft_sphere import SoftSphere
 from tribo.potentials.spline import Table, from_csv, from_points, tabulated

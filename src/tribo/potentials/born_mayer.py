@@ -1,7 +1,4 @@
-"""Born-Mayer:  U = A exp(-r/rho).
-
-M. Born, J. E. Mayer, Z. Phys. 75 (1932) 1.
-"""
+"""Born-Mayer:  U = A exp(-r/rho)."""
 
 import numpy as np
 
@@ -28,6 +25,7 @@ class BornMayer(Potential):
 
     A: float
     rho: float
+    _limits = (("A", ">=", "energy"), ("rho", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -40,10 +38,3 @@ class BornMayer(Potential):
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.rho, WEAK_FROM * self.rho
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("A", self.A >= 0.0, "must not be negative [energy]"),
-            ("rho", self.rho > 0.0, "must be positive [length]"),
-        )

@@ -1,7 +1,5 @@
 """Buckingham:  U = A exp(-r/rho) - C/r^6.
 
-R. A. Buckingham, Proc. R. Soc. Lond. A 168 (1938) 264.
-
 The slope is zero where r^7 exp(-r/rho) = 6 C rho/A: at the top of a barrier, below which the
 potential falls without limit and has no meaning, and at the minimum outside it.  Both are at
 r = -7 rho W(-x) with x = (6 C/(A rho^6))^(1/7) / 7, on the two real branches of Lambert's W; for
@@ -36,6 +34,11 @@ class Buckingham(Potential):
     A: float
     rho: float
     C: float
+    _limits = (
+        ("A", ">", "energy"),
+        ("rho", ">", "length"),
+        ("C", ">=", "energy length^6"),
+    )
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -68,11 +71,3 @@ class Buckingham(Potential):
         """Smallest and largest valid r [length]: from the top of the barrier to infinity."""
         barrier = self._stationary(0)
         return (barrier if barrier > 0.0 else 0.0), float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("A", self.A > 0.0, "must be positive [energy]"),
-            ("rho", self.rho > 0.0, "must be positive [length]"),
-            ("C", self.C >= 0.0, "must not be negative [energy length^6]"),
-        )

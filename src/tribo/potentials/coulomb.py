@@ -1,7 +1,4 @@
-"""Coulomb:  U = strength q_i q_j / r.
-
-C.-A. de Coulomb, Histoire de l'Academie Royale des Sciences (1785) 569.
-"""
+"""Coulomb:  U = strength q_i q_j / r."""
 
 from tribo.potentials.potential import Potential
 

@@ -10,14 +10,12 @@ M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, Oxford 1987, secti
 polynomial is the smoothest of degree five with S = 1, 0 and S' = S'' = 0 at the ends.
 """
 
+from typing import ClassVar
+
 import numpy as np
 
-from tribo.potentials.potential import (
-    AT_CUTOFF,
-    BetweenCharges,
-    Wrapper,
-    must_be_potential,
-)
+from tribo.potentials.combined import BetweenCharges, Wrapper, must_be_potential
+from tribo.potentials.potential import AT_CUTOFF
 
 
 class WithCutoff(BetweenCharges, Wrapper):
@@ -34,6 +32,8 @@ class WithCutoff(BetweenCharges, Wrapper):
     """
 
     cutoff: float
+    # Number of continuous derivatives of U at the cutoff; -1 where U jumps.
+    _at_cutoff: ClassVar[int]
 
     def clearance(self, r):
         """Distance that a pair at r may move before the force changes considerably."""
@@ -42,6 +42,12 @@ class WithCutoff(BetweenCharges, Wrapper):
     def range(self):
         """Distance from which U and the force are zero [length]."""
         return min(self.cutoff, self.potential.range())
+
+    def smoothness(self):
+        """Number of continuous derivatives of U at every r > 0; -1 where U jumps."""
+        ends = self.cutoff <= self.potential.range()
+        below = self.potential.smoothness_within() if ends else self.potential.smoothness()
+        return min(self._at_cutoff, below)
 
     def constraints(self):
         """For each constraint: the parameter, whether it is met, and the message if not."""
@@ -64,6 +70,8 @@ class Truncated(WithCutoff):
         Distance from which U and the force are zero [length], positive.
     """
 
+    _at_cutoff = -1  # U jumps
+
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
         return (r < self.cutoff) * self.potential.energy_between(r, one, other)
@@ -71,10 +79,6 @@ class Truncated(WithCutoff):
     def force_between(self, r, one, other):
         """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
-
-    def smoothness(self):
-        """Number of continuous derivatives of U; -1, since U jumps at the cutoff."""
-        return min(-1, smoothness_below(self.potential, self.cutoff))
 
 
 class Shifted(WithCutoff):
@@ -88,6 +92,8 @@ class Shifted(WithCutoff):
         Distance from which U and the force are zero [length], positive.
     """
 
+    _at_cutoff = 0  # the force jumps
+
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
@@ -96,10 +102,6 @@ class Shifted(WithCutoff):
     def force_between(self, r, one, other):
         """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
-
-    def smoothness(self):
-        """Number of continuous derivatives of U; at most 0, since the force jumps."""
-        return min(0, smoothness_below(self.potential, self.cutoff))
 
 
 class ForceShifted(WithCutoff):
@@ -113,6 +115,8 @@ class ForceShifted(WithCutoff):
         Distance from which U and the force are zero [length], positive.
     """
 
+    _at_cutoff = 1  # the force has a kink
+
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
@@ -124,10 +128,6 @@ class ForceShifted(WithCutoff):
         """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         end = self.potential.force_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
-
-    def smoothness(self):
-        """Number of continuous derivatives of U; at most 1, since the force has a kink."""
-        return min(1, smoothness_below(self.potential, self.cutoff))
 
 
 class Switched(WithCutoff):
@@ -146,6 +146,7 @@ class Switched(WithCutoff):
     """
 
     switch_from: float
+    _at_cutoff = 2
 
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""
@@ -163,10 +164,6 @@ class Switched(WithCutoff):
         force = self.potential.force_between(r, one, other)
         return force * switch - self.potential.energy_between(r, one, other) * slope
 
-    def smoothness(self):
-        """Number of continuous derivatives of U at the cutoff."""
-        return min(2, smoothness_below(self.potential, self.cutoff))
-
     def smoothness_within(self):
         """Number of continuous derivatives of U at switch_from."""
         return min(2, self.potential.smoothness_within())
@@ -179,13 +176,6 @@ class Switched(WithCutoff):
             ("switch_from", self.switch_from > 0.0, "must be positive [length]"),
             ("switch_from", self.switch_from < self.cutoff, below),
         )
-
-
-def smoothness_below(potential, cutoff):
-    """Number of continuous derivatives of a potential at every r < cutoff."""
-    if cutoff <= potential.range():
-        return potential.smoothness_within()
-    return potential.smoothness()
 
 
 AT_CUTOFF |= {

@@ -26,27 +26,9 @@ IN_NUMPY = {name: name for name in (*FUNCTIONS, *CHOICES, "where")} | {
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 # Names that a parameter cannot have: those of a potential's methods and of a scene file's keys.
 RESERVED = (
-    *("energy", "force", "feature", "clearance", "coupling", "energy_between", "force_between"),
-    *(
-        "range",
-        "smoothness",
-        "smoothness_within",
-        "minimum",
-        "domain",
-        "constraints",
-        "count",
-        "index",
-    ),
-    *(
-        "potential",
-        "between",
-        "cutoff",
-        "at_cutoff",
-        "switch_from",
-        "self",
-        "np",
-        "expression_text",
-    ),
+    *dir(Potential),
+    *("energy", "force", "energy_between", "force_between", "minimum", "self", "np"),
+    *("potential", "between", "cutoff", "at_cutoff", "switch_from", "expression_text"),
 )
 HEAD = '''"""A potential that was given as an expression."""
 import numpy as np

@@ -205,8 +205,9 @@ def elements(names: list[str]) -> list[str]:
     return names
 
 
-# Locks of calculators in use, by their identity: a calculator remembers its last atoms, so only one
-# thread at a time can call it.
+# Locks of calculators in use, by their identity.  A calculator keeps the atoms and the results of
+# its last call, and cannot be copied where it holds a process or a file, so threads that run scenes
+# with the same one call it in turn.
 _locks: WeakValueDictionary[int, threading.Lock] = WeakValueDictionary()
 
 

@@ -1,7 +1,4 @@
-"""Gaussian:  U = height exp(-r^2 / (2 width^2)).
-
-F. H. Stillinger, J. Chem. Phys. 65 (1976) 3968.
-"""
+"""Gaussian:  U = height exp(-r^2 / (2 width^2))."""
 
 import numpy as np
 
@@ -28,6 +25,7 @@ class Gaussian(Potential):
 
     height: float
     width: float
+    _limits = (("width", ">", "length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -42,15 +40,3 @@ class Gaussian(Potential):
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.width, WEAK_FROM * self.width
-
-    def smoothness(self):
-        """Number of continuous derivatives of U: all."""
-        return float("inf")
-
-    def range(self):
-        """Distance from which U is zero [length]: none."""
-        return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (("width", self.width > 0.0, "must be positive [length]"),)

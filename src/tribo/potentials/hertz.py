@@ -1,7 +1,4 @@
-"""Hertz:  U = A (1 - r/d)^(5/2) below d, else 0.
-
-L. D. Landau, E. M. Lifshitz, Theory of Elasticity, Pergamon 1970, section 9.
-"""
+"""Hertz:  U = A (1 - r/d)^(5/2) below d, else 0."""
 
 import numpy as np
 
@@ -28,6 +25,7 @@ class Hertz(Potential):
 
     A: float
     d: float
+    _limits = (("A", ">=", "energy"), ("d", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -54,10 +52,3 @@ class Hertz(Potential):
     def smoothness_within(self):
         """Number of continuous derivatives of U below d: all."""
         return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("A", self.A >= 0.0, "must not be negative [energy]"),
-            ("d", self.d > 0.0, "must be positive [length]"),
-        )

@@ -1,7 +1,4 @@
-"""Lennard-Jones:  U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6).
-
-J. E. Jones, Proc. R. Soc. Lond. A 106 (1924) 463.
-"""
+"""Lennard-Jones:  U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6)."""
 
 from tribo.potentials.potential import Potential
 
@@ -23,6 +20,7 @@ class LennardJones(Potential):
 
     epsilon: float
     sigma: float
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -43,10 +41,3 @@ class LennardJones(Potential):
         """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         r = 2.0 ** (1.0 / 6.0) * self.sigma
         return r, -self.epsilon, 72.0 * self.epsilon / (r * r)
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
-            ("sigma", self.sigma > 0.0, "must be positive [length]"),
-        )

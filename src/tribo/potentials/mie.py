@@ -1,7 +1,4 @@
-"""Mie (n-m):  U = c epsilon ((sigma/r)^n - (sigma/r)^m),  c = n/(n - m) (n/m)^(m/(n - m)).
-
-G. Mie, Ann. Phys. (Leipzig) 316 (1903) 657.
-"""
+"""Mie (n-m):  U = c epsilon ((sigma/r)^n - (sigma/r)^m),  c = n/(n - m) (n/m)^(m/(n - m))."""
 
 from tribo.potentials.potential import Potential
 
@@ -31,6 +28,11 @@ class Mie(Potential):
     sigma: float
     n: float
     m: float
+    _limits = (
+        ("epsilon", ">=", "energy"),
+        ("sigma", ">", "length"),
+        ("m", ">", ""),
+    )
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -55,9 +57,4 @@ class Mie(Potential):
 
     def constraints(self):
         """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
-            ("sigma", self.sigma > 0.0, "must be positive [length]"),
-            ("m", self.m > 0.0, "must be positive"),
-            ("n", self.n > self.m, f"must be above m = {self.m:g}"),
-        )
+        return (*super().constraints(), ("n", self.n > self.m, f"must be above m = {self.m:g}"))

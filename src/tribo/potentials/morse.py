@@ -1,7 +1,4 @@
-"""Morse:  U = D (exp(-2 alpha (r - r0)) - 2 exp(-alpha (r - r0))).
-
-P. M. Morse, Phys. Rev. 34 (1929) 57.
-"""
+"""Morse:  U = D (exp(-2 alpha (r - r0)) - 2 exp(-alpha (r - r0)))."""
 
 import numpy as np
 
@@ -28,6 +25,7 @@ class Morse(Potential):
     D: float
     alpha: float
     r0: float
+    _limits = (("D", ">=", "energy"), ("alpha", ">", "1 / length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -46,10 +44,3 @@ class Morse(Potential):
     def minimum(self):
         """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         return self.r0, -self.D, 2.0 * self.D * self.alpha * self.alpha
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("D", self.D >= 0.0, "must not be negative [energy]"),
-            ("alpha", self.alpha > 0.0, "must be positive [1 / length]"),
-        )

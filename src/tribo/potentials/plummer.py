@@ -1,7 +1,4 @@
-"""Plummer:  U = strength q_i q_j / sqrt(r^2 + softening^2).
-
-H. C. Plummer, Mon. Not. R. Astron. Soc. 71 (1911) 460.
-"""
+"""Plummer:  U = strength q_i q_j / sqrt(r^2 + softening^2)."""
 
 import numpy as np
 
@@ -25,6 +22,7 @@ class Plummer(Potential):
 
     strength: float
     softening: float
+    _limits = (("softening", ">", "length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
@@ -42,7 +40,3 @@ class Plummer(Potential):
     def feature(self):
         """Length over which the force changes near r = 0 [length]; farther out that length is r."""
         return self.softening, 0.0
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (("softening", self.softening > 0.0, "must be positive [length]"),)

@@ -40,7 +40,7 @@ from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.potential_type import PotentialType, energy_of_charges, following
-from tribo.validation import InputError, choice, number, short_repr
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, number, short_repr
 
 # A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
 Real = Any
@@ -49,6 +49,8 @@ Constraint = tuple[str, bool, str]
 
 # The classes that `with_cutoff` makes, by the words of scene files; tribo.potentials.cutoff.
 AT_CUTOFF: dict[str, Any] = {}
+# The classes that sums and products make, by the words of scene files; tribo.potentials.combined.
+COMBINED: dict[str, Any] = {}
 # Distance from which a switched potential is reduced, if it is not given [cutoff].
 SWITCH_FROM = 0.9
 
@@ -62,6 +64,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     _fields: ClassVar[tuple[str, ...]] = ()
     _field_defaults: ClassVar[dict[str, Any]] = {}
+    # Parameters that are positive, ">", or not negative, ">=", and their units.
+    _limits: ClassVar[tuple[tuple[str, str, str], ...]] = ()
     # Arithmetic with numbers and arrays of numpy is that of this class.
     __array_ufunc__ = None
 
@@ -105,7 +109,12 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     def constraints(self) -> tuple[Constraint, ...]:
         """For each constraint: the parameter, whether it is met, and the message if not."""
-        return ()
+        conditions = {">": POSITIVE, ">=": NOT_NEGATIVE}
+        limits = ((name, *conditions[sign], unit) for name, sign, unit in self._limits)
+        return tuple(
+            (name, holds(getattr(self, name)), problem + f" [{unit}]" * bool(unit))
+            for name, problem, holds, unit in limits
+        )
 
     def with_cutoff(
         self, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None
@@ -150,17 +159,17 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     def __add__(self, other: object) -> Potential:  # type: ignore[override]
         """The sum; only charged parts are multiplied by the charges."""
-        return _sum(self, _added(other))
+        return COMBINED["sum"].of(self, _added(other))
 
     def __radd__(self, other: object) -> Potential:
         """The sum; 0, with which `sum` begins, changes nothing."""
         if isinstance(other, int) and other == 0:
             return self
-        return _sum(_added(other), self)
+        return COMBINED["sum"].of(_added(other), self)
 
     def __sub__(self, other: object) -> Potential:
         """The difference."""
-        return _sum(self, -1.0 * _added(other))
+        return COMBINED["sum"].of(self, -1.0 * _added(other))
 
     def __neg__(self) -> Potential:
         """The potential with the other sign."""
@@ -168,7 +177,7 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     def __mul__(self, factor: object) -> Potential:  # type: ignore[override]
         """The potential times a number of either sign."""
-        return as_potential(Scaled(self, number("factor", factor)))
+        return as_potential(COMBINED["scaled"](self, number("factor", factor)))
 
     __rmul__ = __mul__  # type: ignore[assignment]
 
@@ -262,159 +271,3 @@ def _added(part: object) -> Potential:
     if not hasattr(part, "_fields"):
         raise InputError("potential", f"can be added to potentials only, not to {short_repr(part)}")
     return as_potential(part)
-
-
-def _sum(first: Potential, second: Potential) -> Potential:
-    """The sum, of three potentials that of the first and of a sum, whatever the brackets."""
-    if type(first) is Sum:
-        return as_potential(Sum(first.first, _sum(first.second, second)))
-    return as_potential(Sum(first, second))
-
-
-def must_be_potential(name: str, part: object) -> Constraint:
-    """The constraint on a parameter that must be a potential."""
-    return name, hasattr(part, "energy"), "must be a potential"
-
-
-class BetweenCharges(Potential):
-    """A class that defines energy and force between any two charges."""
-
-    def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
-        return self.force_between(r, 1.0, 1.0)
-
-
-class Sum(BetweenCharges):
-    """The sum of two potentials: U = U_first + U_second.
-
-    Each part multiplies its own energy by the charges, so in a sum of a charged and an uncharged
-    potential only the charged one is multiplied by q_i q_j.
-
-    Attributes
-    ----------
-    first, second : Potential
-        Each is zero from its own range on.
-    """
-
-    first: Potential
-    second: Potential
-
-    def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
-        first = (r < self.first.range()) * self.first.energy_between(r, one, other)
-        second = (r < self.second.range()) * self.second.energy_between(r, one, other)
-        return first + second
-
-    def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
-        first = (r < self.first.range()) * self.first.force_between(r, one, other)
-        second = (r < self.second.range()) * self.second.force_between(r, one, other)
-        return first + second
-
-    def feature(self):
-        """The shorter length of the two, and the larger distance."""
-        length, reach = self.first.feature()
-        other_length, other_reach = self.second.feature()
-        return min(length, other_length), max(reach, other_reach)
-
-    def clearance(self, r):
-        """Distance that a pair at r may move before either force changes considerably."""
-        return min(self.first.clearance(r), self.second.clearance(r))
-
-    def range(self):
-        """Distance from which both parts are zero."""
-        return max(self.first.range(), self.second.range())
-
-    def smoothness(self):
-        """That of the less smooth part."""
-        return min(self.first.smoothness(), self.second.smoothness())
-
-    def smoothness_within(self):
-        """That of the less smooth part, without the point where the sum ends."""
-        end = self.range()
-        return min(
-            part.smoothness_within() if part.range() == end else part.smoothness() for part in self
-        )
-
-    def domain(self):
-        """The distances that are in both domains."""
-        (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
-        return max(low, other_low), min(high, other_high)
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return tuple(map(must_be_potential, self._fields, self))
-
-
-class Wrapper(Potential):
-    """A potential whose methods other than energy and force are those of another.
-
-    Attributes
-    ----------
-    potential : Potential
-        The other.
-    """
-
-    potential: Potential
-
-    def feature(self):
-        """The value of the wrapped potential."""
-        return self.potential.feature()
-
-    def clearance(self, r):
-        """The value of the wrapped potential."""
-        return self.potential.clearance(r)
-
-    def range(self):
-        """The value of the wrapped potential."""
-        return self.potential.range()
-
-    def smoothness(self):
-        """The value of the wrapped potential."""
-        return self.potential.smoothness()
-
-    def smoothness_within(self):
-        """The value of the wrapped potential."""
-        return self.potential.smoothness_within()
-
-    def domain(self):
-        """The value of the wrapped potential."""
-        return self.potential.domain()
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (must_be_potential("potential", self.potential),)
-
-
-class Scaled(Wrapper):
-    """A potential times a number: U = factor U_potential.
-
-    Attributes
-    ----------
-    potential : Potential
-        The potential.
-    factor : float
-        A number of either sign.
-    """
-
-    factor: float
-
-    def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
-        return self.factor * self.potential.energy(r)
-
-    def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
-        return self.factor * self.potential.force(r)
-
-    def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
-        return self.factor * self.potential.energy_between(r, one, other)
-
-    def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
-        return self.factor * self.potential.force_between(r, one, other)

@@ -1,7 +1,4 @@
-"""Soft spheres:  U = epsilon (sigma/r)^n.
-
-W. G. Hoover et al., J. Chem. Phys. 52 (1970) 4931.
-"""
+"""Soft spheres:  U = epsilon (sigma/r)^n."""
 
 from tribo.potentials.potential import Potential
 
@@ -26,6 +23,11 @@ class SoftSphere(Potential):
     epsilon: float
     sigma: float
     n: float
+    _limits = (
+        ("epsilon", ">=", "energy"),
+        ("sigma", ">", "length"),
+        ("n", ">", ""),
+    )
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -39,19 +41,3 @@ class SoftSphere(Potential):
     def feature(self):
         """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 2.0 * self.sigma / max(self.n, 2.0), 2.0 * self.sigma
-
-    def smoothness(self):
-        """Number of continuous derivatives of U: all."""
-        return float("inf")
-
-    def range(self):
-        """Distance from which U is zero [length]: none."""
-        return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
-            ("sigma", self.sigma > 0.0, "must be positive [length]"),
-            ("n", self.n > 0.0, "must be positive"),
-        )

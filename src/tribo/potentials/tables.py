@@ -10,9 +10,10 @@ from typing import Any
 from tribo.plugins import classes as plugins
 from tribo.plugins.unloaded import left
 from tribo.potentials import from_ase
+from tribo.potentials.combined import Scaled, Sum
 from tribo.potentials.dimers import from_dimer
 from tribo.potentials.expression import class_of, is_expression
-from tribo.potentials.potential import AT_CUTOFF, Potential, Scaled, Sum, as_potential, complete
+from tribo.potentials.potential import AT_CUTOFF, Potential, as_potential, complete
 from tribo.potentials.registry import BUILT_IN
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.validation import InputError, inside, is_list, known_keys, must_be, shortened

@@ -1,8 +1,6 @@
 """Weeks-Chandler-Andersen:  U = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) + epsilon.
 
 It ends at r = 2^(1/6) sigma, from which U = 0.
-
-J. D. Weeks, D. Chandler, H. C. Andersen, J. Chem. Phys. 54 (1971) 5237.
 """
 
 from tribo.potentials.potential import Potential
@@ -30,6 +28,7 @@ class WeeksChandlerAndersen(Potential):
 
     epsilon: float
     sigma: float
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""
@@ -57,10 +56,3 @@ class WeeksChandlerAndersen(Potential):
     def smoothness_within(self):
         """Number of continuous derivatives of U below its end: all."""
         return float("inf")
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (
-            ("epsilon", self.epsilon >= 0.0, "must not be negative [energy]"),
-            ("sigma", self.sigma > 0.0, "must be positive [length]"),
-        )

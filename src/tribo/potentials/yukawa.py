@@ -1,8 +1,4 @@
-"""Yukawa:  U = strength q_i q_j exp(-screening r) / r.
-
-H. Yukawa, Proc. Phys.-Math. Soc. Jpn. 17 (1935) 48; for charges in a solution, P. Debye and
-E. Hueckel, Phys. Z. 24 (1923) 185.
-"""
+"""Yukawa:  U = strength q_i q_j exp(-screening r) / r."""
 
 import numpy as np
 
@@ -21,11 +17,13 @@ class Yukawa(Potential):
 
     References
     ----------
-    H. Yukawa, Proc. Phys.-Math. Soc. Jpn. 17 (1935) 48.
+    H. Yukawa, Proc. Phys.-Math. Soc. Jpn. 17 (1935) 48; for charges in a solution, P. Debye and
+    E. Hueckel, Phys. Z. 24 (1923) 185.
     """
 
     strength: float
     screening: float
+    _limits = (("screening", ">=", "1 / length"),)
 
     def energy(self, r):
         """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
@@ -39,7 +37,3 @@ class Yukawa(Potential):
     def coupling(self, one, other):
         """Factor q_i q_j of the energy and the force."""
         return one * other
-
-    def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
-        return (("screening", self.screening >= 0.0, "must not be negative [1 / length]"),)

@@ -27,7 +27,7 @@ OF_EFFECTS = {
 }
 # A paper: authors, journal, volume (year) page.
 PAPER = re.compile(
-    r"(?P<authors>.+), (?P<journal>[^,]+?) (?P<volume>\d+) \((?P<year>\d{4})\) (?P<page>\d+)"
+    r"(?P<author>.+), (?P<journal>[^,]+?) (?P<volume>\d+) \((?P<year>\d{4})\) (?P<pages>\d+)"
     r"(, (?P<note>.+))?"
 )
 
@@ -65,22 +65,14 @@ def _line(key: str, text: str) -> str:
 
 def _bibtex(key: str, text: str) -> str:
     """One entry: an article for each paper, else the text as a note."""
-    name = key.replace(" ", "-")
-    papers = [PAPER.fullmatch(part) for part in text.split("; ")]
     entries = []
-    for number, (part, paper) in enumerate(zip(text.split("; "), papers, strict=True)):
-        label = name + (f"-{number + 1}" if number else "")
-        if paper is None:
-            entries.append(f"@misc{{{label},\n  note = {{{part}}}\n}}")
-            continue
-        fields = {
-            "author": paper["authors"].replace(", ", " and "),
-            "journal": paper["journal"],
-            "volume": paper["volume"],
-            "year": paper["year"],
-            "pages": paper["page"],
-            "note": paper["note"],
-        }
+    for number, part in enumerate(text.split("; ")):
+        label = key.replace(" ", "-") + (f"-{number + 1}" if number else "")
+        paper = PAPER.fullmatch(part)
+        kind = "misc" if paper is None else "article"
+        fields = {"note": part} if paper is None else paper.groupdict()
+        if "author" in fields:
+            fields["author"] = fields["author"].replace(", ", " and ")
         body = ",\n".join(f"  {field} = {{{value}}}" for field, value in fields.items() if value)
-        entries.append(f"@article{{{label},\n{body}\n}}")
+        entries.append(f"@{kind}{{{label},\n{body}\n}}")
     return "\n".join(entries)

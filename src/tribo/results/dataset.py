@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.files import replace_file
-from tribo.ledger.ledger import Ledger, known
+from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
 from tribo.loops.state import State
 from tribo.model.identity import plugin_stamps, version
@@ -229,31 +229,14 @@ def state_in(data: xarray.Dataset, scene: Scene) -> State:
 
 
 def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
-    """The ledger in a data set."""
-    surfaces: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
-    blocks: dict[str, dict[str, np.ndarray]] = {s.name: {} for s in scene.surfaces}
-    system: dict[str, np.ndarray] = {}
-    for name, variable in data.data_vars.items():
-        surface, _, key = str(name).rpartition(".")
-        if key not in EVERY_QUANTITY or str(name).startswith(STATE):
-            continue  # an error estimate, or the state
-        if not surface:
-            system[key] = variable.values
-        elif variable.ndim == 2:
-            surfaces[surface][key] = variable.values
-        else:
-            blocks[surface][key] = variable.values
+    """The ledger in a data set, but for error estimates and the state."""
+    names = [str(name) for name in data.data_vars if not str(name).startswith(STATE)]
+    series = {n: data[n].values for n in names if n.rpartition(".")[2] in EVERY_QUANTITY}
+    surfaces = [surface.name for surface in scene.surfaces]
     oscillators = {
         name: data[f"{name}{OSCILLATORS}"].values
         for name in surfaces
         if f"{name}{OSCILLATORS}" in data
     }
     kept = tuple(scene.output.keep or ())
-    return Ledger(
-        data["time"].values,
-        {name: known(table, kept) for name, table in surfaces.items()},
-        {name: known(table, kept) for name, table in blocks.items()},
-        known(system, kept),
-        kept,
-        oscillators,
-    )
+    return Ledger.of_flat(data["time"].values, series, surfaces, kept, oscillators)

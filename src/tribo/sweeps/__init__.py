@@ -13,14 +13,14 @@ from tribo.ensembles import ensemble
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
 from tribo.ensembles.members import Source, Variation, of_surfaces
-from tribo.ensembles.request import END, Request, checked_names, checked_scene, checked_time
+from tribo.ensembles.request import END, Request, checked_names, checked_time
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.stores import MemberStore
 from tribo.ensembles.target import Target, in_file
 from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
-from tribo.model.scene import Scene
+from tribo.model.scene import Scene, checked_scene
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table, attributes_of, coordinates_of
 from tribo.sweeps.grid import Grid, Keys
@@ -102,7 +102,6 @@ def sweep(
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
     settings = accuracy, method, step, allow_unresolved
     request = Request(names, checked_time(at), each.number is None, *settings)
-    request.check()
     if at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
     how = Execution.checked(engine, threads)

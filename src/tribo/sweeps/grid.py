@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, SupportsIndex
+from typing import Any, NamedTuple, SupportsIndex
 
 import numpy as np
 
@@ -93,13 +93,11 @@ def _row(name: str, keys: tuple[str, ...], item: object, together: bool) -> tupl
     """A value of each key.  Raises InputError."""
     if together and not (is_list(item) and len(item) == len(keys)):
         raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
-    items: list[Value] = []
-    given = [
+    given: list[Any] = [
         each.item() if isinstance(each, np.generic) else each
         for each in (item if together and is_list(item) else [item])
     ]
     for each in given:
         if not isinstance(each, (float, int, str)):
             raise must_be(name, "a list of numbers or words", each)
-        items.append(each)
-    return tuple(items)
+    return tuple(given)

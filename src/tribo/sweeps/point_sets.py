@@ -155,15 +155,12 @@ def _served_by_one_plan(
 
 def _has_numbers(grid: Grid, axis: Axis) -> bool:
     """Whether all values are numbers in which members may differ."""
-    for row in axis.rows:
-        if any(isinstance(each, (str, bool)) for each in row):
-            return False
+    if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
+        return False
     try:
-        for key in _of_surfaces(grid.scene, axis.keys):
-            size_of(grid.scene, key)
+        return all(size_of(grid.scene, key) for key in _of_surfaces(grid.scene, axis.keys))
     except InputError:
         return False
-    return True
 
 
 def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:

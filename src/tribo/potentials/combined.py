@@ -1,0 +1,162 @@
+"""Potentials made of others: sums, multiples, and what both share with cutoffs."""
+
+from tribo.potentials.potential import COMBINED, Constraint, Potential, as_potential
+
+
+def must_be_potential(name: str, part: object) -> Constraint:
+    """The constraint on a parameter that must be a potential."""
+    return name, hasattr(part, "energy"), "must be a potential"
+
+
+class BetweenCharges(Potential):
+    """A class that defines energy and force between any two charges."""
+
+    def energy(self, r):
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
+        return self.energy_between(r, 1.0, 1.0)
+
+    def force(self, r):
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
+        return self.force_between(r, 1.0, 1.0)
+
+
+class Sum(BetweenCharges):
+    """The sum of two potentials: U = U_first + U_second.
+
+    Each part multiplies its own energy by the charges, so in a sum of a charged and an uncharged
+    potential only the charged one is multiplied by q_i q_j.
+
+    Attributes
+    ----------
+    first, second : Potential
+        Each is zero from its own range on.
+    """
+
+    first: Potential
+    second: Potential
+
+    @classmethod
+    def of(cls, first: Potential, second: Potential) -> Potential:
+        """The sum, of three potentials that of the first and of a sum, whatever the brackets."""
+        if type(first) is cls:
+            return as_potential(cls(first.first, cls.of(first.second, second)))
+        return as_potential(cls(first, second))
+
+    def energy_between(self, r, one, other):
+        """Energy U(r) [energy] of two charges at distance r [length]."""
+        first = (r < self.first.range()) * self.first.energy_between(r, one, other)
+        second = (r < self.second.range()) * self.second.energy_between(r, one, other)
+        return first + second
+
+    def force_between(self, r, one, other):
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
+        first = (r < self.first.range()) * self.first.force_between(r, one, other)
+        second = (r < self.second.range()) * self.second.force_between(r, one, other)
+        return first + second
+
+    def feature(self):
+        """The shorter length of the two, and the larger distance."""
+        length, reach = self.first.feature()
+        other_length, other_reach = self.second.feature()
+        return min(length, other_length), max(reach, other_reach)
+
+    def clearance(self, r):
+        """Distance that a pair at r may move before either force changes considerably."""
+        return min(self.first.clearance(r), self.second.clearance(r))
+
+    def range(self):
+        """Distance from which both parts are zero."""
+        return max(self.first.range(), self.second.range())
+
+    def smoothness(self):
+        """That of the less smooth part."""
+        return min(self.first.smoothness(), self.second.smoothness())
+
+    def smoothness_within(self):
+        """That of the less smooth part, without the point where the sum ends."""
+        end = self.range()
+        return min(
+            part.smoothness_within() if part.range() == end else part.smoothness() for part in self
+        )
+
+    def domain(self):
+        """The distances that are in both domains."""
+        (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
+        return max(low, other_low), min(high, other_high)
+
+    def constraints(self):
+        """For each constraint: the parameter, whether it is met, and the message if not."""
+        return tuple(map(must_be_potential, self._fields, self))
+
+
+class Wrapper(Potential):
+    """A potential whose methods other than energy and force are those of another.
+
+    Attributes
+    ----------
+    potential : Potential
+        The other.
+    """
+
+    potential: Potential
+
+    def feature(self):
+        """The value of the wrapped potential."""
+        return self.potential.feature()
+
+    def clearance(self, r):
+        """The value of the wrapped potential."""
+        return self.potential.clearance(r)
+
+    def range(self):
+        """The value of the wrapped potential."""
+        return self.potential.range()
+
+    def smoothness(self):
+        """The value of the wrapped potential."""
+        return self.potential.smoothness()
+
+    def smoothness_within(self):
+        """The value of the wrapped potential."""
+        return self.potential.smoothness_within()
+
+    def domain(self):
+        """The value of the wrapped potential."""
+        return self.potential.domain()
+
+    def constraints(self):
+        """For each constraint: the parameter, whether it is met, and the message if not."""
+        return (must_be_potential("potential", self.potential),)
+
+
+class Scaled(Wrapper):
+    """A potential times a number: U = factor U_potential.
+
+    Attributes
+    ----------
+    potential : Potential
+        The potential.
+    factor : float
+        A number of either sign.
+    """
+
+    factor: float
+
+    def energy(self, r):
+        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
+        return self.factor * self.potential.energy(r)
+
+    def force(self, r):
+        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
+        return self.factor * self.potential.force(r)
+
+    def energy_between(self, r, one, other):
+        """Energy U(r) [energy] of two charges at distance r [length]."""
+        return self.factor * self.potential.energy_between(r, one, other)
+
+    def force_between(self, r, one, other):
+        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
+        return self.factor * self.potential.force_between(r, one, other)
+
+
+COMBINED |= {"sum": Sum, "scaled": Scaled}
