@@ -49,7 +49,7 @@ def row(places: np.ndarray, strength: float, speed: float, seed: int) -> tribo.S
         drive=drive,
         asperite=tribo.Asperite(kappa=np.inf),
     )
-    potential = tribo.with_cutoff(tribo.Gaussian(strength, WIDTH), 6.0 * WIDTH)
+    potential = tribo.Gaussian(strength, WIDTH).with_cutoff(6.0 * WIDTH)
     output = tribo.Output(times=[STEADY, STEADY + DISTANCE / speed])
     end = STEADY + DISTANCE / speed
     return tribo.Scene(
