@@ -10,7 +10,6 @@ from typing import Self
 import numpy as np
 
 from tribo.kernels.status import Status
-from tribo.layout.further_series import further_series, system_names
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.quantities import (
@@ -19,8 +18,10 @@ from tribo.ledger.quantities import (
     BLOCK_QUANTITIES,
     EVERY_QUANTITY,
     FURTHER_OF_SURFACES,
+    FURTHER_OF_SYSTEM,
     OPTIONAL_QUANTITIES,
     SYSTEM_QUANTITIES,
+    further_series,
     needs_accounts,
 )
 from tribo.ledger.samples import Samples
@@ -221,13 +222,15 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
+    asked = {surface.name: further_series(scene, surface) for surface in scene.surfaces}
     blocks = [
-        f"{surface.name}.{name}"
-        for surface in scene.surfaces
+        f"{surface}.{name}"
+        for surface, further in asked.items()
         for name in (*BLOCK_QUANTITIES, *FURTHER_OF_SURFACES)
-        if name in BLOCK_QUANTITIES or name in further_series(scene, surface)
+        if name in BLOCK_QUANTITIES or name in further
     ]
-    return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system_names(scene)])
+    system = [name for name in FURTHER_OF_SYSTEM if any(name in each for each in asked.values())]
+    return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system])
 
 
 def sum_names(scene: Scene) -> list[str]:

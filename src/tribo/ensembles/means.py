@@ -29,6 +29,7 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
+from tribo.results.dataset import Variable
 from tribo.results.intervals import CONFIDENCE, Interval, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
@@ -169,6 +170,7 @@ class _Means:
         """The data set of the members with their means."""
         summed = sum_names(self.runs.policy.simulation.scene)
         half = "half-width of the 95 % interval of the "
+        added: dict[str, Variable] = {}
         for name in self.runs.policy.kept.names:
             quantity = EVERY_QUANTITY[name.rpartition(".")[2]]
             meaning = quantity.long_name + ", summed over asperites" * (name in summed)
@@ -185,8 +187,8 @@ class _Means:
             data[name].attrs["long_name"] = meaning
             for ending, (value, of) in values.items():
                 about = {"units": quantity.units, "long_name": of + meaning}
-                data[f"{name}{ending}"] = ("time",) * np.ndim(value), value, about
-        return data
+                added[f"{name}{ending}"] = ("time",) * np.ndim(value), value, about
+        return data.assign(added)
 
     @property
     def _halved(self) -> KeptValues | None:

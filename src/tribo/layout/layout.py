@@ -16,7 +16,6 @@ from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.active import active_blocks
 from tribo.layout.force_records import fields_on_surfaces, user_forces
-from tribo.layout.further_series import further_series
 from tribo.layout.scene_records import resting_bobs, scene_records
 from tribo.layout.span import Span, span_of, spans_of
 from tribo.layout.start import start_of
@@ -90,11 +89,6 @@ class Layout:
             )
             for index, surface in enumerate(self.scene.surfaces)
         }
-
-    @cached_property
-    def further(self) -> dict[str, frozenset[str]]:
-        """Surface -> the names of further series that are asked for."""
-        return {s.name: further_series(self.scene, s) for s in self.scene.surfaces}
 
     @property
     def sampled_baths(self) -> tuple[int, int]:

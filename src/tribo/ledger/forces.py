@@ -6,6 +6,7 @@ one time; its series is the mean over the interval that ends at the sample, from
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 
@@ -22,6 +23,8 @@ from tribo.layout.span import Span
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 
@@ -37,23 +40,53 @@ class Force(NamedTuple):
         In a few words.
     work : str
         The name of its work; empty where it never has noise.
+    acts : callable
+        Whether it acts on the asperites of a surface of a scene.
     """
 
     row: int
     meaning: str
     work: str = ""
+    acts: Callable[[Scene, Surface], bool] = lambda scene, surface: True
+
+    def is_known(self, scene: Scene, surface: Surface) -> bool:
+        """Whether it acts, and has a series.
+
+        A force with noise is known by the impulses of each asperite, which only their ledger has.
+        """
+        noisy = any(FORCES[name] is self for name in surface.noisy_forces)
+        return self.acts(scene, surface) and (scene.output.ledger == "asperites" or not noisy)
 
 
 FORCES = {
     "f1": Force(force_probe.F1, "contact force on the bob"),
-    "f_within": Force(force_probe.WITHIN, "contact force of bobs of the same surface"),
-    "f_field": Force(force_probe.FIELD, "force of external fields on the bob"),
+    "f_within": Force(
+        force_probe.WITHIN,
+        "contact force of bobs of the same surface",
+        acts=Scene.has_contact_within,
+    ),
+    "f_field": Force(
+        force_probe.FIELD, "force of external fields on the bob", acts=Scene.has_field
+    ),
     "f2": Force(force_probe.F2, "drive on the bar", "w2"),
-    "f_spring": Force(force_probe.SPRING, "force of lattice springs on the bar"),
-    "f_bath": Force(force_probe.BATH, "force of the bath on the bar"),
+    "f_spring": Force(
+        force_probe.SPRING,
+        "force of lattice springs on the bar",
+        acts=lambda scene, surface: bool(surface.springs),
+    ),
+    "f_bath": Force(
+        force_probe.BATH,
+        "force of the bath on the bar",
+        acts=lambda scene, surface: surface.bath.masses.size > 0,
+    ),
     "fL": Force(force_probe.LEFT, "force on the bar's left end", "wL"),
     "fR": Force(force_probe.RIGHT, "force on the bar's right end", "wR"),
-    "f_T": Force(force_probe.FRICTION, "force of the reservoir on the bar", "w_T"),
+    "f_T": Force(
+        force_probe.FRICTION,
+        "force of the reservoir on the bar",
+        "w_T",
+        lambda scene, surface: surface.bar_reservoir is not None,
+    ),
 }
 
 

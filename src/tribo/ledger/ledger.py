@@ -12,21 +12,20 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tribo.kernels.samples import BATH_ROWS
-from tribo.layout.further_series import system_names
 from tribo.layout.layout import Layout
 from tribo.ledger.forces import Forces
 from tribo.ledger.quantities import (
     EVERY_QUANTITY,
     QUANTITIES,
     Quantity,
-    Reported,
     Table,
+    further_series,
     needs_accounts,
     reported,
 )
@@ -158,6 +157,8 @@ class Ledger:
     system: Table  # quantity -> (times,)
     kept: tuple[str, ...] = ()  # names in output.keep; empty where all is recorded
     oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
+    # Finds the ledger at the last time sooner than this one.
+    last: Callable[[], Ledger] | None = field(default=None, init=False)
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
@@ -179,7 +180,9 @@ class Ledger:
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
-        return known({**self.surfaces[surface], **self.blocks[surface]}, self.kept)
+        each, whole = self.surfaces[surface], self.blocks[surface]
+        names = dict.fromkeys((*each, *whole))
+        return Series(names, lambda name: (whole if name in whole else each)[name], self.kept)
 
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
@@ -248,112 +251,57 @@ class Ledger:
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone."""
-        return self.rows(slice(-1, None))
+        return self.rows(slice(-1, None)) if self.last is None else self.last()
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = dict(self.surfaces), dict(self.blocks), self.system, self.kept
         return Ledger, (self.t, *parts, dict(self.oscillators))
 
 
-class Assembled(Ledger):
-    """The ledger of raw samples; each series is computed when it is first asked for.
+def assemble(layout: Layout, samples: Samples) -> Ledger:
+    """The ledger of raw samples, the first of which is the start of the run.
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
+    Each series is computed when it is first asked for.
     """
-
-    def __init__(self, layout: Layout, samples: Samples) -> None:
-        self.t = samples.t
-        self._layout = layout
-        self._samples = samples
-        # Neither wholes nor series refer to the ledger: all is released without a collection.
-        self._wholes: dict[str, SurfaceSeries] = {}
-        self._forces = Forces(layout, samples)
-        self._series: dict[str, Series] = {}
-
-    def of(self, surface: str) -> Series:
-        """All series of a surface.  Raises KeyError if there is no such surface."""
-        if surface not in self._series:
-            index = self._layout.effects[surface][0]
-            whole = SurfaceSeries(self._layout, self._samples, index, forces=self._forces)
-            self._wholes[surface] = whole
-            found = self._reported(surface)
-            every = {**found.asperites, **found.blocks}
-            self._series[surface] = Series(every, partial(series_of, every, whole))
-        return self._series[surface]
-
-    @cached_property
-    def surfaces(self) -> dict[str, Series]:  # type: ignore[override]
-        """Surface -> quantity -> (times, asperites)."""
-        return {
-            name: Series(self._reported(name).asperites, self.of(name).__getitem__)
-            for name in self._layout.parts
-        }
-
-    @cached_property
-    def blocks(self) -> dict[str, Series]:  # type: ignore[override]
-        """Surface -> quantity of the surface as a whole -> (times,)."""
-        parts = self._layout.parts
-        return {
-            name: Series(self._reported(name).blocks, self.of(name).__getitem__) for name in parts
-        }
-
-    @cached_property
-    def system(self) -> Series:  # type: ignore[override]
-        """Quantity of the system -> (times,)."""
-        scene = self._layout.scene
-        further = frozenset(system_names(scene))
-        found = reported(scene.output.ledger, False, 0, further).system
-        return Series(found, partial(series_of, found, self._system))
-
-    @cached_property
-    def oscillators(self) -> dict[str, np.ndarray]:  # type: ignore[override]
-        """Surface with a bath -> displacements of its oscillators from their bars."""
-        layout, rows = self._layout, self._samples.baths[:, BATH_ROWS:]
-        if rows.shape[1] == 0:
-            return {}
-        counts = layout.oscillators
-        most, columns = max(counts.values()), rows.shape[2]
-        axes = rows.reshape(len(rows), 2, most, columns)
-        return {
-            name: axes[:, :, : counts[name], layout.places.columns[part]].transpose(0, 3, 2, 1)
-            for name, part in layout.parts.items()
-            if counts[name]
-        }
-
-    def _reported(self, surface: str) -> Reported:
-        """The quantities of a surface and of its asperites."""
-        _, field, reservoirs = self._layout.effects[surface]
-        ledger, further = self._layout.scene.output.ledger, self._layout.further[surface]
-        return reported(ledger, field, reservoirs, further)
-
-    @cached_property
-    def _system(self) -> SystemSeries:
-        for name in self._layout.parts:
-            self.of(name)
-        return SystemSeries(self._layout, self._samples, tuple(self._wholes.values()))
-
-    def at_end(self) -> Ledger:
-        """The ledger at the last time alone, from the samples that it needs."""
-        samples, with_forces = self._samples, "forces" in self._layout.scene.output.series
-        samples = samples.last_interval() if with_forces else samples.ends()
-        return Assembled(self._layout, samples).rows(slice(-1, None))
+    forces, kept = Forces(layout, samples), layout.scene.output.ledger
+    wholes, surfaces, blocks = [], {}, {}
+    for surface in layout.scene.surfaces:
+        index, has_field, reservoirs = layout.effects[surface.name]
+        whole = SurfaceSeries(layout, samples, index, forces=forces)
+        found = reported(kept, has_field, reservoirs, further_series(layout.scene, surface))
+        surfaces[surface.name] = _series(found.asperites, whole)
+        blocks[surface.name] = _series(found.blocks, whole)
+        wholes.append(whole)
+    system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
+    ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
+    ledger.last = partial(_last, layout, samples)
+    return ledger
 
 
-def series_of(
-    quantities: Mapping[str, Quantity], source: SurfaceSeries | SystemSeries, name: str
-) -> np.ndarray:
-    """The series of a quantity of a surface or of the system."""
-    return quantities[name].of(source)
+def _series(quantities: Mapping[str, Quantity], source: SurfaceSeries | SystemSeries) -> Series:
+    """The series of some quantities of a surface or of the system."""
+    return Series(quantities, lambda name: quantities[name].of(source))
 
 
-def assemble(layout: Layout, samples: Samples) -> Assembled:
-    """The ledger of raw samples, the first of which is the start of the run."""
-    return Assembled(layout, samples)
+def _oscillators(layout: Layout, samples: Samples) -> dict[str, np.ndarray]:
+    """Surface with a bath -> displacements of its oscillators from their bars."""
+    rows = samples.baths[:, BATH_ROWS:]
+    if rows.shape[1] == 0:
+        return {}
+    counts = layout.oscillators
+    axes = rows.reshape(len(rows), 2, max(counts.values()), rows.shape[2])
+    return {
+        name: axes[:, :, : counts[name], layout.places.columns[part]].transpose(0, 3, 2, 1)
+        for name, part in layout.parts.items()
+        if counts[name]
+    }
+
+
+def _last(layout: Layout, samples: Samples) -> Ledger:
+    """The ledger at the last time alone, from the samples that it needs."""
+    with_forces = "forces" in layout.scene.output.series
+    samples = samples.last_interval() if with_forces else samples.ends()
+    return assemble(layout, samples).rows(slice(-1, None))
 
 
 def check_keep(layout: Layout) -> None:

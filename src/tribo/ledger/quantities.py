@@ -9,9 +9,12 @@ from functools import cache
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
+from tribo.layout.contact_distance import has_contact_distance
 from tribo.ledger.forces import FORCES
 from tribo.ledger.motion import Motion
 from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
@@ -39,11 +42,14 @@ class Quantity:
         Its meaning in a few words.
     of : callable
         Its series, from some asperites, a surface or the system.
+    present : callable
+        Whether it can be asked for, of a surface of a scene.
     """
 
     kind: str
     long_name: str
     of: Callable[..., np.ndarray]
+    present: Callable[[Scene, Surface], bool] = lambda scene, surface: True
 
     @property
     def units(self) -> str:
@@ -168,9 +174,15 @@ def _along_x(*names: str) -> Callable[[SurfaceSeries], np.ndarray]:
     return lambda whole: whole.force_along_x(*names)
 
 
+def _has_bath(scene: Scene, surface: Surface) -> bool:
+    return bool(surface.bath)
+
+
 # Of each asperite on request, without an accuracy.
 FURTHER_OF_ASPERITES = {
-    f"{name}_{along}": Quantity("force", f"{along} of the {force.meaning}", _force(name, axis))
+    f"{name}_{along}": Quantity(
+        "force", f"{along} of the {force.meaning}", _force(name, axis), force.is_known
+    )
     for name, force in FORCES.items()
     for axis, along in enumerate("xy")
 } | {
@@ -188,31 +200,53 @@ FURTHER_OF_SURFACES = {
     "friction_force": Quantity(
         "force", "x of contact and fields on the surface", _along_x("f1", "f_field")
     ),
-    "contact_force": Quantity("force", "x of the contact force on the surface", _along_x("f1")),
-    "field_force": Quantity("force", "x of the fields' force on the surface", _along_x("f_field")),
-    "pull_force": Quantity("force", "x of the drive's force on the surface", _along_x("f2")),
+    "contact_force": Quantity(
+        "force", "x of the contact force on the surface", _along_x("f1"), Scene.has_field
+    ),
+    "field_force": Quantity(
+        "force", "x of the fields' force on the surface", _along_x("f_field"), Scene.has_field
+    ),
+    "pull_force": Quantity(
+        "force", "x of the drive's force on the surface", _along_x("f2"), FORCES["f2"].is_known
+    ),
     "time_without_contact": Quantity(
         "share",
         "share of time without contact: 1 where no bob is in contact, else 0",
         lambda whole: whole.without_contact,
+        has_contact_distance,
     ),
     "e_springs": Quantity(
-        "energy", "energy of the lattice springs", lambda whole: whole.stored(SPRINGS)
+        "energy",
+        "energy of the lattice springs",
+        lambda whole: whole.stored(SPRINGS),
+        FORCES["f_spring"].acts,
     ),
     "e_within": Quantity(
-        "energy", "energy of contact within the surface", lambda whole: whole.stored(WITHIN)
+        "energy",
+        "energy of contact within the surface",
+        lambda whole: whole.stored(WITHIN),
+        Scene.has_contact_within,
     ),
-    "k_bath": Quantity("energy", "kinetic energy of the bath", lambda whole: whole.kinetic_of_bath),
+    "k_bath": Quantity(
+        "energy", "kinetic energy of the bath", lambda whole: whole.kinetic_of_bath, _has_bath
+    ),
     "e_bath": Quantity(
-        "energy", "potential energy of the bath", lambda whole: whole.potential_of_bath
+        "energy", "potential energy of the bath", lambda whole: whole.potential_of_bath, _has_bath
     ),
-    "heat_bath": Quantity("energy", "heat given to the bath", lambda whole: whole.heat_of_bath),
+    "heat_bath": Quantity(
+        "energy", "heat given to the bath", lambda whole: whole.heat_of_bath, _has_bath
+    ),
 }
 # Those of which the average over time is kept at the end of a run, not the value at that time.
 AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
-    "field_energy": Quantity("energy", "potential energy in fields", SystemSeries.field_energy)
+    "field_energy": Quantity(
+        "energy",
+        "potential energy in fields",
+        SystemSeries.field_energy,
+        lambda scene, surface: bool(scene.fields),
+    )
 }
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
@@ -227,6 +261,16 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
         if each.kind == "energy"
     },
 }
+
+
+def further_series(scene: Scene, surface: Surface) -> frozenset[str]:
+    """The names of the series of a surface, and of the system, that the scene's output asks for."""
+    groups = (FURTHER.get(name, {}) for name in scene.output.series)
+    return frozenset(
+        name for group in groups for name, each in group.items() if each.present(scene, surface)
+    )
+
+
 EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 
 
