@@ -180,7 +180,8 @@ def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
 
 def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any]]:
     """The works on each surface and its other curves, and those of the system."""
-    ledger, tables = result.ledger, {}
+    ledger = result.ledger
+    tables: dict[str, Table] = {}
     for name, own in works.items():
         table, block, heat = result[name], ledger.blocks[name], {}
         if "heat" in table:
