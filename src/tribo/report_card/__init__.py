@@ -53,7 +53,7 @@ def check(
         name = as_table(potential)["calculator"]
         raise InputError(
             "potential",
-            "must be a potential of pairs, not of all bobs together; check two atoms, as in: tribo "
+            "must be a potential of pairs; check two atoms, as in: tribo "
             f"check ase-dimer calculator={name} "
             """symbols='["Cu", "Cu"]' low=2 high=5 tolerance=1e-3 many_body=true""",
         )
