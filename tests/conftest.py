@@ -7,7 +7,7 @@ from pathlib import Path
 
 # Linear algebra on small matrices is slower with threads.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# numba colours the messages of thousands of errors that it catches itself: 8 % of compilation.
+# numba colours the messages of thousands of errors that it catches: a few per cent of the time.
 os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 import pytest
@@ -40,13 +40,6 @@ def server() -> Iterator[Server]:
     """Runs programs in new processes."""
     with Server() as started:
         yield started
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_cmdline_main(config: pytest.Config) -> None:
-    """Give each process of xdist its own files, so that no two compile the same kernels at once."""
-    if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
-        config.option.dist = "worksteal"
 
 
 @pytest.fixture
