@@ -299,9 +299,8 @@ class Table:
                 turn, side, _, friction = self.of(study, "square", "friction").T
                 for length in np.unique(side):
                     mine = side == length
-                    ax.plot(turn[mine] / length, friction[mine])
-                for length, half in zip(*self.half_angles(), strict=True):
-                    ax.annotate(f" {length:g}$^2$", (half, 0.5 * friction[0]), fontsize=8)
+                    label = rf"${length:g} \times {length:g}$"
+                    ax.plot(turn[mine] / length, friction[mine], label=label)
                 ax.set(xlabel="angle [rad]", xscale="log")
             else:
                 for case, mark in (("reservoirs", "o"), ("none", "s")):
@@ -313,8 +312,7 @@ class Table:
                 ax.set(xscale="linear" if study == "load" else "log")
             static = study in ("static", "angle")
             ax.set(ylabel=f"{'static ' * static}friction per asperite")
-            if study != "angle":  # its lines have labels
-                ax.legend(frameon=False)
+            ax.legend(frameon=False)
         return plotting.save(ax, folder / f"friction_{study}.png")
 
 

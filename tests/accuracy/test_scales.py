@@ -195,3 +195,13 @@ def test_energies_of_a_surface_have_a_scale_of_their_own():
     assert (scales.energy, scales.total) == (each, whole) and whole > 3.0 * each
     assert scales.of(kind_of("upper.W")) == scales.of(kind_of("contact_energy")) == scales.total
     assert scales.of(kind_of("upper.w2")) == scales.energy
+
+
+@pytest.mark.parametrize(("strength", "is_noted"), [(1e-18, True), (1e-3, False)])
+def test_works_below_the_rounding_of_energies(strength, is_noted):
+    """A note says where spinning pendulums have far more energy than contact can change."""
+    turning = {"bars": "free", "initial": tribo.Initial(omega=2.0)}
+    upper = tribo.Surface("upper", bob=(-10.0, 0.0), velocity=(0.5, 0.0), **turning)
+    lower = tribo.Surface("lower", facing="up", bars="free")
+    result = tribo.simulate(tribo.Scene((upper, lower), tribo.Coulomb(strength), 4.0))
+    assert any("no work exceeds" in note for note in result.notes) == is_noted

@@ -24,7 +24,7 @@ from tribo.loops.integrate import Integration, Setting
 
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
-# chance: without this, of 600 random pairs of asperites three had errors beyond their bars, of
+# chance: without this, of 600 random pairs of asperites three had errors above their estimates, of
 # 1e-8, 3e-5 and 2e-4 of the request.
 LEAST = 1e-3
 # Change of every initial theta [radian], and of every omega in units of the largest rate, that

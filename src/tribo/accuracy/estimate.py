@@ -21,7 +21,7 @@ from tribo.ledger.samples import Samples
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random
-# pairs of asperites had errors beyond their bars, of which four by 1.2 to 1.5 times.
+# pairs of asperites had errors above their estimates, of which four by 1.2 to 1.5 times.
 SAFETY = 3.0
 # It is also multiplied by this where a derivative of a potential jumps, because errors then fall
 # irregularly with the step.
@@ -33,7 +33,7 @@ POOLED = 0.02
 DIVERGED = 0.1
 # The same where a small change of the start grew to DIVERGED, so that its growth is known no more
 # than round-off's: errors of all runs are then of one size, and differ by less than they are.  One
-# of 138 random scenes had an error of 1.2 times its bar of 0.08.
+# of 138 random scenes had an error of 1.2 times its estimate of 0.08.
 DIVERGED_IN_CHAOS = 0.01
 # Bound of each quantity in diverged runs, in units of its scale: two values of at most the scale.
 # Runs that have nothing more in common may be close in all quantities by chance.

@@ -12,7 +12,7 @@ from tribo.loops.resolution import bath_frequency, spring_frequency
 
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
-# runs may agree: of 600 random pairs of asperites 2.3 % had errors beyond their bars at 0.3, and
+# runs may agree: of 600 random pairs of asperites 2.3 % had errors above the estimates at 0.3, and
 # 0.3 % at 0.1.  Errors of equal steps fall smoothly.
 FINE_LEVEL = 0.1
 FINE_LEVEL_OF_EQUAL_STEPS = 0.3

@@ -22,7 +22,7 @@ from tribo.model.fields import Corrugation
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
 # Effect of the rounding of a run, in units of sqrt(steps) roundings: twice the standard deviation
-# of a random walk.  At one, an error of 1000 random scenes was 1.2 times its bar.
+# of a random walk.  At one, an error of 1000 random scenes was 1.2 times its estimate.
 WALK = 2.0
 # Bobs of a surface of which the distances are looked at.
 MOST_BOBS = 64

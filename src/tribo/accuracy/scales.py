@@ -35,6 +35,8 @@ ENERGIES = tuple(
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
     if quantity.kind == "energy" and name not in NOT_MEASURED
 )
+# The works and pseudoworks among them.
+WORKS = tuple(name for name in ENERGIES if name.startswith("w"))
 # The quantities of surfaces and of the system by which their energies are measured.
 TOTALS = tuple(n for n, kind in KINDS.items() if kind == "total" and n not in NOT_MEASURED)
 # Energies of a position, with which those of the motion are compared.
@@ -114,7 +116,8 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     by_kind = motion_scales(
         tops, speed, internal, np.max(a.inertia), np.max(a.mass), layout.scene.count
     )
-    return Scales(length=longest_rod(layout), **{kind: float(x) for kind, x in by_kind.items()})
+    scales = {kind: float(x) for kind, x in by_kind.items()}
+    return Scales(length=longest_rod(layout), **scales)
 
 
 # A value of one run, or those of several members (members,).
@@ -146,7 +149,7 @@ def motion_scales(
     """
     energies = {name: tops[name] for name in ENERGIES if name in tops}
     highest = _highest(energies.values())
-    works = [top for name, top in energies.items() if name.startswith("w")]
+    works = [tops[name] for name in WORKS if name in tops]
     work = _highest(works or [highest])
     potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0]) / asperites
     measured = np.where(are_lost(work, internal), internal, highest)

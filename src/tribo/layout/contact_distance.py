@@ -49,7 +49,7 @@ def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
 
 def has_contact_distance(scene: Scene, surface: Surface) -> bool:
     """Whether all contacts of a surface with others have a range, or decay."""
-    index = scene.surfaces.index(surface)
+    index = [each.name for each in scene.surfaces].index(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
     return bool(mine) and all(contact_distance(scene, i) is not None for i in mine)
 

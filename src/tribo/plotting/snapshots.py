@@ -69,7 +69,6 @@ def snapshots(
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
     widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
-    widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
     arranged = _in_a_row if widths.sum() < MOST_ROW * heights.max() else _in_a_column
     is_given = ax is not None
     with drawing_on(ax, WIDE) as ax:

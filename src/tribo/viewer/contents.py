@@ -6,6 +6,7 @@ A curve is rounded to the digits that the page shows, which numbers of 32 bits k
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     scene = result.scene
     frames = _frames(result, bath)
     surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
+    works = {surface.name: works_of(result, surface.name, None) for surface in scene.surfaces}
     notes, dots = list(result.notes), {}
     if bath:
         dots = oscillator_dots(result, frames)
@@ -73,13 +75,13 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         "status": str(result.status),
         "method": result.method,
         "accuracy": _accuracy(result),
-        "sentence": sentence(result),
+        "sentence": sentence(scene, works),
         "notes": notes,
         "times": packed(result.t, exact=True),
         "frames": packed(frames),
         "surfaces": surfaces,
         "forces": _forces(result, frames),
-        "groups": _groups(result),
+        "groups": _groups(result, works),
     }
 
 
@@ -176,40 +178,39 @@ def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
     return [forces[:, :, axis] for axis in (0, 1)]
 
 
-def _groups(result: RunResult) -> list[dict[str, Any]]:
+def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any]]:
     """The works on each surface and its other curves, and those of the system."""
     ledger = result.ledger
-    groups = []
-    for surface in result.scene.surfaces:
-        series = works_of(result, surface.name, None)
-        table = result[surface.name]
+    tables: dict[str, Table] = {}
+    for name, own in works.items():
+        table, block, heat = result[name], ledger.blocks[name], {}
         if "heat" in table:
-            series["heat"] = np.asarray(table["heat"]).reshape(len(result.t), -1).sum(axis=1)
-        block = ledger.blocks[surface.name]
-        series |= {name: block[name] for name in block if name not in series}
-        groups.append({"name": surface.name, "curves": _curves(series)})
-    return [*groups, {"name": "system", "curves": _curves(ledger.system)}]
+            heat["heat"] = np.asarray(table["heat"]).reshape(len(result.t), -1).sum(axis=1)
+        others = {each: block[each] for each in block if each not in own}
+        tables[name] = {**own, **others, **heat}
+    tables["system"] = ledger.system
+    return [{"name": name, "curves": _curves(table)} for name, table in tables.items()]
 
 
 def _curves(table: Table) -> list[dict[str, Any]]:
     """Name, meaning and values of each series of a table, those that the page opens with first."""
     names = [*(name for name in DRAWN if name in table), *(n for n in table if n not in DRAWN)]
     first = [name for name in names if name in DRAWN] or names[:4]
+    rounded = _rounded(np.array([table[name] for name in names]))
     return [
         {
             "name": name,
             "meaning": EVERY_QUANTITY[name].long_name,
             "kind": EVERY_QUANTITY[name].kind,
             "drawn": name in first,
-            "values": packed(_rounded(np.asarray(table[name]))),
+            "values": packed(values),
         }
-        for name in names
+        for name, values in zip(names, rounded, strict=True)
     ]
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
     """The values with as many digits as the page shows."""
-    values = np.asarray(values, float)
     with np.errstate(all="ignore"):
         size = np.where(values == 0.0, 1.0, np.abs(values))
         unit = 10.0 ** (np.floor(np.log10(size)) - DIGITS + 1)

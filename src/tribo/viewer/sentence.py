@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from tribo.plotting.works import works_of
-from tribo.results.run_result import RunResult
+from tribo.model.scene import Scene
 
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
 
 
-def sentence(result: RunResult) -> str:
+def sentence(scene: Scene, works_of: Mapping[str, Mapping[str, np.ndarray]]) -> str:
     """What the work of friction says about the motion of the bobs of the first moving surface.
 
     Parameters
     ----------
-    result : RunResult
+    scene : Scene
+    works_of : mapping
+        Surface -> work -> (times,).
 
     Returns
     -------
     str
         Empty where no works of the contact force are recorded.
     """
-    surfaces = result.scene.surfaces
-    moving = next((s for s in surfaces if s.velocity[0] != 0.0), surfaces[0])
-    works = works_of(result, moving.name, None)
+    moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
+    works = works_of[moving.name]
     if "w1" not in works or "w1_ps" not in works:
         return ""
     work, pseudowork = (float(works[name][-1]) for name in ("w1", "w1_ps"))
@@ -45,6 +47,6 @@ def sentence(result: RunResult) -> str:
     less = "less" if lag else "more"
     return (
         f"{bobs} {seen}: friction's point of action moves {less} than the block, so the work of "
-        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} than its pseudowork "
-        f"({pseudowork:.3g})."
+        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} in magnitude than its "
+        f"pseudowork ({pseudowork:.3g})."
     )

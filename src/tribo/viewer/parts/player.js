@@ -61,6 +61,7 @@ function mount(element, source) {
   let waiting = false;
   let groupName = null;
   let fill = null;
+  let rows = null; // the names of the curves in the table
 
   const groupIn = (one) => one.groups.find(({ name }) => name === groupName) ?? { curves: [] };
   const named = (those) => Object.entries(those).map(([key, value]) => `${key} = ${shownValue(value)}`).join(", ");
@@ -149,7 +150,9 @@ function mount(element, source) {
     groupName = name;
     const { curves: own } = groupIn(run);
     for (const curve of own) if (!drawn.has(curve.name)) drawn.set(curve.name, curve.drawn);
-    fill = makeTable(part("values"), own, drawn, update);
+    const wanted = own.map(({ name: each }) => each).join();
+    if (wanted !== rows) fill = makeTable(part("values"), own, drawn, update);
+    rows = wanted;
     update();
   }
 
