@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from tribo.model import bath, drives
@@ -11,12 +12,18 @@ from tribo.model.surface import Surface
 from tribo.model.tables import table_of
 from tribo.model.topography import Topography
 
+# A list of at most four numbers, as tomli-w writes it: one a line.  A string contains no new line.
+SHORT_LIST = re.compile(r"\[\n((?: +[-+.\w]+,\n){1,4}) *\]")
+
 
 def toml(table: dict[str, Any]) -> bytes:
-    """The text of a table."""
+    """The text of a table, with positions and velocities in a line each."""
     import tomli_w
 
-    return tomli_w.dumps(table).encode("utf-8")
+    def in_a_line(found: re.Match[str]) -> str:
+        return f"[{' '.join(found[1].split()).removesuffix(',')}]"
+
+    return SHORT_LIST.sub(in_a_line, tomli_w.dumps(table)).encode("utf-8")
 
 
 def output_table(output: Output) -> dict[str, Any]:
