@@ -13,6 +13,7 @@ import tribo
 from support import reference
 from support.continued import chain, pair
 from support.everything import everything
+from support.laws import raw_samples
 from tribo.layout.layout import lay_out
 
 EVERY = ("forces", "energies", "oscillators")
@@ -111,7 +112,7 @@ def test_names_follow_the_effects(result):
     assert "k_bath" in lower and "k_bath" not in upper and "e_within" not in lower
     plain = tribo.simulate(everything(1.0, samples=5), method="verlet", step=0.01)
     assert "f1_x" not in plain["upper"] and "field_energy" not in plain.system
-    assert plain.ledger._samples.baths.size == 0
+    assert raw_samples(plain.ledger).baths.size == 0
     with pytest.raises(tribo.InputError, match=r'output\.series: does not contain "forces"'):
         plain.friction_force("upper")
 
@@ -125,7 +126,7 @@ def test_noise_has_means():
     names = [key[:-2] for key in upper if key.startswith("f") and key.endswith("_x")]
     assert np.all(np.isnan(upper.f_T_x[0])) and np.all(np.isfinite(upper.f_T_x[1:]))
     assert all(np.all(np.isfinite(vectors(upper, name))) for name in names if name != "f_T")
-    accounts = whole.ledger._samples.s[:, lay_out(scene).asperites.acc_thermal[:4]]
+    accounts = raw_samples(whole.ledger).s[:, lay_out(scene).asperites.acc_thermal[:4]]
     mean = np.diff(accounts, axis=0) / np.diff(whole.t)[:, None]
     assert np.array_equal(upper.f_T_x[1:], mean)
     assert whole.end["surfaces"]["upper"]["f_T_x"] == upper.f_T_x[-1].tolist()

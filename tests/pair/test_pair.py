@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
-from support.laws import identities, tables
+from support.laws import identities, raw_samples, tables
 from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.accuracy.levels import setting_at
@@ -302,9 +302,9 @@ def test_series_from_the_record(drives):
     """A series that is read from the loop's record is that of the samples, alone or at the end."""
     simulation = tribo.prepare(pair(tribo.Coulomb(0.3), drives), accuracy=1e-8, method=RADAU.name)
     result = simulation.run({"upper.theta": 0.1}, estimate=False)
-    samples = result.ledger._samples
+    samples = raw_samples(result.ledger)
     plain = assemble(simulation.layout, pickle.loads(pickle.dumps(samples)))
-    assert type(samples) is PairSamples and type(plain._samples) is Samples
+    assert type(samples) is PairSamples and type(raw_samples(plain)) is Samples
     for (_, mine), (_, theirs) in zip(
         tables(result), tables(replace(result, assemble=lambda: plain)), strict=True
     ):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import tribo
+from support.laws import raw_samples
 from tribo import (
     Coulomb,
     Free,
@@ -129,7 +130,7 @@ def test_results_are_released_without_a_collection():
     gc.disable()
     try:
         lone = simulation.run()
-        kept = weakref.ref(lone.ledger._samples)
+        kept = weakref.ref(raw_samples(lone.ledger))
         assert lone["upper"].w1.size and lone["upper"].delta_E_int.size and lone.system
         del lone
         assert kept() is None
@@ -140,7 +141,7 @@ def test_results_are_released_without_a_collection():
 def test_columns_are_the_series(result):
     """All series side by side, those of single surfaces too, are the same as one by one."""
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
-    samples, layout = simulation.compute().ledger._samples, simulation.layout
+    samples, layout = raw_samples(simulation.compute().ledger), simulation.layout
     group = AsperiteSeries(layout, samples, (layout.together,))
     columns = series_table(layout, group, ["upper.W", "lower.w1"])
     ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]

@@ -43,3 +43,9 @@ def identities(tables):
             if whole in table:
                 present = [name for name in parts if name in table]
                 yield law, (whole, *present), table[whole], sum(table[name] for name in present)
+
+
+def raw_samples(ledger):
+    """The samples that a run's ledger computes its series from."""
+    _, samples = ledger.last.args
+    return samples
