@@ -35,6 +35,18 @@ settings.register_profile("search", settings.get_profile("ci"), derandomize=Fals
 settings.load_profile("ci")
 
 
+# Tests that compile loops of their own for ten seconds or more, beside quicker ones of their kind.
+SLOW = frozenset(Path(__file__).with_name("slow_tests.txt").read_text("utf-8").splitlines())
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests of `slow_tests.txt`, whose names are as pytest prints them."""
+    for item in items:
+        if item.nodeid in SLOW:
+            item.add_marker("slow")
+
+
 @pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
     """Runs programs in new processes."""

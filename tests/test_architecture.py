@@ -217,3 +217,12 @@ def test_no_test_module_is_imported():
         tops = {full.partition(".")[0] for full in imported(ast.parse(path.read_text("utf-8")))}
         found = {top for top in tops if top == "conftest" or top.startswith("test")}
         assert not found, f"{path.name} imports {found}"
+
+
+def test_slow_tests_are_tests():
+    """Each name in the list of slow tests is that of a test."""
+    folder = Path(__file__).parent
+    for name in (folder / "slow_tests.txt").read_text(encoding="utf-8").splitlines():
+        file, _, test = name.partition("::")
+        source = (folder.parent / file).read_text(encoding="utf-8")
+        assert f"def {test.partition('[')[0]}(" in source, name

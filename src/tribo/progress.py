@@ -38,8 +38,7 @@ class ProgressBar:
 
             # The rate is that from now on: what was done before may have been read from a file.
             always = {"mininterval": 0.0, "miniters": 0, "delay": DELAY}
-            self._bar = tqdm(initial=reached, **always, **self._how)
-            self._bar.set_description(self._runs, refresh=False)
+            self._bar = tqdm(initial=reached, desc=self._runs, **always, **self._how)
         self._bar.update(reached - self._bar.n)
 
     def of_runs(self, reached: float) -> None:
@@ -53,10 +52,8 @@ class ProgressBar:
 
         The predicted `seconds` of it and of those that follow are printed from DELAY on.
         """
-        self._runs = f"run {number} of {runs}"
-        if self._bar is not None:
-            self._bar.reset()
-            self._bar.set_description(self._runs, refresh=False)
+        self.close()
+        self._runs = f"run {number} of {runs}: "
         if seconds is not None and DELAY <= seconds < math.inf:
             left = runs - number + 1
             plan = f"{left} run{'s' * (left > 1)} planned, about {seconds:.2g} s"
