@@ -17,8 +17,7 @@ from tribo.explanation.fastest_motion import fastest_motion
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
 from tribo.loops import guards
-from tribo.model.effect_keys import lack_of
-from tribo.model.effects import Effect
+from tribo.model.effects import Effect, lack_of
 from tribo.potentials import as_potential, expression
 
 ROW = {"shape": (3, 1), "spacing": (1.1, 0.0)}

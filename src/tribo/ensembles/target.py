@@ -62,7 +62,7 @@ class Target(NamedTuple):
 
 
 def _append(path: Path, data: xarray.Dataset) -> None:
-    """Write members behind those in a file, which the first of them make anew."""
+    """Append members to a file; a part that begins with member 0 replaces the file."""
     first = int(data["member"][0])
     if first == 0:
         bytes_of_text = {"dtype": "S1"}  # a fixed number for each, in place of objects

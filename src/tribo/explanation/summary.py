@@ -26,8 +26,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
-from tribo.model.effect_keys import keys_of, lack_of
-from tribo.model.effects import Effect
+from tribo.model.effects import Effect, keys_of, lack_of
 from tribo.model.scene import Scene, checked_scene
 from tribo.validation import inside
 

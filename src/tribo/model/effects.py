@@ -1,8 +1,19 @@
-"""Effects that a scene can have."""
+"""Effects: which keys of a scene call for each, and what a scene without it lacks."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
+from tribo.model.interaction import Interaction
+from tribo.model.surface import Surface
+from tribo.potentials.from_ase import Live
+from tribo.potentials.tables import as_table
+from tribo.validation import short_repr
 
 
 class Effect(StrEnum):
@@ -45,3 +56,182 @@ class Effect(StrEnum):
         effect._value_ = name
         effect.description = description
         return effect
+
+
+# Yields the keys of a scene that call for an effect, with their values.
+Finder = Callable[[Any], Iterator[str]]
+
+
+def keys_of(scene: Any, effect: Effect) -> Iterator[str]:
+    """The keys of a scene that call for an effect, which it has if there are any."""
+    return EFFECTS[effect][1](scene)
+
+
+def lack_of(effect: Effect) -> str:
+    """What a scene without an effect lacks."""
+    return EFFECTS[effect][0]
+
+
+def potential_name(item: Interaction) -> str:
+    """The name of a potential in a scene file."""
+    if isinstance(item.potential, Live):
+        return type(item.potential.calculator).__name__
+    return _spelled(as_table(item.potential)["potential"], short_repr)
+
+
+def _spelled(value: object, otherwise: Callable[[object], str]) -> str:
+    """A name in quotation marks, or else what `otherwise` gives."""
+    return f'"{value}"' if isinstance(value, str) else otherwise(value)
+
+
+def _class(value: object) -> str:
+    return _spelled(value, lambda plugin: type(plugin).__name__)
+
+
+def _surfaces(key: str, value: Callable[[Surface], object | None]) -> Finder:
+    """Finds the surfaces whose `value` is not None."""
+    return lambda scene: (
+        f"surface[{i}].{key} = {found}"
+        for i, surface in enumerate(scene.surfaces)
+        if (found := value(surface)) is not None
+    )
+
+
+def _reservoirs(on: str) -> Finder:
+    """Finds the reservoirs on "bar" or "swing"; of two, by its place, which is 0 for the bars."""
+    return lambda scene: (
+        f"surface[{i}].langevin{f'[{j}]' * (len(surface.reservoirs) == 2)}.gamma = {item.gamma}"
+        for i, surface in enumerate(scene.surfaces)
+        for j, item in enumerate(surface.reservoirs)
+        if item.on == on
+    )
+
+
+def _interactions(wanted: Callable[[Any, Interaction], bool]) -> Finder:
+    """Finds the interactions that are wanted."""
+    return lambda scene: (
+        f"interaction[{i}].potential = {potential_name(item)}"
+        for i, item in enumerate(scene.interactions)
+        if wanted(scene, item)
+    )
+
+
+def _swings(scene: Any) -> Iterator[str]:
+    finite = [i for i, surface in enumerate(scene.surfaces) if not surface.asperite.is_rigid]
+    if len(finite) == len(scene.surfaces):
+        yield "every asperite"
+    else:
+        yield from (f"surface[{i}].asperite.kappa is finite" for i in finite)
+
+
+def _slides(scene: Any) -> Iterator[str]:
+    for i, surface in enumerate(scene.surfaces):
+        if not (scene.slides_along_x(surface) or scene.slides_along_y(surface)):
+            continue
+        if not isinstance(surface.drive, Forced):
+            yield f'surface[{i}].drive is not "forced"'
+        elif scene.has_uncancelled_forces(surface):
+            yield f"surface[{i}] has forces that its drive does not cancel"
+        else:
+            yield f"surface[{i}].drive.load = {surface.drive.load:g}"
+
+
+def _clamped(surface: Surface) -> str | None:
+    held = surface.bars == "clamped" and np.any(np.asarray(surface.asperite.kappa) > 0.0)
+    return '"clamped"' if held else None
+
+
+def _count(number: int, thing: str) -> str | None:
+    return f"{number} {thing}{'s' if number > 1 else ''}" if number else None
+
+
+# Why an effect is absent, and what finds the keys that call for it.
+EFFECTS: dict[Effect, tuple[str, Finder]] = {
+    Effect.CONTACT: (
+        "no interaction acts between two surfaces",
+        _interactions(lambda scene, item: any(i != j for i, j in scene.pairs(item))),
+    ),
+    Effect.SWING: ("every asperite is rigid", _swings),
+    Effect.SLIDING: ("each drive cancels all forces on its centres of mass", _slides),
+    Effect.TURNING_BARS: (
+        "all bars are clamped",
+        _surfaces("bars", lambda s: None if s.bars == "clamped" else _class(s.bars)),
+    ),
+    Effect.CLAMPED_ENDS: ("no clamped bar holds a torsion spring", _surfaces("bars", _clamped)),
+    Effect.PULL: (
+        'no drive is "pulled"',
+        _surfaces(
+            "drive.stiffness", lambda s: s.drive.stiffness if isinstance(s.drive, Pulled) else None
+        ),
+    ),
+    Effect.PUSH: (
+        'no drive is "push"',
+        _surfaces(
+            "drive.force", lambda s: list(s.drive.force) if isinstance(s.drive, Pushed) else None
+        ),
+    ),
+    Effect.LOAD: ("no drive has a load", _surfaces("drive.load", lambda s: s.drive.load)),
+    Effect.OWN_DRIVE: (
+        "no drive is a plug-in",
+        _surfaces(
+            "drive", lambda s: _class(s.drive.force) if isinstance(s.drive, Custom) else None
+        ),
+    ),
+    Effect.OWN_ENDS: (
+        "no bars have a plug-in",
+        _surfaces("bars", lambda s: _class(s.bars.force) if isinstance(s.bars, Ends) else None),
+    ),
+    Effect.SPRINGS: (
+        "no surface has springs",
+        _surfaces("springs.stiffness", lambda s: s.springs.stiffness if s.springs else None),
+    ),
+    Effect.BATH: (
+        "no surface has a bath of point oscillators",
+        _surfaces("bath", lambda s: _count(s.bath.masses.size, "point oscillator")),
+    ),
+    Effect.TORSIONAL_BATH: (
+        "no surface has a bath of torsional oscillators",
+        _surfaces("bath", lambda s: _count(s.bath.inertias.size, "torsional oscillator")),
+    ),
+    Effect.RIGID: (
+        "no asperites have kappa = inf",
+        _surfaces("asperite.kappa", lambda s: "inf" if s.asperite.is_rigid else None),
+    ),
+    Effect.DRIVEN_BARS: (
+        'no drive is "bars"',
+        _surfaces("drive", lambda s: '"bars"' if isinstance(s.drive, DrivenBars) else None),
+    ),
+    Effect.LANGEVIN: ("no surface has langevin on its bars", _reservoirs("bar")),
+    Effect.SWING_LANGEVIN: ('no surface has langevin with on = "swing"', _reservoirs("swing")),
+    Effect.FIELD: (
+        "the scene has no field",
+        lambda scene: (
+            f"field[{i}].kind = {type(item.potential).__name__}"
+            for i, item in enumerate(scene.fields)
+        ),
+    ),
+    Effect.CALCULATOR: (
+        "no interaction is an ASE calculator",
+        _interactions(lambda scene, item: isinstance(item.potential, Live)),
+    ),
+    Effect.CONTACT_WITHIN: (
+        "no interaction is between a surface and itself",
+        _interactions(lambda scene, item: any(i == j for i, j in scene.pairs(item))),
+    ),
+    Effect.CUTOFF: (
+        "no interaction has a cutoff",
+        lambda scene: (
+            f"interaction[{i}] ends at {item.potential.range():g}"
+            for i, item in enumerate(scene.interactions)
+            if np.isfinite(item.potential.range())
+        ),
+    ),
+    Effect.PERIODIC: (
+        "the scene has no periods",
+        lambda scene: (
+            f"periodic.{axis} = {getattr(scene.periodic, axis):g}"
+            for axis in ("x", "z")
+            if getattr(scene.periodic, axis) is not None
+        ),
+    ),
+}

@@ -15,8 +15,7 @@ from tribo.files import replace_file
 from tribo.model import fields, topography
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
-from tribo.model.effect_keys import keys_of
-from tribo.model.effects import Effect
+from tribo.model.effects import Effect, keys_of
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
