@@ -18,7 +18,7 @@ from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.kernels.status import PAUSED
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import member_numbers
+from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.loops.batch import MemberStarts
 from tribo.loops.batch_pair import PairMembers

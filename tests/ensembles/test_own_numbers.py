@@ -15,7 +15,7 @@ from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
-from tribo.layout.member_numbers import can_differ, member_numbers
+from tribo.layout.own_numbers import can_differ, member_numbers
 from tribo.loops.batch import MemberStarts
 from tribo.loops.choose_batch import choose_batch
 from tribo.model.parameters import with_values

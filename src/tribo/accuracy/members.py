@@ -35,7 +35,7 @@ class FineMembers:
         self._accuracy = accuracy
         self._names = observables(accuracy)
         self._members = fine.runs
-        group = AsperiteSeries(layout, fine, (layout.together,))
+        group = AsperiteSeries(layout.view, fine, (layout.view.together,))
         self._columns = series_table(layout, group, self._names)
         self._scales = _scales(layout, group, _largest(self._columns, fine.runs), fine.runs)
 
@@ -63,7 +63,7 @@ class FineMembers:
         """
         accuracy, group = (
             self._accuracy,
-            AsperiteSeries(self._layout, other, (self._layout.together,)),
+            AsperiteSeries(self._layout.view, other, (self._layout.view.together,)),
         )
         theirs = series_table(self._layout, group, self._names)
         gaps = _largest(self._columns.minus(theirs), self._members)
@@ -93,7 +93,7 @@ def _scales(
         each = np.abs(series).reshape(-1, members, series.shape[1])
         return np.asarray(each.max(axis=(0, 2)))
 
-    internal, a = largest(motion.energy), layout.together.asperites
+    internal, a = largest(motion.energy), layout.view.together.asperites
     speed = largest(motion.bob_speed(mean_velocity(layout)))
     inertia, mass, length = (
         np.max(np.atleast_2d(each), axis=1)[:members] for each in (a.inertia, a.mass, a.l1 + a.l2)

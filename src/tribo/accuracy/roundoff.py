@@ -72,9 +72,9 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     steps
         of the run
     """
-    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.accounted)
+    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.view.accounted)
     if layout.model.sums is not None:  # over lanes, of each surface
-        whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
+        whole = [sums[:, part].sum(axis=1) for part in layout.view.accounted_parts]
         sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
     else:
         parts = list(layout.parts.values())

@@ -112,7 +112,7 @@ def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal:
     internal
         the largest internal energy
     """
-    a = layout.together.asperites
+    a = layout.view.together.asperites
     by_kind = motion_scales(
         tops, speed, internal, np.max(a.inertia), np.max(a.mass), layout.scene.count
     )
@@ -180,7 +180,7 @@ def resolved(measured: Values, possible: Values) -> np.ndarray:
 
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,)."""
-    velocities = np.array([layout.velocity_of(k) for k in range(len(layout.parts))])
+    velocities = np.array([layout.view.velocity_of(k) for k in range(len(layout.parts))])
     return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
@@ -197,7 +197,7 @@ def _internal_energy(layout: Layout, ledger: Ledger) -> float:
 
 
 def longest_rod(layout: Layout) -> float:
-    a = layout.together.asperites
+    a = layout.view.together.asperites
     return float(np.max(a.l1 + a.l2))
 
 

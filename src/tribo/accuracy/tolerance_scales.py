@@ -56,8 +56,8 @@ class ToleranceScales:
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.together.asperites
-    relative = _relative_velocity(layout, layout.together)
+    a = layout.view.together.asperites
+    relative = _relative_velocity(layout, layout.view.together)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
@@ -69,9 +69,9 @@ def first_guess(layout: Layout) -> ToleranceScales:
 
 def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
     """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
-    first = layout.velocity[0]  # less this all is exact where all surfaces move fast
-    starts = [part.start for part in layout.parts.values()]
-    mean = np.mean([layout.velocity[start] - first for start in starts], axis=0)
+    velocities = layout.view.velocities
+    first = velocities[0]  # less this all is exact where all surfaces move fast
+    mean = np.mean(velocities - first, axis=0)
     return np.asarray((span.velocity.T - first) - mean)
 
 
@@ -81,7 +81,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    span, motion = layout.together, Motion(layout, layout.together, samples)
+    span, motion = layout.view.together, Motion(layout.view, layout.view.together, samples)
     relative = _relative_velocity(layout, span)
     velocity = max(guess.velocity, fastest_of(span, motion, relative.T))
     torsion, internal = motion.swing - motion.phi, motion.energy
@@ -129,7 +129,7 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.accounted.asperites
+    a = layout.view.accounted.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0
@@ -142,8 +142,8 @@ def _account_weights(layout: Layout) -> np.ndarray:
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a = layout.accounted.asperites
-    velocity = _relative_velocity(layout, layout.accounted)
+    a = layout.view.accounted.asperites
+    velocity = _relative_velocity(layout, layout.view.accounted)
     highest = 0.0
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0
@@ -174,7 +174,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         the largest step, as a fraction of the time to the next encounter
     """
     level = max(level, FLOOR)
-    a = layout.together.asperites
+    a = layout.view.together.asperites
     energy = max(level * scales.energy, scales.lost_energy)
     speed = max(level * scales.velocity, scales.lost_speed)
     q = np.full(layout.coordinates, level * longest_rod(layout))
@@ -209,7 +209,7 @@ def _positive(values: np.ndarray) -> np.ndarray:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.together.asperites
+    a = layout.view.together.asperites
     pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     fastest = max(pendulum, bath_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)

@@ -14,7 +14,8 @@ from tribo.ensembles.policy import Policy
 from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import MemberNumbers, member_numbers
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.ledger.passing import passed_through
 from tribo.ledger.runaway import grows

@@ -34,7 +34,6 @@ from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
-from tribo.layout.member_numbers import LayoutOfMembers
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
@@ -234,7 +233,7 @@ def compared(runs: MemberRuns) -> Samples:
     """The samples by which members are compared, as single runs are where they have many."""
     samples, members = runs.samples, runs.samples.runs
     times = samples.t.size // members
-    if times <= MOST_COMPARED or isinstance(runs.layout, LayoutOfMembers):
+    if times <= MOST_COMPARED or runs.layout.view.numbers is not None:
         return samples
     chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
     rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()

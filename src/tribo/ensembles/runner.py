@@ -26,7 +26,7 @@ from tribo.ensembles.members import Members, Variation
 from tribo.ensembles.policy import Policy
 from tribo.ensembles.single_runs import SingleRuns
 from tribo.ensembles.stores import Store
-from tribo.layout.member_numbers import can_differ
+from tribo.layout.own_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.batch_general import has_batches
 from tribo.loops.lane_loop import fit_lanes

@@ -16,8 +16,9 @@ from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.active import active_blocks
 from tribo.layout.force_records import fields_on_surfaces, user_forces
+from tribo.layout.ledger_view import LedgerView
+from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.scene_records import resting_bobs, scene_records
-from tribo.layout.span import Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.layout.threads import shares
@@ -46,9 +47,9 @@ class Layout:
     accounts: int
     places: slots.Places  # where the kernels have what y and s have
     room: tuple[int, int]  # coordinates and accounts of the kernels
-    velocity: np.ndarray  # (n, 2) initial velocity of each asperite's surface, in the laboratory
     origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
     parts: dict[str, slice]  # surface -> slice of its asperites
+    view: LedgerView  # by which samples are read
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
@@ -59,24 +60,6 @@ class Layout:
         """The times to record, from the start of the run on."""
         times = self.scene.times
         return np.union1d(times[times > self.beginning], [self.beginning])
-
-    @cached_property
-    def spans(self) -> tuple[tuple[Span, ...], ...]:
-        """The asperites of each surface, as the ledger reads them."""
-        return tuple(spans_of(self.together, part) for part in self.parts.values())
-
-    @cached_property
-    def together(self) -> Span:
-        """The asperites of all surfaces."""
-        return span_of(self.asperites, self.surfaces, self.velocity)
-
-    def velocity_of(self, index: int) -> tuple[float | np.ndarray, ...]:
-        """The initial velocity of a surface, in the laboratory: x and y."""
-        return self.scene.surfaces[index].velocity
-
-    def mass_of(self, index: int) -> float | np.ndarray:
-        """The mass of a surface and its bath."""
-        return float(self.surfaces[index].total_mass)
 
     @cached_property
     def effects(self) -> dict[str, tuple[int, bool, int]]:
@@ -106,29 +89,6 @@ class Layout:
     def oscillators(self) -> dict[str, int]:
         """Surface -> the number of oscillators on each bar that move along x and y."""
         return {surface.name: surface.bath.masses.size for surface in self.scene.surfaces}
-
-    @cached_property
-    def accounted(self) -> Span:
-        """Those that have the accounts: all asperites, or lanes that stand for their sums."""
-        if self.model.sums is None:
-            return self.together
-        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
-        velocities = np.array([surface.velocity for surface in self.scene.surfaces])
-        return span_of(lanes, self.surfaces, velocities[lanes["surface"]])
-
-    @cached_property
-    def accounted_parts(self) -> tuple[slice, ...]:
-        """The place of each surface in `accounted`."""
-        counts = self.surfaces.account_stride
-        stops = np.cumsum(counts)
-        return tuple(map(slice, (stops - counts).tolist(), stops.tolist()))
-
-    @cached_property
-    def accounted_spans(self) -> tuple[tuple[Span, ...], ...]:
-        """Those of each surface that have the accounts."""
-        if self.model.sums is None:
-            return self.spans
-        return tuple(spans_of(self.accounted, part) for part in self.accounted_parts)
 
     @property
     def anchors(self) -> np.ndarray:
@@ -189,6 +149,10 @@ class Layout:
         places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
         places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
         return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+
+    def of_members(self, numbers: MemberNumbers) -> Layout:
+        """The same, by which samples of members with numbers of their own are read."""
+        return replace(self, view=self.view.with_numbers(numbers, self.times.size))
 
     def neighbours(self, splits: bool = False) -> Neighbours | None:
         """An empty neighbour list, which the first evaluation of the forces fills.
@@ -252,10 +216,24 @@ def lay_out(scene: Scene) -> Layout:
         end_forces=True if ends else None,
         team=True if shares(scene, between + (within or ())) else None,
     )
+    surfaces = mine.surfaces.view(np.recarray)
+    summed = model.sums is not None
+    view = LedgerView(
+        asperites=asperites.view(np.recarray),
+        surfaces=surfaces,
+        lanes=slots.lanes_of_surfaces(scene, surfaces).view(np.recarray) if summed else None,
+        velocities=np.array([surface.velocity for surface in scene.surfaces]),
+        parts=parts,
+        core=mine.core,
+        columns=places.columns,
+        origin=origin,
+        fields=tuple(each.account for each in fields or () if each.account >= 0),
+    )
     layout = Layout(
         scene=scene,
-        asperites=asperites.view(np.recarray),
-        surfaces=mine.surfaces.view(np.recarray),
+        view=view,
+        asperites=view.asperites,
+        surfaces=surfaces,
         model=model,
         start=start,
         core=mine.core,
@@ -263,7 +241,6 @@ def lay_out(scene: Scene) -> Layout:
         accounts=mine.accounts,
         places=places,
         room=(theirs.coordinates, theirs.accounts),
-        velocity=np.repeat([surface.velocity for surface in scene.surfaces], counts, axis=0),
         origin=origin,
         parts=parts,
         calculator_calls=calls,

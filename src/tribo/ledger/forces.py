@@ -102,21 +102,21 @@ class Forces:
     """
 
     def __init__(self, layout: Layout, samples: Samples) -> None:
-        self._layout = layout
+        self.layout = layout
         self._samples = samples
 
     def of(self, motion: Motion, index: int, name: str, axis: int) -> np.ndarray:
         """The series of a force along x or y, axis 0 or 1, on a span, (times, asperites)."""
         force, span = FORCES[name], motion.span
-        if name in self._layout.scene.surfaces[index].noisy_forces:
+        if name in self.layout.scene.surfaces[index].noisy_forces:
             return self._mean(span, force.work, axis)
-        if name == "f2" and self._layout.surfaces[index].drive == BARS:
+        if name == "f2" and self.layout.surfaces[index].drive == BARS:
             return self._reaction(motion, axis)
         return self._found(span, force.row + axis)
 
     def _found(self, span: Span, row: int) -> np.ndarray:
         """A row of what the kernels find."""
-        return self._every[:, row, self._layout.places.columns[span.place]]
+        return self._every[:, row, self.layout.places.columns[span.place]]
 
     def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
         """The mean of a force over the interval that ends at each sample; NaN at the first."""
@@ -140,7 +140,7 @@ class Forces:
     @cached_property
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, ROWS, columns)."""
-        layout, samples = self._layout, self._samples
+        layout, samples = self.layout, self._samples
         columns, coordinates = layout.model.each.shape[1], layout.room[0]
         found = room((samples.t.size, force_probe.ROWS, columns))
         scratch = [room((coordinates,)) for _ in range(3)]

@@ -267,12 +267,12 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
     wholes, surfaces, blocks = [], {}, {}
     for surface in layout.scene.surfaces:
         index, has_field, reservoirs = layout.effects[surface.name]
-        whole = SurfaceSeries(layout, samples, index, forces=forces)
+        whole = SurfaceSeries(layout.view, samples, index, forces=forces)
         found = reported(kept, has_field, reservoirs, further_series(layout.scene, surface))
         surfaces[surface.name] = _series(found.asperites, whole)
         blocks[surface.name] = _series(found.blocks, whole)
         wholes.append(whole)
-    system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
+    system = _series(found.system, SystemSeries(layout.view, samples, tuple(wholes)))
     ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
     ledger.last = partial(_last, layout, samples)
     return ledger

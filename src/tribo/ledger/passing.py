@@ -70,5 +70,5 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
 
 def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
     """y of the bars or of the bobs of a surface, (times, asperites)."""
-    moved = (Motion(layout, span, samples) for span in layout.spans[index])
+    moved = (Motion(layout.view, span, samples) for span in layout.view.spans[index])
     return np.concatenate([getattr(motion, point)[1] for motion in moved], axis=1)

@@ -70,11 +70,11 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
 def _energy(layout: Layout, samples: Samples) -> np.ndarray:
     """Sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity."""
     surfaces = range(len(layout.scene.surfaces))
-    mean = np.mean([np.asarray(layout.velocity_of(index)) for index in surfaces], axis=0)
+    mean = np.mean([np.asarray(layout.view.velocity_of(index)) for index in surfaces], axis=0)
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in surfaces:
-        for span, m in motions(layout, samples, index):
+        for span, m in motions(layout.view, samples, index):
             vx, vy = span.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)

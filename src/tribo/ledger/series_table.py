@@ -91,8 +91,8 @@ def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     """All quantities that are reported."""
     samples, effects = group.samples, layout.effects.values()
     (motion,) = group.motions
-    wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))
-    system = SystemSeries(layout, samples, wholes)
+    wholes = tuple(SurfaceSeries(layout.view, samples, k, motion) for k in range(len(layout.parts)))
+    system = SystemSeries(layout.view, samples, wholes)
     found = reported(
         layout.scene.output.ledger,
         any(field for _, field, _ in effects),

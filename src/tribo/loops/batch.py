@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.kernels.status import CODE, COMPLETED
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import LayoutOfMembers, MemberNumbers
+from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Setting
@@ -59,9 +60,7 @@ class MemberRuns(NamedTuple):
 
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""
-        layout = self.layout
-        if isinstance(layout, LayoutOfMembers):
-            layout = layout.of_members(selected)
+        layout = replace(self.layout, view=self.layout.view.of_members(selected))
         return MemberRuns(layout, self.samples.of_members(selected), self.counts[selected])
 
 
@@ -92,7 +91,7 @@ class RecordingLoop(ABC):
         )
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
-            layout = LayoutOfMembers.of(layout, starts.numbers)
+            layout = layout.of_members(starts.numbers)
         return MemberRuns.of(layout, samples, counts)
 
 

@@ -12,7 +12,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import COUNTS
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import LayoutOfMembers, MemberNumbers
+from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.pair_scene import factors_of, mobility_of, record_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
@@ -96,7 +96,7 @@ def pair_runs(
         return MemberRuns(layout, found, counts)
     mobility = mobility_of(layout, numbers.asperites)
     own = found.with_factors(*factors_of(layout, numbers.asperites, mobility))
-    return MemberRuns.of(LayoutOfMembers.of(layout, numbers), own, counts)
+    return MemberRuns.of(layout.of_members(numbers), own, counts)
 
 
 def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:

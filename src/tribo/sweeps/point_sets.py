@@ -20,7 +20,7 @@ from tribo.ensembles.members import Source, Variation, is_start, size_of
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
-from tribo.layout.member_numbers import can_differ
+from tribo.layout.own_numbers import can_differ
 from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from

@@ -1,0 +1,167 @@
+"""The numbers in which members of an ensemble may differ, and these from the values of keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, replace
+
+import numpy as np
+
+from tribo.compiler.numbers_in_lanes import has_plain_numbers, numbers_of
+from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
+from tribo.layout.layout import Layout
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import fill_parameters, resting_bobs
+from tribo.layout.slots import slide
+from tribo.model.asperite import Asperite
+from tribo.model.drives import Custom, DrivenBars, Pulled
+from tribo.model.parameters import INTERACTION, reservoir_part, with_values
+from tribo.model.scene import Scene
+from tribo.model.surface import Surface
+from tribo.validation import inside
+
+VELOCITY, ASPERITE_PART = "velocity", "asperite"
+
+
+def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
+    """Whether members of a scene may differ in numbers with these dotted keys.
+
+    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
+    loop of a pair takes no mass of a surface from the scene.
+    """
+    surfaces, slides = layout.scene.surfaces, slide(layout.scene) & (not by_pair_loop)
+    plain = [
+        f"{surface.name}.{ASPERITE_PART}."
+        for surface, slides_too in zip(surfaces, slides, strict=True)
+        if _is_plain(surface) and not slides_too
+    ]
+    known = {f"{INTERACTION}.{name}" for name in _names_of_potential(layout)}
+    for index, surface in enumerate(surfaces):
+        known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
+    if not _refers_to_velocity(layout):
+        known |= {f"{name}.{VELOCITY}" for name in layout.parts}
+    return all(key in known or key.startswith(tuple(plain)) for key in keys)
+
+
+def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
+    """Keys of a surface's drive and reservoir -> their numbers among `OF_MEMBERS`.
+
+    None has a meaning in the loop of a pair.
+    """
+    surface = layout.scene.surfaces[index]
+    found: dict[str, str] = {}
+    if isinstance(surface.drive, Pulled):
+        found |= {"drive.stiffness": "stiffness", "drive.speed": "speed"}
+    if surface.drive.load is not None and not isinstance(surface.drive, Custom):
+        found["drive.load"] = "load"
+    if any(each.temperature > 0.0 for each in surface.reservoirs):  # so that there is noise
+        for each in surface.reservoirs:
+            part, before = reservoir_part(surface, each.on), "swing_" * (each.on == "swing")
+            found |= {f"{part}.{name}": before + name for name in ("gamma", "temperature")}
+    return found
+
+
+def _is_plain(surface: Surface) -> bool:
+    """Whether only masses of a surface, beside its asperites, follow from their numbers."""
+    stiff = bool(np.all(surface.each["kappa"] > 0.0)) and not surface.asperite.is_rigid
+    others = surface.bath, surface.springs, surface.initial.temperature, surface.langevin
+    return stiff and not (isinstance(surface.drive, DrivenBars) or any(others))
+
+
+def _refers_to_velocity(layout: Layout) -> bool:
+    """Whether a field, a plug-in or a reservoir is given in the laboratory."""
+    model, surfaces = layout.model, layout.scene.surfaces
+    moving = (each.velocity is not None for s in surfaces for each in s.reservoirs)
+    return any((model.fields, model.drives, model.ends, *moving))
+
+
+def _names_of_potential(layout: Layout) -> tuple[str, ...]:
+    """The numbers of the potential of the only interaction, if it consists of numbers."""
+    contacts = layout.model.contacts
+    if len(contacts) != 1 or layout.model.within is not None:
+        return ()
+    potential = contacts[0].potential
+    return tuple(potential._fields) if has_plain_numbers(potential) else ()
+
+
+def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> MemberNumbers:
+    """The numbers of members, from their values (members, 1), or (members, 2) of velocities.
+
+    Raises InputError if a number cannot be used.
+    """
+    scene = layout.scene
+    asperites = np.tile(np.asarray(layout.asperites).view(ASPERITE), (members, 1))
+    charges = np.empty(asperites.shape)
+    velocity = np.empty((members, len(scene.surfaces), 2))
+    for index, surface in enumerate(scene.surfaces):
+        part, rows = layout.parts[surface.name], (members, surface.count)
+        each = _parameters(surface, members, values)
+        bobs = np.tile(resting_bobs(scene, index), (members, 1))
+        own = asperites[:, part].ravel()
+        fill_parameters(own, surface, each, bobs)
+        asperites[:, part] = own.reshape(rows)
+        charges[:, part] = each["charge"].reshape(rows)
+        velocity[:, index] = values.get(f"{surface.name}.{VELOCITY}", surface.velocity)
+    own_velocity = velocity[:, layout.asperites.surface] - velocity[:, :1]
+    asperites["vx"], asperites["vy"] = own_velocity[..., 0], own_velocity[..., 1]
+    of_surfaces = _of_surfaces(layout, velocity, values)
+    potential = _potentials(layout, members, values)
+    return MemberNumbers(asperites, charges, velocity, of_surfaces, potential)
+
+
+def _of_surfaces(
+    layout: Layout, velocity: np.ndarray, values: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """The numbers of drives and reservoirs, (members, surfaces, numbers)."""
+    table = np.empty((*velocity.shape[:2], len(OF_MEMBERS)))
+    for row, name in enumerate(OF_MEMBERS):
+        table[..., row] = layout.surfaces[name]
+    table[..., :2] = velocity - velocity[:, :1]
+    for index, surface in enumerate(layout.scene.surfaces):
+        if isinstance(surface.drive, Pulled):
+            table[:, index, OWN_SPEED] = surface.drive.speed - velocity[:, index, 0]
+        for part, name in _numbers_of_parts(layout, index).items():
+            key = f"{surface.name}.{part}"
+            if key in values:
+                own = _checked(layout.scene, key, values[key])
+                if name == "speed":
+                    own = own - velocity[:, index, 0]
+                if name == "load":
+                    own = -own * surface.facing_sign
+                table[:, index, OF_MEMBERS.index(name)] = own
+    return table
+
+
+def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
+    """The values of a key, (members,).  Raises InputError if one cannot be used."""
+    for extreme in (rows.min(), rows.max()):
+        with_values(scene, {key: float(extreme)})
+    return rows[:, 0]
+
+
+def _parameters(
+    surface: Surface, members: int, values: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Every parameter of the asperites of a surface, (members x count,)."""
+    before, count = f"{surface.name}.{ASPERITE_PART}.", surface.count
+    own = {
+        key.removeprefix(before): np.repeat(v[:, 0], count)
+        for key, v in values.items()
+        if key.startswith(before)
+    }
+    known = surface.asperite.for_each(count)
+    common = Asperite(*(np.tile(known[each.name], members) for each in fields(Asperite)))
+    with inside(before[:-1]):
+        return replace(common, **own).for_each(members * count)
+
+
+def _potentials(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+    """The numbers of the potential, (members, fields)."""
+    names = _names_of_potential(layout)
+    numbers = numbers_of(layout.model.contacts[0].potential) if names else ()
+    table = np.tile(np.array(numbers, float), (members, 1))
+    for key, rows in values.items():
+        part, _, name = key.rpartition(".")
+        if part == INTERACTION:
+            table[:, names.index(name)] = _checked(layout.scene, key, rows)
+    return table
