@@ -37,7 +37,7 @@ DURATION = 5.0
 SAMPLES = 33
 ACCURACY = 1e-9
 # Scenes of each strategy that all tests share, unless they search: each compiles a time loop.
-SHARED = 3
+SHARED = 2
 REST = {"down": 0.0, "up": math.pi}
 
 
