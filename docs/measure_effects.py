@@ -19,7 +19,7 @@ from tribo.plotting import INK, WIDE, save, style
 HERE = Path(__file__).resolve().parent
 FILE = HERE / "measured" / "effects.json"
 PROGRAM = HERE.parent / "benchmarks" / "effects.py"
-ALONE_COLOUR, TOGETHER_COLOUR = "#5b93bf", "#d7301f"
+ALONE_COLOUR, TOGETHER_COLOUR = "#0b62a4", "#d55e00"
 
 
 def measure(arguments: list[str]) -> None:
