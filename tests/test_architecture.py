@@ -139,15 +139,14 @@ def test_kernels_see_no_scene(name):
 def test_undocumented_names_of_numba_are_in_one_file():
     """No other file imports more than what the manuals of numba and llvmlite describe."""
     documented = (
+        *("numba.extending.", "llvmlite.ir", "numba.njit", "numba.jit", "numba.config"),
         *(
-            "numba.extending.",
             "numba.core.event.",
-            "llvmlite.ir",
-            "numba.njit",
-            "numba.jit",
-            "numba.config",
+            "numba.types",
+            "numba.typeof",
+            "numba.literal_unroll",
+            "numba.get_num_threads",
         ),
-        *("numba.types", "numba.typeof", "numba.literal_unroll", "numba.get_num_threads"),
         *("numba.NumbaError", "numba.TypingError", "numba.UnsupportedBytecodeError"),
     )
     for name in FILES.keys() - {"compiler.numba_private"}:

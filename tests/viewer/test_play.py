@@ -262,9 +262,7 @@ def test_accessible(browser, server, scheme, width):
     tab.wait_for_timeout(300)
     found = axe.Axe().run(tab)
     wide = tab.evaluate("document.documentElement.scrollWidth")
-    table = tab.evaluate(
-        "(({ scrollWidth: a, clientWidth: b }) => a - b)(document.querySelector('.table'))"
-    )
+    table = tab.locator(".table").evaluate("(each) => each.scrollWidth - each.clientWidth")
     context.close()
     assert found.violations_count == 0, found.generate_report()
     assert wide <= width and table <= 0
