@@ -30,16 +30,14 @@ MASS, BAR, LEVER, FREQUENCY, SPEED = 0.6, 1.7, 1.7 / 2.3, 1.3, 1.7
 POTENTIALS = {"Yukawa": tribo.Yukawa(1.0, 0.9), "Morse": tribo.Morse(1.0, 1.4, 1.1)}
 
 
-def unlike(potential, speed: float, gap: float, drive, upper=LIGHT, count: int = 1) -> tribo.Scene:
-    """Unlike pendulums from -D to +D, `count` over one."""
-    way, spacing = 10.0, 1.5
+def unlike(potential, speed: float, gap: float, drive) -> tribo.Scene:
+    """Unlike pendulums from -D to +D."""
+    way = 10.0
     top = tribo.Surface(
         "upper",
-        shape=(count, 1),
-        spacing=(spacing, 0.0),
-        bob=(-way - 0.5 * spacing * (count - 1), gap),
+        bob=(-way, gap),
         velocity=(speed, 0.0),
-        asperite=upper,
+        asperite=LIGHT,
         drive=drive,
     )
     bottom = tribo.Surface("lower", facing="up", asperite=STIFF, drive=drive)
@@ -58,12 +56,6 @@ SETTINGS = {
     "Yukawa, forced": (unlike(tribo.Yukawa(0.6, 1.2), 1.1, 0.4, FORCED), (1.2, 0.5), MEMBERS, 4),
     "Morse, driven": (unlike(tribo.Morse(1.5, 1.5, 0.8), 0.6, 0.3, DRIVEN), (0.4, 0.4), MEMBERS, 5),
     "Hertz, driven": (unlike(tribo.Hertz(2.0, 1.5), 0.5, 0.5, DRIVEN), (0.3, 0.6), FEWER, 6),
-    "two over one": (
-        unlike(tribo.Gaussian(0.8, 0.6), 0.7, 0.3, FORCED, count=2),
-        (0.6, 0.6),
-        FEWER,
-        7,
-    ),
     "case A again": (encounter("A"), (0.5, 0.5), MEMBERS, 77),
     "case B again": (encounter("B"), (0.5, 0.5), 2 * MEMBERS, 77),
 }
