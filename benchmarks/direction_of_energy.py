@@ -226,9 +226,7 @@ def dissipation(members: int) -> dict:
                 style = {"fmt": "s", "color": colour} | look
                 ax.errorbar(0.2, value, 1.96 * wide, label=label, **style)
         ax.axhline(1.0, color=plotting.INK, linewidth=0.5)
-        ax.set(
-            xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle$ / variance or square"
-        )
+        ax.set(xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle$ / spread")
         ax.legend(frameon=False, fontsize=6)
     plotting.save(ax, FOLDER / "statistics_dissipation.png")
     return found
