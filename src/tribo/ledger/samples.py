@@ -94,9 +94,12 @@ class Samples:
         return samples
 
     def at_start(self, series: np.ndarray) -> np.ndarray:
-        """The value of a series of these samples at the start of each run."""
+        """The value of a series of these samples at the start of each run.
+
+        It has a row for each sample, or one for all samples of a single run.
+        """
         if self.runs == 1:
-            return np.asarray(series[0])
+            return np.asarray(series[:1])
         return np.tile(
             series[: self.runs], (self.t.size // self.runs, *np.ones(series.ndim - 1, int))
         )
