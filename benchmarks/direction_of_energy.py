@@ -181,47 +181,55 @@ def tuning(members: int) -> dict:
     return found
 
 
-def weak_gains(strength: float, members: int) -> tuple[np.ndarray, np.ndarray]:
-    """Even parts of w and w^2 in the strength, at T = 1, from the same starts with both signs."""
+def weak_gains(strength: float, members: int) -> np.ndarray:
+    """Gains w at T = 1 from the same starts with both signs of the strength, (2, members)."""
     both = []
     for sign in (1.0, -1.0):
         potential = tribo.Coulomb(sign * strength)
         scene = replace(encounter("B"), interactions=(tribo.Interaction(potential),))
         scene = replace(scene, numerics=tribo.Numerics(accuracy=1e-8))
         both.append(canonical(scene, 1.0, members))
-    return 0.5 * (both[0] + both[1]), 0.5 * (both[0] ** 2 + both[1] ** 2)
+    return np.array(both)
+
+
+def dissipation_ratio(gains: np.ndarray, central: bool) -> tuple[float, float]:
+    """2 T <w> over the variance of w, or over its mean square, and the standard error.
+
+    What is odd in the strength cancels between the rows, which have both signs.
+    """
+    centre = gains.mean(axis=1, keepdims=True) if central else 0.0
+    gain, square = gains.mean(axis=0), np.mean((gains - centre) ** 2, axis=0)
+    ratio = 2.0 * gain.mean() / square.mean()
+    spread = np.std(2.0 * gain - ratio * square)
+    return float(ratio), float(spread / np.sqrt(gain.size) / square.mean())
 
 
 def dissipation(members: int) -> dict:
-    """Figure 8: the mean gain over half of its second moment divided by T, as coupling falls."""
+    """Figure 8: the mean gain over half of its variance divided by T, as coupling falls."""
     members = max(2000, members // 20)
     strengths = 0.4 * 0.5 ** np.arange(8)
-    ratio, error = [], []
-    for strength in strengths:
-        gain, square = weak_gains(float(strength), members)
-        ratio.append(float(2.0 * gain.mean() / square.mean()))
-        spread = np.std(2.0 * gain - ratio[-1] * square)
-        error.append(float(spread / np.sqrt(members) / square.mean()))
-    paper_cases = {}
-    for case in "AB":
-        gain = canonical(encounter(case), 1.0, members)
-        paper_cases[case] = float(2.0 * gain.mean() / np.mean(gain**2))
+    kinds = {"variance": True, "mean square": False}
+    weak = [weak_gains(float(strength), members) for strength in strengths]
+    paper_gains = {case: canonical(encounter(case), 1.0, members)[None] for case in "AB"}
+    found: dict = {"strength": strengths.tolist(), "members": members}
     with plotting.style():
         ax = plotting.axes()
-        width = 1.96 * np.array(error)
-        ax.errorbar(
-            strengths, ratio, width, color=COLOURS[0], marker=".", label="both signs, gap 0.3"
-        )
-        for (case, value), colour in zip(paper_cases.items(), COLOURS[1:], strict=True):
-            ax.plot(0.2, value, "s", color=colour, markersize=4, label=f"case {case}")
+        for (kind, central), fill in zip(kinds.items(), ("full", "none"), strict=True):
+            ratio, error = np.array([dissipation_ratio(gains, central) for gains in weak]).T
+            own = {case: dissipation_ratio(w, central) for case, w in paper_gains.items()}
+            found[kind] = {"ratio": ratio.tolist(), "standard_error": error.tolist(), "paper": own}
+            look = {"fillstyle": fill, "markersize": 4}
+            label, width = f"both signs, {kind}", 1.96 * error
+            ax.errorbar(strengths, ratio, width, color=COLOURS[0], marker="o", label=label, **look)
+            for (case, (value, wide)), colour in zip(own.items(), COLOURS[1:], strict=True):
+                label = f"case {case}, {kind}"
+                style = {"fmt": "s", "color": colour} | look
+                ax.errorbar(0.2, value, 1.96 * wide, label=label, **style)
         ax.axhline(1.0, color=plotting.INK, linewidth=0.5)
-        ax.set(
-            xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle/\\langle w^2\\rangle$"
-        )
-        ax.legend(frameon=False, fontsize=7)
+        ax.set(xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle$ / spread")
+        ax.legend(frameon=False, fontsize=6)
     plotting.save(ax, FOLDER / "statistics_dissipation.png")
-    of = {"strength": strengths.tolist(), "ratio": ratio, "standard_error": error}
-    return of | {"paper": paper_cases, "members": members}
+    return found
 
 
 FIGURES = {
@@ -230,6 +238,12 @@ FIGURES = {
     "tuning": tuning,
     "dissipation": dissipation,
 }
+
+
+def plain_ticks(ax, places: tuple[float, ...]) -> None:
+    """Label a logarithmic axis of x at some places, without powers of ten."""
+    ax.set_xticks(places, [f"{x:g}" for x in places])
+    ax.set_xticks([], minor=True)
 
 
 def keep_numbers(name: str, found: dict) -> None:

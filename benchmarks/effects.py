@@ -23,7 +23,7 @@ from typing import Any
 import by_hand
 from effect_scenes import APART, NEEDS, TOGETHER, scene, with_needs
 
-from tribo.explanation.measured import bytes_of_run
+from tribo.explanation.prediction import bytes_of_run
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import lay_out

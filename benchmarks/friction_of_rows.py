@@ -11,7 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 import numpy as np
-from direction_of_energy import COLOURS, FOLDER, keep_numbers
+from direction_of_energy import COLOURS, FOLDER, keep_numbers, plain_ticks
 from scipy.integrate import trapezoid
 from scipy.special import ive
 from scipy.stats import qmc, t
@@ -146,12 +146,13 @@ def closed_regular(speed: float) -> float:
 
 def draw(found: dict) -> None:
     """Figure 10."""
-    fine = np.geomspace(0.45, 2.4, 40)
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 0.5 * plotting.WIDE)
-        lines = ((closed_encounter, "-"), (closed_random, ":"), (closed_regular, "-"))
+        # The resonances of a regular row are narrow.
+        lines = ((closed_encounter, "-", 40), (closed_random, ":", 40), (closed_regular, "-", 400))
         labels = ("one encounter, closed form", "random row, with damping", "regular row")
-        for (line, dash), label, colour in zip(lines, labels, COLOURS, strict=True):
+        for (line, dash, count), label, colour in zip(lines, labels, COLOURS, strict=True):
+            fine = np.geomspace(0.45, 2.4, count)
             ax.plot(fine, [line(v) for v in fine], dash, color=colour, linewidth=0.9, label=label)
         points = (("one encounter", "x"), ("random row", "."), ("regular row", "s"))
         for (name, marker), colour in zip(points, COLOURS, strict=True):
@@ -160,6 +161,7 @@ def draw(found: dict) -> None:
             ax.errorbar(SPEEDS, mean, half, label=f"{name}, runs", elinewidth=0.7, **look)
         ax.set(xscale="log", xlabel="$v/\\omega\\sigma$", ylabel="friction force / $n s^2$")
         ax.set(yscale="log", ylim=(0.01, 20.0))
+        plain_ticks(ax, (0.5, 0.7, 1.0, 1.4, 2.0))
         ax.legend(frameon=False, fontsize=7, ncol=2)
     plotting.save(ax, FOLDER / "statistics_rows.png")
 

@@ -10,7 +10,16 @@ import argparse
 from dataclasses import replace
 
 import numpy as np
-from direction_of_energy import COLOURS, FOLDER, GAINS, SEED, encounter, gain_of, keep_numbers
+from direction_of_energy import (
+    COLOURS,
+    FOLDER,
+    GAINS,
+    SEED,
+    encounter,
+    gain_of,
+    keep_numbers,
+    plain_ticks,
+)
 from scipy.optimize import brentq
 from scipy.stats import t
 
@@ -85,6 +94,15 @@ def one_energy() -> dict:
     return found
 
 
+# Cases, whether the force attracts, and temperatures of the table in figure 4.
+KINDS = (("C", False, 0.5), ("C", False, 2.0), ("E", False, 2.0), ("E", True, 2.0))
+
+
+def name_of(case: str, attractive: bool, temperature: float) -> str:
+    """A kind of encounter, for the legend."""
+    return f"{case}, {'attractive' if attractive else 'repulsive'}, T = {temperature:g}"
+
+
 def block_scene(case: str, speed: float, attractive: bool, way: float = 100.0) -> tribo.Scene:
     """Case C with another speed, or case E: the same block at rest over a table that moves."""
     scene = (
@@ -114,34 +132,42 @@ def block(members: int = 1000) -> dict:
     """Figure 4: a free block and a table at a temperature, cases C and E."""
     found: dict = {"members": members}
     speeds = np.array([0.2, 0.26, 0.32, 0.36, 0.4, 0.5, 0.7, 1.0, 1.5])
+    for case, attractive, temperature in KINDS:
+        each = [losses(case, v, attractive, temperature, members) for v in speeds.tolist()]
+        mean = np.array([loss.mean() for loss, _ in each])
+        half = np.array([1.96 * loss.std() / np.sqrt(loss.size) for loss, _ in each])
+        found[name_of(case, attractive, temperature)] = {
+            "speed": speeds.tolist(),
+            "mean_loss": mean.tolist(),
+            "half_width": half.tolist(),
+            "mean_gain_in_the_frame_of_the_block": [float(own.mean()) for _, own in each],
+            "changes_of_sign": change_of_sign(speeds, mean, half),
+            "members_that_ended": [loss.size for loss, _ in each],
+        }
+    draw_block(found)
+    return found
+
+
+def draw_block(found: dict) -> None:
+    """Draw figure 4."""
     with plotting.style():
-        ax = plotting.axes(plotting.WIDE, 0.5 * plotting.WIDE)
-        kinds = (("C", False, 0.5), ("C", False, 2.0), ("E", False, 2.0), ("E", True, 2.0))
-        for (case, attractive, temperature), colour in zip(
-            kinds, (COLOURS[0], COLOURS[1], "k", COLOURS[2]), strict=True
-        ):
-            each = [losses(case, v, attractive, temperature, members) for v in speeds.tolist()]
-            mean = np.array([loss.mean() for loss, _ in each])
-            half = np.array([1.96 * loss.std() / np.sqrt(loss.size) for loss, _ in each])
-            inner = np.array([own.mean() for _, own in each])
-            name = f"{case}, {'attractive' if attractive else 'repulsive'}, T = {temperature:g}"
-            line = "none" if case == "E" and not attractive else "-"
+        ax = plotting.axes(plotting.WIDE, 0.6 * plotting.WIDE)
+        for kind, colour in zip(KINDS, (COLOURS[0], COLOURS[1], "k", COLOURS[2]), strict=True):
+            name = name_of(*kind)
+            of = found[name]
+            line = "none" if name.startswith("E, repulsive") else "-"
             look = {"color": colour, "marker": "x" if line == "none" else ".", "linestyle": line}
-            ax.errorbar(speeds, mean, half, label=name, markersize=4, elinewidth=0.7, **look)
-            ax.plot(speeds, -inner, color=colour, linewidth=0.7, linestyle="--")
-            found[name] = {
-                "speed": speeds.tolist(),
-                "mean_loss": mean.tolist(),
-                "half_width": half.tolist(),
-                "mean_gain_in_the_frame_of_the_block": inner.tolist(),
-                "changes_of_sign": change_of_sign(speeds, mean, half),
-                "members_that_ended": [loss.size for loss, _ in each],
-            }
+            mean, half = of["mean_loss"], of["half_width"]
+            ax.errorbar(of["speed"], mean, half, label=name, markersize=4, elinewidth=0.7, **look)
+            gain = np.array(of["mean_gain_in_the_frame_of_the_block"])
+            if line == "-":
+                ax.plot(of["speed"], -gain, color=colour, linewidth=0.7, linestyle="--")
         ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
-        ax.set(xscale="log", xlabel="speed", ylabel="mean loss of the block", ylim=(-2.5, 4.0))
+        ax.set(xscale="log", xlabel="speed", ylabel="mean loss of the block", ylim=(-5.0, 8.0))
+        ax.set_yscale("symlog", linthresh=0.05)
+        plain_ticks(ax, (0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5))
         ax.legend(frameon=False, fontsize=7)
     plotting.save(ax, FOLDER / "statistics_block.png")
-    return found
 
 
 FIGURES = {"one_energy_strong": one_energy, "block": block}

@@ -10,7 +10,7 @@ import argparse
 import warnings
 
 import numpy as np
-from direction_of_energy import COLOURS, FOLDER, keep_numbers
+from direction_of_energy import COLOURS, FOLDER, keep_numbers, plain_ticks
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ive, jv, jvp, k0
 from scipy.stats import qmc, t
@@ -58,6 +58,15 @@ def from_rest(potential, speed, way, gap):
     return run["upper"].swing_energy[-1, 0]
 
 
+def signs(potential, transform, way, gap):
+    """Strengths of both signs at the speed 1, and the gain from rest over the closed form."""
+    sizes = 0.2 * 0.5 ** np.arange(6)
+    strengths = np.concatenate([-sizes, sizes[::-1]])
+    closed = transform(1.0) ** 2 / 2.0
+    ratios = [from_rest(potential(s), 1.0, way, gap) / (s**2 * closed) for s in strengths]
+    return strengths.tolist(), ratios
+
+
 def speeds(_members: int) -> dict:
     """Figure 5: the gain from rest against speed over 1.5 decades."""
     found, rates = {}, np.geomspace(0.4, 12.6, 13)
@@ -66,7 +75,8 @@ def speeds(_members: int) -> dict:
         "Coulomb": (tribo.Coulomb, coulomb, 9000.0, 1.0, 0.02),
     }
     with plotting.style():
-        ax = plotting.axes()
+        ax = plotting.axes(plotting.WIDE, 0.6 * plotting.WIDE)
+        inset = ax.inset_axes((0.1, 0.13, 0.42, 0.42))
         for (name, (potential, transform, way, gap, weak)), colour in zip(
             kinds.items(), COLOURS, strict=False
         ):
@@ -89,7 +99,10 @@ def speeds(_members: int) -> dict:
             fine = np.geomspace(0.3, 13.0, 200)
             ax.loglog(fine, transform(1.0 / fine) ** 2 / (2.0 * fine**4), color=colour, label=name)
             ax.loglog(rates, known * ratios, color=colour, marker=".", linestyle="none")
+            of_signs = signs(potential, transform, way, gap)
+            inset.plot(*of_signs, color=colour, marker=".", linewidth=0.7)
             found[name] = {
+                "strength_and_ratio_at_speed_1": of_signs,
                 "speed": rates.tolist(),
                 "ratio_after_extrapolation": ratios,
                 "largest_deviation": worst,
@@ -97,7 +110,12 @@ def speeds(_members: int) -> dict:
                 "ratios_of_both_signs": ratio_of[weak],
                 "speed_of_the_largest_gain": float(best.x),
             }
-        ax.set(xlabel="$v/\\omega b$ or $v/\\omega w$", ylabel="gain / $s^2$", ylim=(1e-6, None))
+        ax.set(
+            xlabel="$v/\\omega b$ or $v/\\omega\\sigma$", ylabel="gain / $s^2$", ylim=(5e-5, None)
+        )
+        inset.set(xlabel="$s$ at $v=1$", ylabel="gain / closed form")
+        inset.tick_params(labelsize=7)
+        plain_ticks(ax, (0.3, 0.5, 1.0, 2.0, 5.0, 10.0))
         ax.legend(frameon=False)
     plotting.save(ax, FOLDER / "statistics_speeds.png")
     return found

@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from tribo.plotting import INK, WIDE, save, style
+from tribo.plotting.style import CYCLE
 
 HERE = Path(__file__).resolve().parent
 FILE = HERE / "measured" / "effects.json"
 PROGRAM = HERE.parent / "benchmarks" / "effects.py"
-ALONE_COLOUR, TOGETHER_COLOUR = "#5b93bf", "#d7301f"
+ALONE_COLOUR, TOGETHER_COLOUR = CYCLE[:2]
 
 
 def measure(arguments: list[str]) -> None:

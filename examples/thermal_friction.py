@@ -17,7 +17,7 @@ ETA, SPEED, ROD = 4.0, 0.05, 10.0
 # Stiffness of the pulling spring and the torsion spring in series [force / length].
 K = (2.0 * np.pi) ** 2 / ETA
 # Runs at each temperature [energy], and samples in each of the three periods of the pull.
-COLOURS, MEMBERS, SAMPLES = {0.01: "#0b62a4", 0.1: "#2fae8c", 0.3: "#d55e00"}, 48, 60
+COLOURS, MEMBERS, SAMPLES = {0.01: "#0b62a4", 0.1: "#1f8a70", 0.3: "#d55e00"}, 48, 60
 
 
 def runs(temperature):

@@ -140,7 +140,13 @@ def test_undocumented_names_of_numba_are_in_one_file():
     """No other file imports more than what the manuals of numba and llvmlite describe."""
     documented = (
         *("numba.extending.", "llvmlite.ir", "numba.njit", "numba.jit", "numba.config"),
-        *("numba.types", "numba.typeof", "numba.literal_unroll", "numba.get_num_threads"),
+        *(
+            "numba.core.event.",
+            "numba.types",
+            "numba.typeof",
+            "numba.literal_unroll",
+            "numba.get_num_threads",
+        ),
         *("numba.NumbaError", "numba.TypingError", "numba.UnsupportedBytecodeError"),
     )
     for name in FILES.keys() - {"compiler.numba_private"}:

@@ -101,8 +101,8 @@ CAPTIONS = {
         "Speed of a block that slides freely over a corrugation and shakes the "
         "oscillators inside it. Points are means over one period of the corrugation, "
         "the grey line is the speed of block and oscillators together, and the orange "
-        "line is the closed form. The block loses {0:.3f} of its speed of 0.4; the "
-        "closed form gives {1:.3f}.",
+        "line is the closed form. The speed falls from 0.4 by {0:.3f}; the closed form "
+        "gives {1:.3f}.",
     ),
     "heat_into_baths": (
         "swing_energy",
@@ -121,8 +121,8 @@ CAPTIONS = {
         "pressed",
         "Left: heights of a rough grid of 64 x 64 asperites; orange squares mark those "
         "in contact with a flat grid when a tenth of them are. Right: share in contact "
-        "against the load, and the theory of Greenwood and Williamson. Twice the load "
-        "has {1:.2f} times the share in contact.",
+        "against the load, and the theory of Greenwood and Williamson. At twice the load "
+        "the share in contact is {1:.2f} times as large.",
     ),
     "rough_surface": (
         "surface",

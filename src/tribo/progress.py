@@ -90,12 +90,17 @@ def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[flo
 
 
 @contextmanager
-def announced(text: str) -> Iterator[None]:
-    """Print a text on a terminal where the block takes longer than a second."""
+def announced(text: str, is_true: Callable[[], bool] = lambda: True) -> Iterator[None]:
+    """Print a text on a terminal after a second of the block, if it is true then."""
     if not (sys.stderr and sys.stderr.isatty()):
         yield
         return
-    timer = threading.Timer(DELAY, print, [text], {"file": sys.stderr, "flush": True})
+
+    def say() -> None:
+        if is_true():
+            print(text, file=sys.stderr, flush=True)
+
+    timer = threading.Timer(DELAY, say)
     timer.daemon = True
     timer.start()
     try:

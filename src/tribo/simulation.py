@@ -112,9 +112,7 @@ class _Task(NamedTuple):
         layout, method = self.layout, self.choice.method
         count = threads_of(layout.model, method, self.threads).number
         integrator = integrator_for(layout, method, progress, self.origin, journal, count)
-        for note in core_notes(
-            layout
-        ):  # energies in Python: those of plug-ins have compiled by now
+        for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
             warnings.warn(note, TriboWarning, stacklevel=3)
         return integrator
 

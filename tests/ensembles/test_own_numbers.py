@@ -14,6 +14,7 @@ from tribo.ensembles.runner import policy_of
 from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
+from tribo.layout.initial_state import InitialState
 from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import can_differ, member_numbers
 from tribo.loops.batch import MemberStarts
@@ -175,6 +176,21 @@ def test_members_do_not_depend_on_their_company():
     alone = tribo.ensemble_member(data, 11)
     for name in KEEP:
         assert np.array_equal(alone[name][0], data[name][11])
+
+
+def test_one_member_alone_on_driven_bars():
+    """A batch of one member gives the bits of that member among others."""
+    scene = scene_of(upper={"drive": "bars"}, lower={"drive": "bars"})
+    vary = {"*.swing_state": tribo.Canonical(0.1)}
+    layout, values = lay_out(scene), Variation(scene, vary, 0).members(np.arange(3)).values
+    y = InitialState(layout).of_members(values_at_start(values), np.zeros(3, int))
+    loop = choose_batch(layout, METHODS["rkn8"], 0.2)
+    scales = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
+    setting, starts = Tolerance(*scales, 1e-8), MemberStarts(y, np.zeros(3, int))
+    whole, one = loop.run(setting, starts), loop.run(setting, starts.of_members([1]))
+    same = whole.of_members(np.array([1]))
+    assert np.array_equal(one.samples.s, same.samples.s)
+    assert np.any(same.samples.s != 0.0)
 
 
 def test_members_that_need_a_run_of_their_own():

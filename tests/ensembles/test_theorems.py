@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 import tribo
 from support.gibbs import MOST, TEMPERATURE, deviation, gain, rows
@@ -122,7 +123,7 @@ def test_jarzynski_of_dragged_tips():
     """Prandtl-Tomlinson tips, from equilibrium with their springs, dragged by one period.
 
     The work is that of the stage, the pull's force times its speed.  The work of the pull at the
-    bar, w2, leaves out the energy of the spring and fails.
+    bar, w2, leaves out the energy of the spring: its mean misses 1 by 15 standard errors.
     """
     period, height, stiffness, speed, temperature, count = 1.0, 0.4, 2.0, 2.0, 2.0, 20_000
     x = np.linspace(-12.0, 12.0, 8001)
@@ -139,10 +140,10 @@ def test_jarzynski_of_dragged_tips():
         initial=tribo.Initial(x=start, vx=rng.normal(0.0, np.sqrt(temperature), count)),
     )
     field = tribo.Field(tribo.Corrugation(height, period), on=("tips",))
-    scene = tribo.Scene((tips,), (), period / speed, fields=(field,))
-    end = tribo.simulate(scene, method="verlet", step=0.005)["tips"]
-    moved = end.x_bar[-1] - end.x_bar[0]
-    pull = end.w2[-1]
-    stage = pull + 0.5 * stiffness * ((start + moved - period) ** 2 - start**2)
+    output = tribo.Output(samples=101, series=("forces",), keep=("tips.f2_x", "tips.w2"))
+    scene = tribo.Scene((tips,), (), period / speed, fields=(field,), output=output)
+    run = tribo.simulate(scene, method="verlet", step=0.005)
+    stage = speed * trapezoid(run["tips"].f2_x, run.t, axis=0)
+    pull = run["tips"].w2[-1]
     assert abs(deviation(np.exp(-stage / temperature))) < MOST
-    assert abs(deviation(np.exp(-pull / temperature))) > 2.0 * MOST
+    assert abs(deviation(np.exp(-pull / temperature))) > 3.0 * MOST

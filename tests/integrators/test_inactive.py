@@ -9,7 +9,7 @@ import tribo
 from support.continued import same_end
 from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
-from tribo.explanation.measured import inactive_at_start
+from tribo.explanation.summary import inactive_at_start
 from tribo.integrators.methods import METHODS
 from tribo.layout import active, contacts
 from tribo.layout import layout as layouts

@@ -1,5 +1,7 @@
 """Gains of energy from Gibbs starts, for tests of the theorems of statistical mechanics."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import tribo
@@ -14,10 +16,12 @@ def deviation(weights: np.ndarray) -> float:
     return float((weights.mean() - 1.0) / weights.std() * np.sqrt(weights.size))
 
 
-def gain(scene: tribo.Scene, members: int, seed: int = 1, **settings) -> np.ndarray:
+def gain(
+    scene: tribo.Scene, members: int, seed: int = 1, temperature: float = TEMPERATURE, **settings
+) -> np.ndarray:
     """The energies that all pendulums gain from starts at the temperature."""
     keep = [f"{s.name}.swing_energy" for s in scene.surfaces]
-    starts = {"*.swing_state": tribo.Canonical(TEMPERATURE)}
+    starts = {"*.swing_state": tribo.Canonical(temperature)}
     data = tribo.ensemble(scene, members, starts, seed=seed, keep=keep, **settings)
     found = np.zeros(members)
     for s in scene.surfaces:
@@ -38,3 +42,21 @@ def rows(counts=(2, 1), drive=None, **others) -> tribo.Scene:
     upper = tribo.Surface("upper", shape=(counts[0], 1), bob=(-1.0, 0.3), velocity=(0.7, 0), **row)
     lower = tribo.Surface("lower", shape=(counts[1], 1), facing="up", **row)
     return tribo.Scene((upper, lower), tribo.Gaussian(1.5, 0.5), 4.0, **others)
+
+
+def passing(gap: float, speed: float, duration: float, gaussian: tribo.Gaussian) -> tribo.Scene:
+    """A pair whose bobs pass at a distance, midway in time: its own image under reversal."""
+    scene = rows((1, 1))
+    upper, lower = scene.surfaces
+    upper = replace(upper, bob=(-0.5 * speed * duration, gap), velocity=(speed, 0.0))
+    return replace(
+        scene,
+        surfaces=(upper, lower),
+        interactions=(tribo.Interaction(gaussian),),
+        duration=duration,
+        output=tribo.Output(samples=2, series=("energies",)),
+    )
+
+
+# Passes at T = 1, at a distance, so that coarse steps resolve the encounter.
+PASSING = passing(3.0, 0.3, 20.0, tribo.Gaussian(8.0, 2.0))

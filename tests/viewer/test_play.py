@@ -226,14 +226,19 @@ def test_a_grid_in_a_browser(tab, tmp_path):
     kept = tab.locator('td[data-quantity="w1"][data-column="kept"]').inner_text()
     want = tribo.simulate(SCENE)["upper"]["w1"][-1, 0]
     assert_same(kept, want)
+    names = tab.locator("tbody label").all_inner_texts()
+    assert {"w1", "w1,ps", "ΔEint", "friction work", "friction force"} <= set(names)
 
 
 def test_keys_from_any_control(tab, tmp_path):
     """Home and End go to the start and the end, wherever the focus is."""
-    page = tribo.simulate(SCENE).to_html(tmp_path / "a.html")
+    page = tmp_path / "a.html"
+    choices = {"interaction.strength": [0.1, 0.2], "upper.drive": ["forced", "free"]}
+    page.write_text(grid_page(SCENE, sliders_of(SCENE, choices)), encoding="utf-8")
     tab.goto(page.as_uri())
-    for part in ("play", "speed", "forces", "group", "time"):
-        tab.locator(f"[data-part={part}]").focus()
+    parts = [f"[data-part={part}]" for part in ("play", "speed", "forces", "group", "time", "keep")]
+    for control in (*parts, *(f'[data-key="{key}"]' for key in choices)):
+        tab.locator(control).focus()
         for key, t in (("End", 40.0), ("Home", 0.0)):
             tab.keyboard.press(key)
             tab.wait_for_timeout(100)
@@ -257,9 +262,10 @@ def test_accessible(browser, server, scheme, width):
     tab.wait_for_timeout(300)
     found = axe.Axe().run(tab)
     wide = tab.evaluate("document.documentElement.scrollWidth")
+    table = tab.locator(".table").evaluate("(each) => each.scrollWidth - each.clientWidth")
     context.close()
     assert found.violations_count == 0, found.generate_report()
-    assert wide <= width
+    assert wide <= width and table <= 0
 
 
 def test_reduced_motion(browser, tmp_path):

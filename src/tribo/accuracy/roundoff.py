@@ -120,8 +120,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 
 def _sums_of_works(samples: Samples, span: Span) -> np.ndarray:
     """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    terms = np.abs(samples.linear("terms", lambda s: _terms(Accounts(span, s))))
-    return (terms.reshape(-1, TERMS) @ MEMBERS).reshape(*terms.shape[:2], -1)
+    terms = np.abs(samples.linear("terms", lambda integrals: _terms(integrals.of(span))))
+    return np.asarray(terms @ MEMBERS)
 
 
 def _terms(forces: Accounts) -> np.ndarray:

@@ -249,9 +249,7 @@ class _Search:
         near = NEAR * fine_level(method) ** (1.0 / method.order)
         coarse = setting_at(layout, method, scales, level)
         fine = setting_at(layout, method, scales, finer, near)
-        self.count.plan(
-            1 + COARSE_RUNS, self.count.seconds(level, self.runs[-1] if self.runs else None)
-        )
+        self.count.plan_round(level, self.runs[-1] if self.runs else None)
         finest = self.count.run(fine, self.stops.fine, finer)
         self.costly = bool(self.rounds) and not self._affords(
             COARSE_RUNS * self.count.expected(level)

@@ -119,12 +119,18 @@ class SearchRuns:
         self.spent += run.evaluations
         return run
 
-    def plan(self, further: int, seconds: float | None = None) -> None:
-        """How many further runs are planned, and what they should take."""
-        self._of, self._left = self._number + further, seconds
+    def plan(self, further: int) -> None:
+        """How many further runs are planned."""
+        self._of = self._number + further
 
-    def seconds(self, level: float, last: Integration | None) -> float:
-        """What a round at a level should take, by the last run or else by the model of costs."""
+    def plan_round(self, level: float, last: Integration | None) -> None:
+        """Plan a round at a level; its time follows from the last run, or the model of costs."""
+        self.plan(1 + COARSE_RUNS)
+        if self._announce is not None:
+            self._left = self._seconds(level, last)
+
+    def _seconds(self, level: float, last: Integration | None) -> float:
+        """What a round at a level should take."""
         layout, method = self.layout, self.method
         rate, finer = rate_of(layout, method), fine_level(method) * level
         before, evaluations = self.known

@@ -52,15 +52,14 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
         if kinds != sorted(contact.species.tolist()):
             return 0.0, 0.0
     charges = layout.model.each[CHARGE, columns]
-    r = bobs.distance * DISTANCES
-    energy = contact.potential.energy_between
+    energy, r = contact.potential.energy_between, bobs.distance * DISTANCES
     try:
         with np.errstate(all="ignore"):
+            if not energy(r[0], *charges) > energy(r[1], *charges):
+                return 0.0, 0.0
             energies = np.array([energy(distance, *charges) for distance in r], float)
     # A user's energy may raise anything: its errors are reported when it is compiled.
     except Exception:
-        return 0.0, 0.0
-    if not energies[0] > energies[1]:
         return 0.0, 0.0
     return float(energies[0]), max(-float(np.min(energies)), _other_energies(layout, bobs))
 

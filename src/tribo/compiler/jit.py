@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numba import config, njit, typeof
+from numba.core.event import install_recorder
 
 from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
 from tribo.compiler.numba_private import NATIVE
@@ -152,7 +153,12 @@ def undisturbed() -> Iterator[None]:
     enabled = gc.isenabled()
     gc.disable()
     try:
-        with held(), announced("compiling ..."):
+        # To load machine code may take a second too, on a busy machine.
+        with (
+            held(),
+            install_recorder("numba:compile") as compiled,
+            announced("compiling ...", lambda: bool(compiled.buffer)),
+        ):
             yield
     finally:
         if enabled:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting.style import INK, WIDE, drawing_on
+from tribo.plotting.style import CYCLE, INK, WIDE, drawing_on
 from tribo.results.intervals import Interval, interval
 from tribo.validation import InputError, must_be_one_of
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-MEMBER_COLOUR, INTERVAL_COLOUR = "#5b93bf", "#d7301f"
+MEMBER_COLOUR, INTERVAL_COLOUR = CYCLE[:2]
 
 # Opacity of one member's line: OPACITY / members, but at least FAINTEST.
 OPACITY, FAINTEST = 10.0, 0.25

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +20,9 @@ TIMES = ((3600.0, "hours"), (60.0, "minutes"), (1.0, "s"), (1e-3, "ms"), (1e-6, 
 BYTES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 # Ledgers without the works of each asperite.
 LEDGERS = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
+# What is said of the time loop.
+COMPILED = "was compiled before"
+NOT_COMPILED = "had not been compiled before; it is now, and is kept on disk"
 
 
 @dataclass(frozen=True)
@@ -36,8 +38,8 @@ class Predicted:
     memory_bytes : int
         Bytes of the arrays of the scene, of the loop and of all samples.
     basis : str
-        Source of the number of evaluations: "counted" from a given step, "searched" by the runs
-        that find the settings, or "extrapolated" from the first of these.
+        How they are known: "counted" from a given step, "searched" by the runs that find the
+        settings, or "extrapolated" from the first of these.
     met : bool or None
         Whether the run will meet its accuracy, as far as the search shows; None where it was not
         completed, or with a given step.
@@ -148,14 +150,12 @@ class Explanation:
             "absent": list(self.absent),
             "reasons": self.effects | self.absent,
             "degrees_of_freedom": self.degrees_of_freedom,
-            "contact": vars(self.contact),
             "ledger": self.scene.output.ledger,
             "keep": self.scene.output.keep,
             "threads": self.threads._asdict(),
-            "predicted": vars(self.predicted),
         }
         del table["scene"]
-        return json.dumps(table, indent=1, allow_nan=False)
+        return json.dumps(table, indent=1, allow_nan=False, default=vars)
 
     def __repr__(self) -> str:
         cost = self.predicted
@@ -175,61 +175,51 @@ class Explanation:
         for head, reasons in (("Simulated:", present), ("Absent, at no cost:", self.absent)):
             rows = (_wrapped(f"  {name:<15} {why}", 18) for name, why in reasons.items())
             lines += ["", head, *rows]
-        return "\n".join([*lines, "", *(_wrapped(each, 2) for each in self._plan())])
+        plan = [f"{subject}: {text}." for subject, text in self._plan().items() if text]
+        plan += [f"The time loop {COMPILED if self.compiled else NOT_COMPILED}."]
+        return "\n".join([*lines, "", *(_wrapped(each, 2) for each in plan)])
 
-    def _plan(self) -> Iterator[str]:
-        """Sentences on coordinates, contact, method and cost."""
+    def _plan(self) -> dict[str, str]:
+        """What is said of each subject; nothing where a text is empty."""
         scene, contact, cost = self.scene, self.contact, self.predicted
         kinds = ", ".join(f"{n} {kind}" for kind, n in self.coordinates.items() if n)
-        yield f"Degrees of freedom: {self.degrees_of_freedom} ({kinds})."
         place = "neighbour lists, about" if contact.by_list else "all pairs of bobs,"
         names = ", ".join(contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
         computed = f"{place} {contact.pairs:,}; forces are computed {how}"
-        yield f"Contact: {computed if contact.pairs else 'none'}."
-        if contact.inactive:
-            yield (
-                f"Live: {scene.count - contact.inactive:,} of {scene.count:,} asperites at the "
-                "start. The others are out of reach, and are computed in closed form until they "
-                "come within reach."
-            )
-        if scene.output.ledger in LEDGERS:
-            yield f"Ledger: {LEDGERS[scene.output.ledger]}."
-        if scene.output.keep is not None:
-            yield f"Recorded: only {', '.join(scene.output.keep)}."
-        yield f"Method: {self.method}, {self._request()}, {reason_of_method(scene, self.why)}."
-        yield f"Threads: {self.threads.number}, {self.threads.why}."
-        yield (
-            f"Cost: about {_rounded(cost.force_evaluations)} force evaluations, "
+        live = (
+            f"{scene.count - contact.inactive:,} of {scene.count:,} asperites at the start. The "
+            "others are out of reach, and are computed in closed form until they come within reach"
+        )
+        steps = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
+        if self.accuracy is not None:
+            single = isinstance(self.accuracy, float)
+            steps = f"accuracy {f'{self.accuracy:.0e}' if single else 'of observables'}, {steps}"
+        return {
+            "Degrees of freedom": f"{self.degrees_of_freedom} ({kinds})",
+            "Contact": computed if contact.pairs else "none",
+            "Live": live if contact.inactive else "",
+            "Ledger": LEDGERS.get(scene.output.ledger, ""),
+            "Recorded": f"only {', '.join(scene.output.keep)}" if scene.output.keep else "",
+            "Method": f"{self.method}, {steps}, {reason_of_method(scene, self.why)}",
+            "Threads": f"{self.threads.number}, {self.threads.why}",
+            "Cost": f"about {_rounded(cost.force_evaluations)} force evaluations, "
             f"{_in_units(cost.seconds, TIMES)} on this machine, "
-            f"{_in_units(cost.memory_bytes, BYTES)} of memory. {self._basis()}"
-        )
-        if self.slow:
-            yield f"Slow: {self.slow}."
-        before = (
-            "was compiled before" if self.compiled else "had not been compiled before; it is now"
-        )
-        yield f"The time loop {before}{'' if self.compiled else ', and is kept on disk'}."
-
-    def _request(self) -> str:
-        step = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
-        if self.accuracy is None:
-            return step
-        wanted = f"{self.accuracy:.0e}" if isinstance(self.accuracy, float) else "of observables"
-        return f"accuracy {wanted}, {step}"
+            f"{_in_units(cost.memory_bytes, BYTES)} of memory. {self._basis()}",
+            "Slow": self.slow,
+        }
 
     def _basis(self) -> str:
         """How the evaluations are known, and whether the run will stop or fall short."""
-        used = f"{self.evaluations_used:,} evaluations"
+        cost, used = self.predicted, f"{self.evaluations_used:,} evaluations"
         basis = {
-            "counted": "Counted from the step.",
-            "searched": f"The search for settings, with which a run begins, took {used}.",
-            "extrapolated": f"Extrapolated from the first {used} of the search for settings.",
-        }[self.predicted.basis]
-        if self.predicted.stop:
-            return f"{basis} The run will stop as NoProgress: {self.predicted.stop}."
-        missed = self.predicted.met is False
-        return f"{basis} The run will fall short of its accuracy." if missed else basis
+            "counted": "Counted from the step",
+            "searched": f"The search for settings, with which a run begins, took {used}",
+            "extrapolated": f"Extrapolated from the first {used} of the search for settings",
+        }[cost.basis]
+        if cost.stop:
+            return f"{basis}. The run will stop as NoProgress: {cost.stop}"
+        return basis + ". The run will fall short of its accuracy" * (cost.met is False)
 
 
 def reason_of_method(scene: Scene, why: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,61 +11,55 @@ from tribo.kernels.records import INERTIA, L1, MASS
 from tribo.layout.layout import Layout
 from tribo.loops import resolution
 
+# The phase of the fastest motion in a step [rad] that is still well resolved.
+RESOLVED = 0.1
+# What would slow each motion.
+CURES = {
+    "pendulums": "a smaller kappa or a larger inertia",
+    "bars on springs": "a smaller stiffness of springs and drives, or heavier bars",
+    "oscillators of the bath": "a bath without its highest frequencies, or langevin in its place",
+    "bobs in the corrugation": "a smaller amplitude or a longer period",
+    "bobs in the minimum of a contact": (
+        "a potential that is less deep or longer in range, or a larger inertia"
+    ),
+    "bars under a plug-in's force": "a force that varies less",
+    "encounters of bobs": (
+        "a larger gap, a smaller velocity, or a potential that is softer at short distances"
+    ),
+}
 
-class Motion(NamedTuple):
-    """A motion that steps have to resolve: its frequency, what moves, and what would slow it."""
 
-    # Of encounters the steps that they take for each unit of time [rad / time].
-    frequency: float
-    name: str
-    cure: str
-
-
-def fastest_motion(layout: Layout) -> Motion:
-    """The motion for which a run of a scene takes the shortest steps."""
-    return max(Motion(frequency(layout), name, cure) for frequency, name, cure in MOTIONS)
-
-
-def _encounters(layout: Layout) -> float:
-    return steps_towards(layout) / layout.scene.duration
+def frequencies(layout: Layout) -> dict[str, float]:
+    """Those of all motions; of encounters the steps that they take per unit of time."""
+    return {
+        "pendulums": resolution.pendulum_frequency(layout),
+        "bars on springs": resolution.spring_frequency(layout),
+        "oscillators of the bath": resolution.bath_frequency(layout),
+        "bobs in the corrugation": resolution.corrugation_frequency(layout),
+        "bobs in the minimum of a contact": _contact_frequency(layout),
+        "bars under a plug-in's force": resolution.user_frequency(layout),
+        "encounters of bobs": steps_towards(layout) / layout.scene.duration,
+    }
 
 
-def _contact(layout: Layout) -> float:
-    """The largest angular frequency of a bob in the minimum of a potential that declares one."""
+def slow_motion(layout: Layout, step: float | None) -> str:
+    """The motion for which a run takes the shortest steps, and what would allow longer ones."""
+    frequency, name = max((frequency, name) for name, frequency in frequencies(layout).items())
+    if frequency == 0.0:
+        return ""
+    cure = f"{CURES[name]} would allow longer steps"
+    if step is not None and step * frequency < RESOLVED:
+        cure = f"a step of {RESOLVED / frequency:.2g}, not {step:.2g}, resolves it"
+    return (
+        f"the fastest motion is that of {name}, at {frequency:.3g} rad per unit of time, for "
+        f"{frequency * layout.scene.duration:.2g} rad in all; {cure}"
+    )
+
+
+def _contact_frequency(layout: Layout) -> float:
+    """The largest of a bob in the minimum of a potential, without its cutoff, that declares one."""
     table = layout.constants
     mobility = 2.0 * float(np.max(1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]))
-    # Without their cutoffs.
     inner = (getattr(i.potential, "potential", i.potential) for i in layout.scene.interactions)
     curvatures = (float(each.minimum()[2]) for each in inner if hasattr(each, "minimum"))
     return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
-
-
-MOTIONS = (
-    (resolution.pendulum_frequency, "pendulums", "a smaller kappa or a larger inertia"),
-    (
-        resolution.spring_frequency,
-        "bars on springs",
-        "a smaller stiffness of springs and drives, or heavier bars",
-    ),
-    (
-        resolution.bath_frequency,
-        "oscillators of the bath",
-        "a bath without its highest frequencies, or langevin in its place",
-    ),
-    (
-        resolution.corrugation_frequency,
-        "bobs in the corrugation",
-        "a smaller amplitude or a longer period",
-    ),
-    (
-        _contact,
-        "bobs in the minimum of a contact",
-        "a potential that is less deep or longer in range, or a larger inertia",
-    ),
-    (resolution.user_frequency, "bars under a plug-in's force", "a force that varies less"),
-    (
-        _encounters,
-        "encounters of bobs",
-        "a larger gap, a smaller velocity, or a potential that is softer at short distances",
-    ),
-)

@@ -1,4 +1,4 @@
-"""How many force evaluations a run will take, from the first runs of its search for settings.
+"""What a run will take: its force evaluations, their time, and its memory.
 
 With a given step the evaluations are counted.  With an accuracy, the search for settings begins as
 in a run of the scene, and ends after BUDGET seconds by the model of costs.  A search that is not
@@ -8,86 +8,60 @@ ratios of the levels of the runs that are left.  No clock decides when it ends.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import time
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import strictest
+from tribo.accuracy.extremes import BYTES, PORTION
+from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.levels import fine_level
-from tribo.accuracy.plan import Plan, make_plan
+from tribo.accuracy.plan import make_plan
 from tribo.accuracy.run_time import counted, evaluation_time, rate_of
 from tribo.accuracy.search import FIRST
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
-from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.accuracy.tolerance_scales import first_step
+from tribo.explanation.explanation import Predicted
 from tribo.integrators.methods import Method
+from tribo.kernels.force_probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.sinks import StreamedLedger
-from tribo.loops.guards import most_evaluations
+from tribo.ledger.ledger import assemble
+from tribo.ledger.samples import Samples
+from tribo.ledger.sinks import PORTION_BYTES, StreamedLedger, is_streamed
+from tribo.loops.general import GeneralLoop
+from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].
 BUDGET = 2.0
+# Time of the run that measures a speed with a given step, by the model of costs [s].
+MEASURED = 0.05
 
 
 class OverBudgetError(Exception):
     """A run of the search would exceed the budget."""
 
 
-class Taken(NamedTuple):
-    """The times at which a run records, its evaluations, and the part of them that it reached."""
-
-    times: np.ndarray
-    evaluations: float
-    reached: float
-
-    @property
-    def whole(self) -> float:
-        """The evaluations to the end, at the mean rate."""
-        return self.evaluations / max(self.reached, np.finfo(float).eps)
-
-
-class Prediction(NamedTuple):
-    """The evaluations of a run, and how they are known.
-
-    Attributes
-    ----------
-    evaluations : float
-        Evaluations of all forces, of all runs that a result needs.
-    basis : str
-        "counted" from a given step, "searched" by all runs of the search, or "extrapolated" from
-        its first runs.
-    plan : Plan or None
-        The settings that were found; None where the search is not complete.
-    samples : int
-        Samples of all runs, which are kept until the end of a search.
-    whole : float
-        Evaluations that the last run of the search would take to its end, if it is not complete;
-        else 0.
-    """
-
-    evaluations: float
-    basis: str
-    plan: Plan | None
-    samples: int
-    whole: float = 0.0
-
-
 class Search(Integrator):
     """Runs a scene in search for settings, until all runs together would exceed the budget.
 
-    Attributes are the runs from the scene's own start, equal steps that would exceed the budget at
-    once, and the evaluations and seconds of all runs.
+    Attributes are the evaluations and seconds of all runs, and a step that would exceed the budget
+    at once; of the runs from the scene's own start their number and samples, and of the last of
+    these its times, its evaluations to the end at the mean rate, and those that are left.
     """
 
     def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:
         super().__init__(layout, method, first_step(layout), threads=threads)
-        self.finished: list[Taken] = []
-        self.step: float | None = None
         self.evaluations, self.seconds = 0, 0.0
+        self.step: float | None = None
+        self.runs = self.samples = 0
+        self.times, self.whole, self.left = layout.times, 0.0, 0.0
         self._budget = 1e9 * BUDGET / evaluation_time(layout, method)
 
     def __call__(
@@ -104,7 +78,7 @@ class Search(Integrator):
             count = counted(self.layout, self.method, setting, times)
             if count > rest:
                 self.step = setting
-                self.finished.append(Taken(times, count, 1.0))
+                self._count(times, count, 0.0)
                 raise OverBudgetError
         run = super().__call__(setting, times, start, most=min(rest, most))
         if run.status == Status.INTERRUPTED:
@@ -113,50 +87,116 @@ class Search(Integrator):
         self.evaluations += run.evaluations
         if start is None:
             reached = float((run.samples.t[-1] - times[0]) / (times[-1] - times[0]))
-            self.finished.append(Taken(times, run.evaluations, reached))
+            whole = run.evaluations / max(reached, np.finfo(float).eps)
+            self._count(times, whole, run.evaluations)
         if run.status == Status.NO_PROGRESS and rest < most:
             raise OverBudgetError
         return run
 
+    def _count(self, times: np.ndarray, whole: float, taken: float) -> None:
+        self.runs, self.samples = self.runs + 1, self.samples + times.size
+        self.times, self.whole, self.left = times, whole, whole - taken
 
-def predict(choice: Choice, search: Search) -> Prediction:
-    """Predict the evaluations of a run.
+
+def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
+    """Predict the cost of a run, and its step where all steps are equal and known.
 
     Raises InputError if the accuracy is out of reach, or names quantities that are not reported.
     """
-    times = search.layout.times
-    if choice.step is not None:
-        count = counted(search.layout, choice.method, choice.step, times)
-        return Prediction(count, "counted", make_plan(choice, search), times.size)
+    layout, method, plan = search.layout, search.method, None
+    began = time.perf_counter()
     try:
         plan = make_plan(choice, search)
+        basis, evaluations, samples = "searched", float(search.evaluations), search.samples
     except OverBudgetError:
-        samples = max(_samples(search), 2 * sum(t.size for t in StopTimes.for_samples(times)))
-        whole = search.finished[-1].whole
-        return Prediction(_extrapolated(choice, search), "extrapolated", None, samples, whole)
-    assert plan.tuned is not None
-    ended = plan.tuned.runs[-1].status == Status.NO_PROGRESS
-    whole = search.finished[-1].whole if ended else 0.0
-    return Prediction(plan.tuned.evaluations, "searched", plan, _samples(search), whole)
+        basis, evaluations = "extrapolated", _extrapolated(choice, search)
+        samples = max(search.samples, 2 * sum(t.size for t in StopTimes.for_samples(layout.times)))
+    beside = time.perf_counter() - began - search.seconds
+    if choice.step is not None:
+        basis, samples, beside = "counted", layout.times.size, 0.0
+        evaluations = counted(layout, method, choice.step, layout.times)
+    tuned = None if plan is None else plan.tuned
+    predicted = Predicted(
+        force_evaluations=round(evaluations),
+        seconds=_seconds_of_evaluation(choice, search) * evaluations + beside,
+        memory_bytes=bytes_of_run(layout, method, samples, choice.step is None),
+        basis=basis,
+        met=None if tuned is None else tuned.met,
+        stop=_stop(search, tuned),
+    )
+    return predicted, plan.setting if plan and isinstance(plan.setting, float) else None
 
 
-def _samples(search: Search) -> int:
-    """Samples of all runs from the start."""
-    return sum(run.times.size for run in search.finished)
+def _seconds_of_evaluation(choice: Choice, search: Search) -> float:
+    """In the runs of the search or, with equal steps and no such runs, in a short run."""
+    if search.evaluations:
+        return search.seconds / search.evaluations
+    step = choice.step or search.step
+    assert step is not None
+    layout, each = search.layout, evaluation_time(search.layout, search.method)
+    loop = GeneralLoop(layout, search.method, step, layout.start, 0.0, search.threads)
+    columns = loop.room(layout.times.size + 1)
+    loop.advance(layout.times, columns, 1)
+    before, began = int(loop.clocks["evaluations"][0]), time.perf_counter()
+    loop.advance(layout.times, columns, max(1, int(1e9 * MEASURED / each)))
+    seconds = time.perf_counter() - began
+    return seconds / max(1, int(loop.clocks["evaluations"][0]) - before)
+
+
+def _stop(search: Search, tuned: FoundSettings | None) -> str:
+    """Why the run will stop as NoProgress, and what would do; empty if it should not."""
+    scene = search.layout.scene
+    too_many = search.whole > MOST_PREDICTED * most_evaluations(scene)
+    ended = tuned is not None and tuned.runs[-1].status == Status.NO_PROGRESS
+    if not (ended or (search.method.adaptive and too_many)):
+        return ""
+    return (
+        f"{reach_of(scene, search.whole, search.layout.beginning)}; give a lower accuracy, a "
+        "shorter duration, more max_evaluations, or a method and a step"
+    )
 
 
 def _extrapolated(choice: Choice, search: Search) -> float:
     """The evaluations of a search whose last run was not complete."""
-    *done, last = search.finished
-    total = sum(run.evaluations for run in done) + last.whole
     method, slope = choice.method, rate_of(search.layout, choice.method).slope
+    total, last = search.evaluations + search.left, search.whole
     finer = fine_level(method) ** (-1.0 / slope)
-    if method.adaptive and not done:  # the pilot
+    if method.adaptive and search.runs == 1:  # the pilot
         assert choice.accuracy is not None
         level = FIRST * method.first_level * strictest(choice.accuracy)
-        coarse = last.whole * (PILOT_LEVEL / min(level, PILOT_LEVEL)) ** (1.0 / slope)
+        coarse = last * (PILOT_LEVEL / min(level, PILOT_LEVEL)) ** (1.0 / slope)
         return total + (COARSE_RUNS + finer) * coarse
     stops = StopTimes.for_samples(search.layout.times)
-    if np.array_equal(last.times, stops.fine):
-        return total + COARSE_RUNS * last.whole / finer
-    return total + last.whole * (1.0 if np.array_equal(last.times, stops.many) else 2.0)
+    if np.array_equal(search.times, stops.fine):
+        return total + COARSE_RUNS * last / finer
+    return total + last * (1.0 if np.array_equal(search.times, stops.many) else 2.0)
+
+
+def bytes_of_run(layout: Layout, method: Method, samples: int, compared: bool) -> int:
+    """Bytes of a scene, of its loop, of so many samples in all runs, and of comparing runs."""
+    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    found = _bytes_in(vars(loop), layout.asperites, layout.surfaces)
+    times = layout.times.size
+    if is_streamed(layout, times):
+        kept = assemble(layout, Samples.at_zero(layout)).only(layout.scene.output.keep or ())
+        found += PORTION_BYTES + times * _bytes_in(kept.flat())
+        samples -= times
+    found += max(0, samples) * _bytes_in(loop.room(1))
+    if compared:
+        found += min(PORTION, BYTES * max(times, PARTS + 1) * layout.scene.count)
+    if "forces" in layout.scene.output.series:
+        found += times * ROWS * layout.model.each[0].nbytes
+    return found
+
+
+def _bytes_in(*items: Any) -> int:
+    """Bytes of all arrays in nested tuples and dictionaries, each array once."""
+    return sum({id(array): array.nbytes for array in _arrays(items)}.values())
+
+
+def _arrays(item: Any) -> Iterator[np.ndarray]:
+    if isinstance(item, np.ndarray):
+        yield item
+    elif isinstance(item, (dict, tuple)):
+        for part in item.values() if isinstance(item, dict) else item:
+            yield from _arrays(part)

@@ -6,10 +6,6 @@ multiple of one of them; two matrices hold the factors.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 
 from tribo.kernels.records import FREE
@@ -22,27 +18,6 @@ from tribo.pair.step_rows import J_Y, Q1, Q2, T1, T2, V1, V2, X1, X2, Y1, Y2, J,
 ARC1, ARC2 = ENERGY, ENERGY + 1
 
 FIRST_ACCOUNT = J + 1
-
-
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """The factors from a row of the loop's record, with its arcs, to the scene's layout."""
-
-    state: np.ndarray  # (2 coordinates, columns) those of y
-    accounts: np.ndarray  # (accounts, columns) those of s
-    # Those of linear functions of s by their keys; without the arcs where they have no part.
-    linear: dict[Hashable, np.ndarray]
-    driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
-
-    @cached_property
-    def columns(self) -> np.ndarray:
-        """The column of which each coordinate or rate is a multiple, (2 coordinates,)."""
-        return np.argmax(np.abs(self.state), axis=1)
-
-    @cached_property
-    def multiples(self) -> np.ndarray:
-        """The multiples, (2 coordinates,)."""
-        return self.state[np.arange(len(self.state)), self.columns]
 
 
 def factors_of(

@@ -77,3 +77,17 @@ def _present(asperites: Asperites) -> frozenset[str]:
     """The groups of slots that any of the asperites has."""
     groups = (item for item in vars(asperites).items() if item[0].startswith(("acc_", "dof_")))
     return frozenset(name for name, slots in groups if slots.max() >= 0)
+
+
+def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
+    """Columns of a table by slot; `absent` where the slot is -1."""
+    shape = (table.shape[0], slots.size)
+    present = slots >= 0
+    if present.all():
+        return table[:, slots]
+    if not present.any():
+        return np.broadcast_to(np.asarray(absent), shape)
+    values = np.empty(shape)
+    values[:] = absent
+    values[:, present] = table[:, slots[present]]
+    return values

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.layout.span import Span
-from tribo.ledger.motion import columns
+from tribo.layout.span import Span, columns
 
 Part = np.ndarray | float  # of an account
 

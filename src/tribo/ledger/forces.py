@@ -54,8 +54,10 @@ class Force(NamedTuple):
 
         A force with noise is known by the impulses of each asperite, which only their ledger has.
         """
-        noisy = any(FORCES[name] is self for name in surface.noisy_forces)
-        return self.acts(scene, surface) and (scene.output.ledger == "asperites" or not noisy)
+        has_accounts = scene.output.ledger == "asperites"
+        return self.acts(scene, surface) and (
+            has_accounts or all(FORCES[name] is not self for name in surface.noisy_forces)
+        )
 
 
 FORCES = {

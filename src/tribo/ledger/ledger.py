@@ -306,8 +306,11 @@ def _last(layout: Layout, samples: Samples) -> Ledger:
 
 def check_keep(layout: Layout) -> None:
     """Refuse names in ``output.keep`` of quantities that the scene does not report."""
+    keep = layout.scene.output.keep
+    if keep is None:
+        return
     ledger = assemble(layout, Samples.at_zero(layout))
-    for i, full in enumerate(layout.scene.output.keep or ()):
+    for i, full in enumerate(keep):
         surface, _, name = full.rpartition(".")
         table: Collection[str] = ledger.system if not surface else ()
         if surface in layout.parts:

@@ -8,8 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
+<<<<<<< HEAD
 from tribo.layout.ledger_view import LedgerView
 from tribo.layout.span import Asperites, Span
+=======
+from tribo.layout.layout import Layout
+from tribo.layout.span import Asperites, Span, columns
+>>>>>>> main
 from tribo.ledger.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y
@@ -210,20 +215,6 @@ def about_pivots(
     tx, ty = swing_direction(facing, swing)
     lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
     return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
-
-
-def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
-    """Columns of a table by slot; `absent` where the slot is -1."""
-    shape = (table.shape[0], slots.size)
-    present = slots >= 0
-    if present.all():
-        return table[:, slots]
-    if not present.any():
-        return np.broadcast_to(np.asarray(absent), shape)
-    values = np.empty(shape)
-    values[:] = absent
-    values[:, present] = table[:, slots[present]]
-    return values
 
 
 def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,18 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tribo.kernels.samples import STORED
-from tribo.layout.pair_scene import Factors
+from tribo.layout.layout import Layout
+from tribo.ledger.accounts import Integrals
 from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
+
+# Rows of a product at a time: BLAS shares longer ones among threads, and waits for these up to
+# 4 ms on a machine that has other work, against 0.1 ms for the product.
+ROWS_AT_ONCE = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """The factors from a row of the loop's record, with its arcs, to the scene's layout."""
+
+    state: np.ndarray  # (2 coordinates, columns) those of y
+    accounts: np.ndarray  # (accounts, columns) those of s
+    # Those of linear functions of s by their keys; without the arcs where they have no part.
+    linear: dict[Hashable, np.ndarray]
+    driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
+
+    @cached_property
+    def integrals(self) -> Integrals:
+        """The integrals s of a sample for each column, of which those of a run are combinations."""
+        return Integrals(self.accounts.T)
+
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """The column of which each coordinate or rate is a multiple, (2 coordinates,)."""
+        return np.argmax(np.abs(self.state), axis=1)
+
+    @cached_property
+    def multiples(self) -> np.ndarray:
+        """The multiples, (2 coordinates,)."""
+        return self.state[np.arange(len(self.state)), self.columns]
 
 
 class PairSamples(Samples):
@@ -81,19 +112,19 @@ class PairSamples(Samples):
         """Empty, (times, 0, 0)."""
         return np.empty((self.t.size, 0, 0))
 
-    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
         if self._factors.driven is not None:
-            return function(self.s)
+            return function(Integrals(self.s))
         factors = self._factors.linear.get(key)
         if factors is None:
-            factors = function(self._factors.accounts.T)
+            factors = function(self._factors.integrals)
             if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
                 factors = factors[:ENERGY]
             self._factors.linear[key] = factors
         columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
         if factors.size > len(factors):
-            values = columns @ factors.reshape(len(factors), -1)
+            values = _product(columns, factors.reshape(len(factors), -1))
             return values.reshape(len(values), *factors.shape[1:])
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
         value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
@@ -147,3 +178,9 @@ class PairSamples(Samples):
     def _columns(self) -> np.ndarray:
         """The record's columns before the energy, and the arcs."""
         return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
+
+
+def _product(rows: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """The product of two matrices, in the calling thread alone."""
+    starts = range(0, max(len(rows), 1), ROWS_AT_ONCE)
+    return np.concatenate([rows[k : k + ROWS_AT_ONCE] @ factors for k in starts])

@@ -9,6 +9,7 @@ import numpy as np
 
 from tribo.kernels.samples import STORED
 from tribo.layout.layout import Layout
+from tribo.ledger.accounts import Integrals
 
 
 @dataclass(eq=False)
@@ -80,11 +81,11 @@ class Samples:
         values = ([getattr(each, f.name) for each in (self, *later)] for f in fields(Samples))
         return Samples(*map(_joined, values))
 
-    def linear(self, key: Hashable, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """The value of a linear function of `s`, which `key` tells from others of the layout."""
+    def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
+        """The value of a linear function of the integrals, which `key` tells from others."""
         # In a run that stopped because values were not finite, the last are infinite or NaN.
         with np.errstate(over="ignore", invalid="ignore"):
-            return function(self.s)
+            return function(Integrals(self.s))
 
     def of_members(self, selected: np.ndarray) -> Samples:
         """The samples of some of the runs, by their indices or a mask."""
@@ -94,9 +95,12 @@ class Samples:
         return samples
 
     def at_start(self, series: np.ndarray) -> np.ndarray:
-        """The value of a series of these samples at the start of each run."""
+        """The value of a series of these samples at the start of each run.
+
+        It has a row for each sample, or one for all samples of a single run.
+        """
         if self.runs == 1:
-            return np.asarray(series[0])
+            return np.asarray(series[:1])
         return np.tile(
             series[: self.runs], (self.t.size // self.runs, *np.ones(series.ndim - 1, int))
         )

@@ -63,11 +63,11 @@ def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = (
     linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]
     rest = [item for item in items if not isinstance(item.of, Linear)]
 
-    def together(s: np.ndarray) -> np.ndarray:
-        integrals = Integrals(s)
+    def together(integrals: Integrals) -> np.ndarray:
+        count = len(integrals.s)
         values = [of.value(each, integrals) for item, of in linear for each in item.sources]
-        none = np.empty((len(s), 0))
-        return np.concatenate([none, *(value.reshape(len(s), -1) for value in values)], axis=1)
+        none = np.empty((count, 0))
+        return np.concatenate([none, *(value.reshape(count, -1) for value in values)], axis=1)
 
     values = [group.samples.linear("columns", together)]
     series = (item.of(each) for item in rest for each in item.sources)

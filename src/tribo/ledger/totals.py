@@ -280,7 +280,7 @@ class Linear:
     def __call__(self, source: AsperiteSeries | SystemSeries) -> np.ndarray:
         """Its series, from the samples of its surface or of the system."""
         key = source.spans, self
-        return source.samples.linear(key, lambda s: self.value(source, Integrals(s)))
+        return source.samples.linear(key, lambda integrals: self.value(source, integrals))
 
 
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:

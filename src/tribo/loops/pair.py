@@ -15,8 +15,8 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
-from tribo.layout.pair_scene import FIRST_ACCOUNT, Factors, factors_of, mobility_of, record_of
-from tribo.ledger.pair_samples import PairSamples
+from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, mobility_of, record_of
+from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of, set_numbers
 from tribo.loops.integrate import (
@@ -61,10 +61,10 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    a, surfaces = layout.asperites, layout.surfaces
+    a, surfaces = layout.together.asperites, layout.surfaces
     along_x = a.dof_x[a.dof_x >= 0]
     return (
-        a.size == surfaces.size == 2
+        layout.scene.count == surfaces.size == 2
         and not np.any(layout.start.reshape(2, -1)[:, along_x])
         and layout.scene.output.ledger == "asperites"
         and layout.scene.effects <= KNOWN

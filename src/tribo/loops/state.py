@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from tribo.layout.layout import Layout
-from tribo.ledger.motion import about_pivots, columns
+from tribo.layout.span import columns
+from tribo.ledger.motion import about_pivots
 from tribo.ledger.quantities import Table
 from tribo.ledger.samples import Samples
 from tribo.loops.general import GeneralLoop

@@ -129,7 +129,7 @@ class Asperite(NamedTuple):
 
 def _model() -> Axes:
     """The upper asperite with every quantity that the equations of motion name."""
-    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 1.7, 1.6, (-3.05, 3.2, -3.6, 1.8)
+    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 1.7, 1.6, (-3.05, 3.35, -3.6, 1.8)
     rod = np.array([[np.sin(theta), -np.cos(theta)]])  # from the bar, at the origin, to the bob
     now = Pose(
         parts={"upper": slice(0, 1)},

@@ -7,7 +7,8 @@ const ROOMY = 0.4; // a scale stays for curves that fill at least this part of i
 // A number as the page shows it.
 function shownNumber(value) {
   if (!Number.isFinite(value)) return "–";
-  return value === 0 ? "0" : value.toPrecision(6).replace("-", "−");
+  const isTiny = value !== 0 && Math.abs(value) < 1e-4;
+  return value === 0 ? "0" : (isTiny ? value.toExponential(5) : value.toPrecision(6)).replaceAll("-", "−");
 }
 
 // Four to nine round numbers from low to high.

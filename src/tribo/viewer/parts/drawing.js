@@ -7,6 +7,7 @@ const MOST_NAMED = 4; // asperites whose forces have a letter
 const OBLIQUE = [0.35, 0.2]; // of the depth, to the right and upward
 const ARROW = 1.2; // length of the arrow of a large force, in rods
 const LEAST_ARROW = 34; // and in pixels, where asperites are small
+const LEAST_NAMED = 30; // length of a displacement with a name, in pixels
 const LARGE = 0.97; // the part of all forces that are not larger
 const HEIGHTS = [190, 460]; // of the canvas, least and most
 const WINDINGS = 4; // of each half of a torsion spring
@@ -256,7 +257,8 @@ function makeDrawing(canvas) {
         context.stroke();
         arrow(context, x0, y0, x1 - x0, 0);
         const letter = surface.facing === "down" ? "x" : "X";
-        drawSymbol(context, { before: "Δ", letter, below: name }, x0 + (0.25 + 0.25 * k) * (x1 - x0) - 14, y0 - 11);
+        if (Math.abs(x1 - x0) < LEAST_NAMED) return;
+        drawSymbol(context, { before: "Δ", letter, below: name }, x0 + (0.15 + 0.2 * k) * (x1 - x0) - 14, y0 - 11);
       });
     },
   };
@@ -292,7 +294,9 @@ function makeDrawing(canvas) {
           arrow(context, x, y, dx, dy);
           if (run.count > MOST_NAMED || length < 14) continue;
           const letter = surface.facing === "down" ? "f" : "F";
-          drawSymbol(context, { before: "", letter, below: name.slice(1) }, x + dx + (dx < 0 ? -18 : 5), y + dy);
+          // Beside a bar, not on it.
+          const away = name === "f2" ? (surface.facing === "down" ? -1 : 1) * (12 + 0.06 * rod * view.scale) : 0;
+          drawSymbol(context, { before: "", letter, below: name.slice(1) }, x + dx + (dx < 0 ? -18 : 5), y + dy + away);
         }
       }
     }

@@ -217,9 +217,9 @@ function mount(element, source) {
     End: () => goTo(end()),
   };
   (source.isPage ? document : element).addEventListener("keydown", (event) => {
-    const isEnd = event.key === "Home" || event.key === "End";
-    const own = isEnd ? "[data-key]" : "button, select, input[type=checkbox], [data-key]";
-    if (event.target.closest?.(own) || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
+    const isEnd = event.key === "Home" || event.key === "End"; // of the time, from every control
+    const isOwn = !isEnd && event.target.closest?.("button, select, input[type=checkbox], [data-key]");
+    if (isOwn || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
     event.preventDefault();
     event.stopPropagation();
     keys[event.key]();

@@ -1,10 +1,9 @@
 // The symbol, colour and line of each quantity.
 
+// Those of quantities whose names say less.
 const WORDS = {
-  contact_energy: "contact energy", total_energy_change: "energy change", applied_work: "applied work",
-  field_energy: "field energy", friction_force: "friction force", contact_force: "contact force",
-  field_force: "field force", pull_force: "drive’s force", time_without_contact: "without contact",
-  heat: "heat", heat_bath: "heat of bath",
+  total_energy_change: "energy change", pull_force: "drive’s force", time_without_contact: "without contact",
+  heat_bath: "heat of bath",
 };
 // One colour a quantity, in all groups; a pseudowork has that of its work.
 const COLOURS = {
@@ -23,7 +22,7 @@ function colourName(name, index) {
 // The parts of a symbol: text before, italic letter, subscript; or words.
 function symbol(name) {
   if (name in WORDS) return { before: WORDS[name], letter: "", below: "" };
-  const found = /^(delta_)?([A-Za-z])_?(\w*)$/.exec(name);
+  const found = /^(delta_)?([A-Za-z])(?=_|[\dLR]|$)_?(\w*)$/.exec(name);
   if (!found) return { before: name.replaceAll("_", " "), letter: "", below: "" };
   const below = found[3].replace(/_?ps$/, (end) => (end.length < found[3].length ? ",ps" : "ps"));
   return { before: found[1] ? "Δ" : "", letter: found[2], below: below.replace(/^_/, "").replaceAll("_", ",") };
