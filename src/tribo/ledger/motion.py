@@ -8,13 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
-<<<<<<< HEAD
 from tribo.layout.ledger_view import LedgerView
-from tribo.layout.span import Asperites, Span
-=======
-from tribo.layout.layout import Layout
 from tribo.layout.span import Asperites, Span, columns
->>>>>>> main
 from tribo.ledger.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y
