@@ -105,7 +105,7 @@ def test_a_run_from_an_equilibrium(wanted):
 def test_runs_are_numbered(monkeypatch, capsys):
     """Each with how many there will be; the planned time is printed once they are known."""
     scene, numbers = case_a(), []
-    monkeypatch.setattr(search_runs.SearchRuns, "seconds", lambda *given: 12.3)
+    monkeypatch.setattr(search_runs.SearchRuns, "_seconds", lambda *given: 12.3)
     bar = ProgressBar(scene.duration, "t")
     announce = bar.announce
     monkeypatch.setattr(bar, "announce", lambda *given: (numbers.append(given), announce(*given)))
@@ -131,7 +131,7 @@ def test_the_bar_says_which_run_it_is(monkeypatch, capsys):
 
 def test_nothing_is_printed_without_a_terminal(monkeypatch, capsys):
     """A pipe sees no plan."""
-    monkeypatch.setattr(search_runs.SearchRuns, "seconds", lambda *given: 12.3)
+    monkeypatch.setattr(search_runs.SearchRuns, "_seconds", lambda *given: 12.3)
     tribo.simulate(case_a(), accuracy=1e-8)
     assert capsys.readouterr() == ("", "")
 

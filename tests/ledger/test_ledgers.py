@@ -14,7 +14,7 @@ import tribo
 from support import ledgers
 from support.package import SOURCE
 from tribo import paper
-from tribo.explanation import summary
+from tribo.explanation.explanation import Contact, Explanation, Predicted
 from tribo.layout.layout import lay_out
 from tribo.layout.threads import Threads
 from tribo.loops.pair import is_pair
@@ -161,9 +161,9 @@ def test_explained():
     """The text names a ledger that is not the default, and the JSON any."""
     for kind, line in (("surfaces", "sums of works"), ("none", "no works"), ("asperites", "")):
         scene = encounter(kind)
-        bobs = summary.Contact(0, False, "lanes", (), 0)
-        cost = summary.Predicted(1, 1.0, 1, "counted", None)
+        bobs = Contact(0, False, "lanes", (), 0)
+        cost = Predicted(1, 1.0, 1, "counted", None)
         how = ("verlet", "", Threads(1, ""), None, 0.1, True, cost, 0)
-        found = summary.Explanation(scene, {}, {}, {}, bobs, *how)
+        found = Explanation(scene, {}, {}, {}, bobs, *how)
         assert (f"Ledger: {line}" in str(found)) == bool(line)
         assert json.loads(found.to_json())["ledger"] == kind

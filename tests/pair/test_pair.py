@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
@@ -154,6 +154,7 @@ def pairs(draw):
     return tribo.Scene(tuple(surfaces), potential, 5.0, output=tribo.Output(samples=9))
 
 
+@settings(max_examples=4)  # each compiles a loop
 @given(pairs())
 def test_random_pairs(scene):
     """The ledger closes, and another method finds the same."""
