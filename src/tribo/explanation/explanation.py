@@ -36,7 +36,8 @@ class Predicted:
     seconds : float
         Time of these runs on this machine, without compiling [s].
     memory_bytes : int
-        Bytes of the arrays of the scene, of the loop and of all samples.
+        Bytes of the arrays of the scene, of the loop, of all samples, and of all series, which are
+        computed when they are first read.
     basis : str
         How they are known: "counted" from a given step, "searched" by the runs that find the
         settings, or "extrapolated" from the first of these.

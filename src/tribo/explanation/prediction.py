@@ -30,7 +30,7 @@ from tribo.integrators.methods import Method
 from tribo.kernels.force_probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.ledger import assemble
+from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import PORTION_BYTES, StreamedLedger, is_streamed
 from tribo.loops.general import GeneralLoop
@@ -173,20 +173,30 @@ def _extrapolated(choice: Choice, search: Search) -> float:
 
 
 def bytes_of_run(layout: Layout, method: Method, samples: int, compared: bool) -> int:
-    """Bytes of a scene, of its loop, of so many samples in all runs, and of comparing runs."""
+    """Bytes of a scene, its loop, so many samples in all runs, all series, and comparing runs."""
     loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
     found = _bytes_in(vars(loop), layout.asperites, layout.surfaces)
     times = layout.times.size
+    series = assemble(layout, Samples.at_zero(layout))
     if is_streamed(layout, times):
-        kept = assemble(layout, Samples.at_zero(layout)).only(layout.scene.output.keep or ())
-        found += PORTION_BYTES + times * _bytes_in(kept.flat())
+        series = series.only(layout.scene.output.keep or ())
+        found += PORTION_BYTES
         samples -= times
+    found += times * _bytes_of_time(layout, series)
     found += max(0, samples) * _bytes_in(loop.room(1))
     if compared:
         found += min(PORTION, BYTES * max(times, PARTS + 1) * layout.scene.count)
     if "forces" in layout.scene.output.series:
         found += times * ROWS * layout.model.each[0].nbytes
     return found
+
+
+def _bytes_of_time(layout: Layout, series: Ledger) -> int:
+    """Bytes of all series at one time."""
+    surfaces = layout.scene.surfaces
+    of_asperites = sum(len(series.surfaces[each.name]) * each.count for each in surfaces)
+    of_wholes = sum(len(series.blocks[each.name]) for each in surfaces)
+    return 8 * (of_asperites + of_wholes + len(series.system))
 
 
 def _bytes_in(*items: Any) -> int:
