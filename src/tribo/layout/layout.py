@@ -177,6 +177,32 @@ def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarr
     ]
 
 
+def _ledger_view(
+    scene: Scene,
+    asperites: np.ndarray,
+    numbering: slots.Numbering,
+    places: slots.Places,
+    model: Model,
+    origin: np.ndarray,
+    parts: dict[str, slice],
+) -> LedgerView:
+    """The view of a layout with these slots and effects."""
+    surfaces, lanes = numbering.surfaces.view(np.recarray), None
+    if model.sums is not None:
+        lanes = slots.lanes_of_surfaces(scene, surfaces).view(np.recarray)
+    return LedgerView(
+        asperites=asperites.view(np.recarray),
+        surfaces=surfaces,
+        lanes=lanes,
+        velocities=np.array([surface.velocity for surface in scene.surfaces]),
+        parts=parts,
+        core=numbering.core,
+        columns=places.columns,
+        origin=origin,
+        fields=tuple(each.account for each in model.fields or () if each.account >= 0),
+    )
+
+
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
@@ -216,24 +242,12 @@ def lay_out(scene: Scene) -> Layout:
         end_forces=True if ends else None,
         team=True if shares(scene, between + (within or ())) else None,
     )
-    surfaces = mine.surfaces.view(np.recarray)
-    summed = model.sums is not None
-    view = LedgerView(
-        asperites=asperites.view(np.recarray),
-        surfaces=surfaces,
-        lanes=slots.lanes_of_surfaces(scene, surfaces).view(np.recarray) if summed else None,
-        velocities=np.array([surface.velocity for surface in scene.surfaces]),
-        parts=parts,
-        core=mine.core,
-        columns=places.columns,
-        origin=origin,
-        fields=tuple(each.account for each in fields or () if each.account >= 0),
-    )
+    view = _ledger_view(scene, asperites, mine, places, model, origin, parts)
     layout = Layout(
         scene=scene,
         view=view,
         asperites=view.asperites,
-        surfaces=surfaces,
+        surfaces=view.surfaces,
         model=model,
         start=start,
         core=mine.core,
