@@ -191,9 +191,10 @@ def known_keys(
             hint = f'did you mean "{near[0]}"?' if near else f"known here: {shortened(allowed)}"
             name = key if isinstance(key, str) and key.isprintable() else short_repr(key)
             raise InputError(name, f"is not a known key; {hint}")
-    for key in required:
-        if key not in table:
-            raise InputError(key, "is missing")
+    missing = [key for key in required if key not in table]
+    if missing:
+        others = f"; needed too: {shortened(missing[1:])}" if missing[1:] else ""
+        raise InputError(missing[0], f"is missing{others}")
     return dict(table)
 
 

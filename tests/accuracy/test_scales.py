@@ -141,16 +141,17 @@ def test_diverged_runs_know_nothing():
     """Where one quantity differs by a part of its scale, each may be off by twice its own."""
     scales = Scales(rate=1.0, length=1.0, velocity=1.0, energy=2.0, total=2.0)
 
-    def bounds(apart, diverged=DIVERGED):
+    def bounds(apart, diverged=DIVERGED, least=0.0):
         """Estimates of two energies, the first of which differs from the coarser run."""
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
-        return estimate(names, tops, apart * tops, scales, False, 0.0, {}, diverged)
+        return estimate(names, tops, apart * tops, scales, False, least, {}, diverged)
 
     assert bounds(10.0)["applied_work"] == pytest.approx(30.0)
     assert bounds(0.1)["applied_work"] == pytest.approx(4.0)
     assert bounds(1e-3)["applied_work"] == pytest.approx(6e-5, rel=1e-3)
     assert bounds(0.02)["applied_work"] == pytest.approx(1.2e-3, rel=1e-3)
     assert bounds(0.02, DIVERGED_IN_CHAOS)["applied_work"] == pytest.approx(4.0)
+    assert bounds(1e-3, least=0.2)["applied_work"] == pytest.approx(4.4)
 
 
 @pytest.mark.parametrize("bars", ["free", "clamped"])

@@ -11,7 +11,7 @@ import tribo
 from support.sliding import long_slide
 from tribo import atlas, paper
 from tribo.accuracy import cheapest_setting, choose_method, levels, search
-from tribo.accuracy.comparison import PERTURBATION, error_bounds, measure_amplification
+from tribo.accuracy.comparison import TINY_PERTURBATION, error_bounds, measure_amplification
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
@@ -57,7 +57,7 @@ def test_a_changed_start_that_stops_is_far_off(status, least):
     run = simulation.integrator(setting, layout.times)
     other = replace(run, status=Status(status))
     found = measure_amplification(layout, lambda *given: other, setting, run)
-    assert found == least / PERTURBATION
+    assert found == least / TINY_PERTURBATION
 
 
 def test_too_many_equal_steps():

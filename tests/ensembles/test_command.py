@@ -61,7 +61,7 @@ def test_a_histogram(tmp_path, capsys, monkeypatch):
     scene = with_values(paper.scene("A"), {"interaction.strength": 0.3})
     data = ensemble(scene, 20, {"upper.theta": stats.norm(0.0, 0.1)}, keep=["upper.W", "lower.w1"])
     for (values, name), want in zip(drawn, ("upper.W", "lower.w1"), strict=True):
-        assert name == want
+        assert name == f"{want} at the end"
         np.testing.assert_allclose(values, np.ravel(data[want]), rtol=1e-6)
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert main([*command, "--statistics"]) == 2

@@ -91,7 +91,7 @@ def test_all_surfaces_and_other_potentials():
     values = {"interaction.potential": "yukawa", "interaction.screening": 0.5}
     found = with_values(scene, values).interactions[0].potential
     assert found == tribo.Yukawa(0.2, 0.5).with_cutoff(4.0)
-    with pytest.raises(InputError, match=r"interaction\.D: is missing"):
+    with pytest.raises(InputError, match=r"interaction\.D: is missing; needed too: alpha, r0$"):
         with_values(scene, {"interaction.potential": "morse"})
     values = {"upper.drive": "free", "upper.drive.load": 0.3}
     assert with_values(scene, values).surfaces[0].drive == tribo.Free(load=0.3)

@@ -31,6 +31,9 @@ LEAST = 1e-3
 # measures the amplification: small enough to grow linearly, large against round-off.  Rates are
 # rounded most where they are large, as in a close pass.
 PERTURBATION = 1e-11
+# The same where the former grows to DIVERGED, which hides how much smaller ones grow: some hundred
+# roundings.  The growth of one rounding of the start, which all runs share, follows from it.
+TINY_PERTURBATION = 1e-13
 # Energies that follow from the state and may be far larger than all works, so that they change with
 # any angle and rate; their own rounding is known.
 ENERGIES = {
@@ -144,25 +147,29 @@ def measure_amplification(
     Returns
     -------
     float or None
-        the largest difference of the two runs relative to the scales, over PERTURBATION; None if
-        the second run was ended from outside
+        the largest difference of the two runs relative to the scales, over the change; None if the
+        second run was ended from outside
     """
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
-    start, asperites = layout.start.copy(), layout.asperites.size
-    start[:asperites] += PERTURBATION
-    start[layout.coordinates :][:asperites] += PERTURBATION * scales.rate
-    other = attempt(setting, run.samples.t, start)
-    if other.status in FROM_OUTSIDE:
-        return None
     chosen = names or [name for name in KINDS if name not in ENERGIES]
     scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
-    shared = other.samples.at(run.samples.t)
-    mine = own.rows(np.searchsorted(run.samples.t, shared.t))
-    apart = distance(mine, assemble(layout, shared), scales, scaled)
-    if other.status != run.status:  # one has stopped where the other goes on
-        apart = max(apart, 1.0)
-    return apart / PERTURBATION
+    grown = 0.0
+    for change in (PERTURBATION, TINY_PERTURBATION):
+        start, asperites = layout.start.copy(), layout.asperites.size
+        start[:asperites] += change
+        start[layout.coordinates :][:asperites] += change * scales.rate
+        other = attempt(setting, run.samples.t, start)
+        if other.status in FROM_OUTSIDE:
+            return None
+        shared = other.samples.at(run.samples.t)
+        mine = own.rows(np.searchsorted(run.samples.t, shared.t))
+        grown = distance(mine, assemble(layout, shared), scales, scaled)
+        if other.status != run.status:  # one has stopped where the other goes on
+            grown = max(grown, 1.0)
+        if grown < DIVERGED:
+            break
+    return grown / change
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:
@@ -178,5 +185,6 @@ def out_of_reach(accuracy: float, amplification: float) -> str:
 
 def growth(amplification: float) -> str:
     """How much a small change of the start grows, in words."""
-    grown = amplification * PERTURBATION
-    return f"a change of {PERTURBATION:.0e} in the start grows to {grown:.1e} of the scale"
+    chaotic = amplification * PERTURBATION >= DIVERGED
+    change = TINY_PERTURBATION if chaotic else PERTURBATION
+    return f"a change of {change:.0e} in the start grows to {amplification * change:.1e} of the scale"

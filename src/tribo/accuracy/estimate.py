@@ -133,7 +133,7 @@ def estimate(
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - times * rounded, 0.0), 0.0)
     has_scale = scale > 0.0
     relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
-    pooled = max(relative, UNRELATED) if relative > diverged else POOLED * relative
+    pooled = max(relative, UNRELATED) if relative + least > diverged else POOLED * relative
     bounds = gaps + 4.0 * EPSILON * tops + rounded
     # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
     same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)

@@ -183,7 +183,7 @@ def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
     if "status" in data:
         values = values[(data["status"] == Status.COMPLETED).values]
     with inside("--figure"):
-        save(histogram(values.values.ravel(), name), path)
+        save(histogram(values.values.ravel(), f"{name} at the end"), path)
 
 
 def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
