@@ -187,4 +187,6 @@ def growth(amplification: float) -> str:
     """How much a small change of the start grows, in words."""
     chaotic = amplification * PERTURBATION >= DIVERGED
     change = TINY_PERTURBATION if chaotic else PERTURBATION
-    return f"a change of {change:.0e} in the start grows to {amplification * change:.1e} of the scale"
+    return (
+        f"a change of {change:.0e} in the start grows to {amplification * change:.1e} of the scale"
+    )
