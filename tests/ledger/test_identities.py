@@ -79,7 +79,7 @@ def test_heat_is_friction_times_slip_squared(scene):
         assert_within(bound, table["heat"][-1], fine, f"heat of {surface.name}")
 
 
-@given(scenes(drive=forced(), bars=["clamped"], turning=False, potential=coulombs()))
+@given(scenes(drive=forced(), bars=("clamped",), turning=False, potential=coulombs()))
 def test_forced_sliding_shares_the_work(scene):
     """The forces on bob and bar work about the centre of mass as their arms: l1 to l2.
 

@@ -249,7 +249,7 @@ def one_by_one():
 
 @given(
     scenes(drive=forced() | rigid() | st.just(DrivenBars()), potential=coulombs())
-    | scenes(drive=one_by_one(), counts=[1], potential=coulombs())
+    | scenes(drive=one_by_one(), counts=(1,), potential=coulombs())
 )
 def test_time_reversal(scene):
     """Turned back at its end, a scene returns to its start and gives back all works.
