@@ -45,11 +45,11 @@ def grid(**kinds):
         "upper", bob=(-2, 0.6), velocity=(0.5, 0), shape=(3, 1), spacing=(0.9, 0), **kinds
     )
     lower = tribo.Surface("lower", facing="up", shape=(3, 1), spacing=(0.9, 0))
-    return tribo.Scene((upper, lower), Bell(0.4), 12.0, output=tribo.Output(samples=5))
+    return tribo.Scene((upper, lower), tribo.Coulomb(0.4), 12.0, output=tribo.Output(samples=5))
 
 
 def noisy():
-    """Springs, baths, reservoirs, driven bars and rigid surfaces, a field, a user's own drive."""
+    """Springs, baths, reservoirs, driven bars and rigid surfaces, a field, a user's own kinds."""
     reservoir, bars = tribo.Langevin(0.3, 0.2), {"shape": (3, 1), "spacing": (0.9, 0)}
     scene = grid(
         springs=tribo.Springs(5.0),
@@ -61,7 +61,9 @@ def noisy():
     held = tribo.Surface("held", facing="up", bob=(1, 0.1), drive="bars", langevin=swing, **bars)
     block = tribo.Surface("block", bob=(2, 0.7), drive=tribo.Free(rigid=True, load=0.1), **bars)
     field = tribo.Field(tribo.Corrugation(0.2, 1.5), on=("upper",))
-    return replace(scene, surfaces=(*scene.surfaces, held, block), fields=(field,), duration=4.0)
+    surfaces = (*scene.surfaces, held, block)
+    contact = tribo.Interaction(Bell(0.4))
+    return replace(scene, surfaces=surfaces, interactions=(contact,), fields=(field,), duration=4.0)
 
 
 @cache

@@ -13,7 +13,7 @@ BRIEF = "scene, scene.surfaces[0], tribo.explain(scene)"
 DRAWN = ('result.plot.work("upper")', "result.plot.sequence()", "result.plot.overview()")
 
 
-@pytest.mark.parametrize("inline", [False, True])
+@pytest.mark.parametrize("inline", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_bare_plots_are_shown(inline):
     """Once each, with and without matplotlib's backend for notebooks; Axes in a page's width."""
     nbformat = pytest.importorskip("nbformat", reason="needs nbclient")

@@ -320,7 +320,7 @@ def quick():
 PROGRAM = "import sys; from tribo.commands.cli import main; sys.exit(main())"
 
 
-@pytest.mark.parametrize("kills", [5, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [3, pytest.param(100, marks=pytest.mark.slow)])
 def test_killed_at_random(kills, tmp_path):
     """Programs that are killed at any moment, from the first on; each end has the same bits."""
     path, out = tmp_path / "scene.toml", tmp_path / "run.nc"
