@@ -39,7 +39,7 @@ DURATION = 5.0
 SAMPLES = 33
 ACCURACY = 1e-9
 # Scenes of each strategy that all tests share, unless they search, and how many these are among.
-SHARED, DRAWN = 2, 20
+SHARED, DRAWN = 2, 24
 REST = {"down": 0.0, "up": math.pi}
 
 
@@ -66,16 +66,19 @@ def assert_within(bound: float, one: np.ndarray, other: np.ndarray, law: str) ->
     assert worst <= bound, f"{law}: off by {worst:.2e}, may be {bound:.2e}"
 
 
+@cache
 def dyadic(low: float, high: float, bits: int = 6) -> st.SearchStrategy[float]:
     """Multiples of 2^-bits."""
     return st.integers(round(low * 2**bits), round(high * 2**bits)).map(lambda k: k / 2**bits)
 
 
+@cache
 def vectors(size: float) -> st.SearchStrategy[tuple[float, float]]:
     """Two components of at most `size`."""
     return st.tuples(dyadic(-size, size), dyadic(-size, size))
 
 
+@cache
 def each(count: int | None, values: st.SearchStrategy[float]) -> st.SearchStrategy:
     """One value per asperite, or one number for all."""
     if count is None:
@@ -89,6 +92,7 @@ def coulombs() -> st.SearchStrategy[Coulomb]:
     return st.builds(Coulomb, dyadic(-0.25, 0.25, bits=8).filter(bool))
 
 
+@cache
 def potentials() -> st.SearchStrategy:
     """One of long range and either sign, a bond, a hard core."""
     return st.one_of(
@@ -122,6 +126,7 @@ def rigid() -> st.SearchStrategy[Free]:
     return st.just(Free(rigid=True))
 
 
+@cache
 def asperites(count: int | None) -> st.SearchStrategy[Asperite]:
     """Parameters of its own for every asperite; for None, the same for all."""
     return st.builds(
@@ -136,6 +141,7 @@ def asperites(count: int | None) -> st.SearchStrategy[Asperite]:
     )
 
 
+@cache
 def initials(count: int, facing: str, turning: bool = True) -> st.SearchStrategy[Initial]:
     """Swings and bars at angles of their own and, unless told otherwise, bars with a rate."""
     angles = each(count, dyadic(-0.4, 0.4))
