@@ -124,6 +124,15 @@ def test_steps_of_a_row_on_springs_with_a_bath_do_not_underflow():
     assert result.cost.force_evaluations < 1e4
 
 
+def test_rigid_rows_on_springs_meet_an_accuracy():
+    """The rounding of springs turns no asperite where none can turn, and no rate has a scale."""
+    field = tribo.Field(tribo.Corrugation(0.3, 1.0), on=("upper",))
+    row = {"shape": (5, 1), "spacing": (1.1, 0.0), "springs": tribo.Springs(3.0)}
+    upper = Surface("upper", drive=tribo.Free(), asperite=Asperite(kappa=np.inf), **row)
+    result = tribo.simulate(Scene([upper], [], 8.0, fields=(field,), output=Output(samples=9)))
+    assert result.met and result.error_estimate["omega"] == 0.0
+
+
 @pytest.mark.parametrize("strength", [1e-20, 1e-40])
 def test_works_below_the_rounding_of_energies(strength):
     """Their errors are relative to the energies, which a note says; bars are no smaller."""
