@@ -286,6 +286,7 @@ def test_heat_of_the_bath_of_a_bar_that_is_pushed_ever_harder(velocity):
     contact = tribo.LennardJones(0.1, 0.5).with_cutoff(1.0)
     scene = tribo.Scene((upper, lower), contact, duration, output=output)
     result = tribo.simulate(scene, accuracy=1e-9)
+    assert result.met
     t, big = result.t, w * np.sqrt(1.0 + m / mass)
     u = -rate / (mass * big**2) * (t - np.sin(big * t) / big)
     du = -rate / (mass * big**2) * (1.0 - np.cos(big * t))

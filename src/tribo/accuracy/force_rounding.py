@@ -96,7 +96,7 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
     for part in layout.parts.values():
         farthest[part] = largest(away[:, part])
     stretch = ROUNDINGS * EPSILON * farthest * (moves & (stiffness > 0.0))
-    pendulum = 1.0 / a.inertia
+    pendulum = np.where(layout.surfaces.fixed[a.surface], 0.0, 1.0 / a.inertia)
     impulse = stretch * _impulse(stiffness, 1.0 / a.mass + a.l2**2 * pendulum, duration)
     turned = np.abs(motion.swing).max(axis=0) + np.abs(motion.phi).max(axis=0)
     twist = ROUNDINGS * EPSILON * turned * np.any(motion.phi != 0.0, axis=0)
