@@ -34,7 +34,9 @@ CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 def add_run(run: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo run`."""
     add_scene(run, "SCENE.toml|FILE.nc")
-    out = "write all time series as NetCDF; until the run is complete, FILE.part has its samples"
+    out = (
+        "write all time series as NetCDF; until the run is complete, FILE.part contains its samples"
+    )
     add_files(run, out, "print the result if FILE is complete")
     add_json(run, "only the end state")
     add_numerics(run)

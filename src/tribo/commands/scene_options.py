@@ -120,7 +120,7 @@ def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
     command.add_argument("--threads", type=int, metavar="N", help=threads)
     processes = "processes that run members or points at the same time (default: 1)"
     command.add_argument("--processes", type=int, default=1, metavar="N", help=processes)
-    out = "write the data set as NetCDF; FILE.part has the finished runs until all are"
+    out = "write the data set as NetCDF; during the runs, FILE.part contains the finished ones"
     add_files(command, out, "read FILE if that is complete")
     add_json(command, "a summary")
 

@@ -32,10 +32,10 @@ def add_view(view: argparse.ArgumentParser) -> None:
     view.add_argument("beside", type=Path, nargs="?", metavar="OTHER", help=beside)
     page = "the page (default: SCENE.html)"
     view.add_argument("-o", "--out", type=Path, metavar="PAGE.html", help=page)
-    bath = 'draw bath oscillators; the file of a run must have the series "oscillators"'
+    bath = 'draw bath oscillators; the file of a run must contain the series "oscillators"'
     view.add_argument("--bath", action="store_true", help=bath)
     add_set(view)
-    _add_slider(view, "the page has the runs of 41 values, or of all combinations of 11 or 5")
+    _add_slider(view, "the page contains the runs of 41 values, or of all combinations of 11 or 5")
     view.set_defaults(command=_view)
 
 

@@ -104,7 +104,9 @@ ASPERITE_QUANTITIES = {
     ),
     "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
     "swing_energy": Quantity(
-        "energy", "energy of the pendulum in the frame of its bar", _each(lambda e: e.swinging)
+        "energy",
+        "internal energy; on driven bars, of the motion about the bar",
+        _each(lambda e: e.swinging),
     ),
 }
 # Of each asperite of a surface with a field.
