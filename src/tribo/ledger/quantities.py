@@ -123,7 +123,7 @@ RESERVOIR_QUANTITIES = {
 # Of each asperite of a surface with reservoirs at its bars and on its swings.
 SECOND_RESERVOIR_QUANTITIES = {
     "heat_swing": Quantity(
-        "energy", "part of the heat given to the reservoir on the swing", _accounted("heat_swing")
+        "energy", "heat given to the reservoir on the swing", _accounted("heat_swing")
     ),
 }
 OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES | SECOND_RESERVOIR_QUANTITIES
