@@ -114,14 +114,14 @@ METHODS = {
             "rkn8",
             8,
             nystrom_tableaux.RKN8,
-            "forces that depend on positions only, accuracies from 1e-3 to 1e-8",
+            "forces that depend on positions only, accuracies from 1e-3 to 1e-10",
             **_NYSTROM,
         ),
         Method(
             "rkn12",
             12,
             nystrom_tableaux.RKN12,
-            "forces that depend on positions only, accuracies from 1e-8 to 1e-13",
+            "forces that depend on positions only, accuracies from 1e-10 to 1e-13",
             **_NYSTROM,
         ),
         Method(
