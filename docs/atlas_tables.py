@@ -106,5 +106,5 @@ def figure(path: Path) -> None:
         ax.set_xscale("log")
         ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=6)
         ax.set_ylim(-1, len(rows))
-        ax.set_xlabel("error (dot), its estimate (end of the bar), declared bound (tick)")
+        ax.set_xlabel("error (dot), its estimate (end of the line), declared bound (tick)")
         save(ax, path)
