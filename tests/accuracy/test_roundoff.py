@@ -134,6 +134,29 @@ def test_rigid_rows_on_springs_meet_an_accuracy():
     assert result.met and result.error_estimate["omega"] == 0.0
 
 
+@pytest.mark.parametrize("ending", ["shift", "force-shift"])
+def test_energies_that_cutoffs_subtract(ending):
+    """They are far larger than what is left of them, and the same bits in all runs.
+
+    Rigid asperites pass at a distance of sqrt(t^2 + 1) without a change of their velocities.
+    """
+    width, end, times = 1000.0, 4.0, (0.0, 1.3, 2.7, 3.1)
+    contact = tribo.Gaussian(1.0, width).with_cutoff(end, at_cutoff=ending)
+    rigid = Asperite(kappa=np.inf)
+    upper = Surface("upper", bob=(0.0, 1.0), velocity=(1.0, 0.0), asperite=rigid)
+    lower = Surface("lower", facing="up", asperite=rigid)
+    result = tribo.simulate(Scene((upper, lower), contact, 3.1, output=Output(times=times)))
+    with mpmath.workdps(40):
+        last = mpmath.exp(-((end / mpmath.mpf(width)) ** 2) / 2)
+        for k, t in enumerate(times):
+            r = mpmath.sqrt(mpmath.mpf(t) ** 2 + 1)
+            exact = mpmath.exp(-((r / width) ** 2) / 2) - last
+            if ending == "force-shift":
+                exact += (r - end) * end / mpmath.mpf(width) ** 2 * last
+            found = mpmath.mpf(float(result.system["contact_energy"][k]))
+            assert abs(found - exact) <= result.error_estimate["contact_energy"] < 1e-14
+
+
 @pytest.mark.parametrize("strength", [1e-20, 1e-40])
 def test_works_below_the_rounding_of_energies(strength):
     """Their errors are relative to the energies, which a note says; bars are no smaller."""

@@ -7,6 +7,8 @@ the same in all runs that are compared.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from tribo.accuracy.force_rounding import rounding_of_forces
@@ -18,6 +20,8 @@ from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.fields import Corrugation
+from tribo.potentials.combined import Sum, Wrapper
+from tribo.potentials.cutoff import ForceShifted, Shifted
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
@@ -91,7 +95,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    for each in (_of_ends(layout, motion, count), rounding_of_forces(layout, motion)):
+    ends, forces = _of_ends(layout, motion, count), rounding_of_forces(layout, motion)
+    for each in (ends, forces, _of_cutoffs(layout)):
         for name, rounding in each.items():
             found[name] = found.get(name, 0.0) + rounding
     return found
@@ -115,6 +120,37 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
         if layout.model.sums is not None:
             each = np.stack([each[:, part].sum(axis=1) for part in layout.parts.values()])
         found |= dict.fromkeys((f"wL{kind}", f"wR{kind}"), largest(each))
+    return found
+
+
+def _of_cutoffs(layout: Layout) -> dict[str, float]:
+    """The rounding of the energies that cutoffs subtract from those of pairs, by quantity.
+
+    They may be far larger than the energy that is left, and have the same bits in all runs.
+    """
+    model, surfaces = layout.model, layout.scene.surfaces
+    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
+    found = dict.fromkeys(("contact_energy", "delta_E_int", "total_energy_change"), 0.0)
+    for name, contacts in (("contact_energy", model.contacts), ("delta_E_int", model.within)):
+        energy = sum(_subtracted(contact.potential, charge) for contact in contacts or ())
+        found[name] = TERM_ROUNDINGS * EPSILON * layout.scene.count * energy
+        found["total_energy_change"] += found[name]
+    return found
+
+
+def _subtracted(potential: Any, charge: float) -> float:
+    """The energy that cutoffs in a potential subtract from that of two such charges."""
+    if isinstance(potential, Sum):
+        parts = (potential.first, potential.second)
+        return sum(_subtracted(part, charge) for part in parts)
+    if not isinstance(potential, Wrapper):
+        return 0.0
+    inner, end = potential.potential, getattr(potential, "cutoff", 0.0)
+    found = abs(getattr(potential, "factor", 1.0)) * _subtracted(inner, charge)
+    if isinstance(potential, (Shifted, ForceShifted)):
+        found += abs(float(inner.energy_between(end, charge, charge)))
+    if isinstance(potential, ForceShifted):
+        found += abs(float(end * inner.force_between(end, charge, charge)))
     return found
 
 
