@@ -5,10 +5,10 @@ the golden mean g (Frenkel-Kontorova model).  Up to the critical strength
 
     K = 4 pi^2 A / (k a^2) = 0.971635
 
-the chain slides without static friction; above it, the substrate pins the chain.  The golden mean
-g = (sqrt(5) - 1) / 2 is approached by p/q: rings of q atoms on p periods.  With the matrix H of the
-second derivatives of a ring's energy at its minimum, in units of k, Greene's residue is -det(H)/4.
-With q its magnitude vanishes below the transition and diverges above; curves of two q cross there.
+the chain slides without static friction; above it, the substrate pins the chain.  Rings of q atoms
+on p periods approach the golden mean g = (sqrt(5) - 1) / 2 by p/q.  Greene's residue of a ring is
+-det(H)/4, with the matrix H of the second derivatives of its energy at the minimum, in units of k.
+As q grows, its magnitude vanishes below the transition and diverges above; the curves cross there.
 
 M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593; J. M. Greene, J. Math. Phys. 20 (1979) 1183.
 """
@@ -24,7 +24,7 @@ ATOM = tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
 
 
 def residue(strength, p, q):
-    """Residue of a ring at rest, which it reaches by damped motion."""
+    """Magnitude of the residue of a ring that damping has brought to rest."""
     row = {"shape": (q, 1), "spacing": (p / q, 0.0), "springs": {"stiffness": 1.0, "wrap": True}}
     reservoir = tribo.Langevin(gamma=0.3)
     chain = tribo.Surface("chain", asperite=ATOM, drive=tribo.Free(), langevin=reservoir, **row)

@@ -1,9 +1,8 @@
-"""Static friction of a row of N asperites vanishes if its spacing does not fit the row below.
+"""Static friction per asperite vanishes in a long row that does not fit the row below.
 
-If the rows fit, all asperites climb together, and each has the friction F_1 of one.  With g times
-the spacing, g the golden mean, some descend while others climb.  The friction of a rigid row per
-asperite is F_1 |sin(pi N g) / (N sin(pi g))|, as stiff springs and a slow pull show here.  The
-shaded area contains this number for every N.
+If the rows fit, all asperites climb together, and each adds the friction F_1 of one.  If the ratio
+of the spacings is the golden mean g, some descend while others climb.  The friction of a rigid row
+per asperite is then F_1 |sin(pi N g) / (N sin(pi g))|.  Here stiff springs pull the row slowly.
 
 M. Hirano, K. Shinjo, Phys. Rev. B 41 (1990) 11837.
 """
@@ -42,7 +41,7 @@ def rigid(n):
 
 
 def main(folder="."):
-    """Friction of many that fit, per asperite, and of a whole row that does not."""
+    """Friction per asperite of a row that fits, and of a whole row that does not, over F_1."""
     fits, misfits = (np.array([friction(n, s) for n in SIZES]) for s in (1.0, GOLDEN_MEAN))
     with tribo.plotting.style():
         ax, n = tribo.plotting.axes(tribo.plotting.COLUMN, 2.6), np.arange(1, 257)

@@ -1,7 +1,7 @@
 """A particle in a washboard potential slides if the force exceeds the static friction.
 
-An overdamped particle in a corrugation -A cos(2 pi x / a) under a constant force F stands still up
-to the static friction F_c = 2 pi A / a.  Above it, its mean velocity is
+A constant force F pushes an overdamped particle in a corrugation -A cos(2 pi x / a).  The particle
+stands still up to the static friction F_c = 2 pi A / a.  Above it, its mean velocity is
 
     v = sqrt(F^2 - F_c^2) / gamma .
 
@@ -21,7 +21,7 @@ FORCES = np.array([0.5, 0.9, 1.1, 1.25, 1.5, 2.0, 2.5])
 
 
 def velocities():
-    """Mean velocity under each force, of one surface each, over whole periods after the first."""
+    """Mean velocity under each force, over whole periods after the first."""
     surfaces = [
         tribo.Surface(
             f"force {100.0 * force:g} %",
@@ -43,7 +43,7 @@ def velocities():
 
 
 def main(folder="."):
-    """Velocities above and below the static friction, in units of F_c / gamma."""
+    """Velocities below and above the static friction, in units of F_c / gamma."""
     found = np.array(velocities()) * GAMMA / STATIC_FRICTION
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
     force = np.linspace(0.0, FORCES[-1], 1000)

@@ -1,10 +1,10 @@
 """A corrugation slows the diffusion of adsorbed particles.
 
-Overdamped particles on a corrugation -A cos(2 pi x / a) at a temperature T diffuse with
+Overdamped particles on a corrugation -A cos(2 pi x / a) diffuse at a temperature T with
 
     D = T / (gamma I_0(A / T)^2) ,
 
-where I_0 is the modified Bessel function.  Without a corrugation this is Einstein's relation.
+where I_0 is the modified Bessel function.  For A = 0 this is Einstein's relation.
 
 S. Lifson, J. L. Jackson, J. Chem. Phys. 36 (1962) 2410.
 """
@@ -19,12 +19,12 @@ from tribo.results.intervals import interval
 AMPLITUDE = 1.0 / (2.0 * np.pi) ** 2
 # Damping [mass / time] of a mass of 1: inertia changes D by about 1 %.
 GAMMA, POINT = 10.0, tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
-# Barriers relative to the temperature, A / T; groups of particles, one value of D for each.
+# Amplitudes relative to the temperature, A / T; groups of particles, each with a value of D.
 BARRIERS, GROUPS = np.array([0.25, 1.0, 2.0]), 40
 
 
 def diffusion(particles):
-    """D gamma / T for each barrier, and the half-width of its 95 % interval."""
+    """D gamma / T for each A / T, and the half-width of its 95 % interval."""
     surfaces = [
         tribo.Surface(
             f"barrier {100.0 * barrier:g} %",
@@ -46,7 +46,7 @@ def diffusion(particles):
 
 
 def main(folder=".", particles=8000):
-    """D gamma / T at each barrier, and the half-width at the highest."""
+    """D gamma / T at each A / T, and the half-width at the largest."""
     found, half_width = diffusion(particles)
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
     barrier = np.linspace(0.0, 2.5, 200)

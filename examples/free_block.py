@@ -1,12 +1,11 @@
-"""A free block on a corrugation is slowed by the vibrations inside it.
+"""Vibrations inside a free block slow it on a corrugation.
 
 A block slides over a corrugation -A cos(q x), which shakes it with the frequency q V at the speed
-V.  The oscillators of its bath take up energy.  To lowest order in A the friction force is
+V.  The oscillators of its bath absorb energy.  To lowest order in A the friction force is
 
     F = (A q)^2 / (2 V) Re Y(q V) ,   Y(w) = 1 / (-i w M + sum_n K_n(w)) ,
 
-with the mobility Y of a block of mass M, and the force per velocity K_n of each oscillator.  Points
-are means over one period of the corrugation; the grey line is the speed of block and bath together.
+with the mobility Y of a block of mass M, and the force per velocity K_n of each oscillator.
 
 J. B. Sokoloff, Phys. Rev. B 42 (1990) 760.
 """
@@ -18,7 +17,7 @@ import tribo
 
 # Corrugation: amplitude [energy] and wave number [rad / length].  Speed of the block.
 AMPLITUDE, Q, SPEED = 0.012, 2.0 * np.pi, 0.4
-# Frequencies of the oscillators [rad / time], and masses for a damping of 1 of a mass of 1.
+# Frequencies of the oscillators [rad / time]; their masses damp a mass of 1 at a rate of 1.
 GAP = 0.03
 FREQUENCIES = np.arange(0.5, 3.5, GAP)
 MASSES = 2.0 * GAP / (np.pi * FREQUENCIES**2)
@@ -26,7 +25,7 @@ TOTAL = 1.0 + MASSES.sum()
 
 
 def simulated_speed():
-    """Times, the speed of block and oscillators together, and the place of the block."""
+    """Times, speed of block and oscillators together, and positions of the block."""
     settings = {"bob": (0.25, 0.0), "velocity": (SPEED, 0.0), "drive": tribo.Free()}
     point, bath = tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf), tribo.Bath(MASSES, FREQUENCIES)
     block = tribo.Surface("block", asperite=point, bath=bath, **settings)
@@ -38,14 +37,14 @@ def simulated_speed():
 
 
 def deceleration(t, speed):
-    """-F / total mass, with frequencies that are broadened to a continuum."""
+    """-F / total mass; a complex frequency broadens the oscillators to a continuum."""
     w = Q * speed[0] + 2.0j * GAP
     bath = np.sum(MASSES * FREQUENCIES**2 * 1j * w / (w**2 - FREQUENCIES**2))
     return -((AMPLITUDE * Q) ** 2) / (2.0 * speed * TOTAL) * (1.0 / (bath - 1j * w)).real
 
 
 def main(folder="."):
-    """Speed that the block has lost in the last tenth of the run, and the closed form."""
+    """Speed lost, as a mean over the last tenth of the run, and the same by the closed form."""
     t, speed, place = simulated_speed()
     expected = solve_ivp(deceleration, (0.0, t[-1]), [SPEED], t_eval=t, rtol=1e-8).y[0]
     passes = np.interp(np.arange(place[0], place[-1], 2.0 * np.pi / Q), place, t)

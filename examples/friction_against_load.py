@@ -6,8 +6,8 @@ is therefore
 
     F = N tan(alpha) ,
 
-although the contact itself has no friction.  This interlocking is a check of the program; it is no
-mechanism of the friction of surfaces that do not fit.
+although the contact itself is frictionless.  This interlocking checks the program; it does not
+explain the friction of surfaces that do not fit.
 
 C. A. Coulomb, Theorie des machines simples (Paris 1821).
 """
@@ -20,12 +20,12 @@ import tribo
 SPACING, DISTANCE = 1.0, 2.0
 SLOPE = np.tan(np.arcsin(SPACING / (2.0 * DISTANCE)))
 LOADS, RIGID = np.array([0.1, 0.2, 0.3, 0.4]), tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
-# Stiffness of the pull [force / length]; in this time it grows to 1.2 N tan(alpha).
+# Stiffness of the pull [force / length]; time in which the pull can reach 1.2 N tan(alpha).
 STIFFNESS, DURATION = 1.0, 60.0
 
 
 def static_friction(load):
-    """Largest pull before the slider goes over a sphere of the row."""
+    """Largest pull, which the slider needs to pass a sphere of the row."""
     speed = 1.2 * SLOPE * load / STIFFNESS / DURATION
     slider = tribo.Surface(
         "slider",
@@ -45,7 +45,7 @@ def static_friction(load):
 
 
 def main(folder="."):
-    """Static friction / load, and the slope."""
+    """Slope of the static friction against the load, and that of the spheres."""
     found = np.array([static_friction(load) for load in LOADS])
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
     ax.plot([0.0, 0.45], [0.0, 0.45 * SLOPE], color="#d55e00")

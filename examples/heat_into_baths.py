@@ -1,9 +1,9 @@
 """Baths of oscillators on the bars turn the energy of the pendulums into heat.
 
 A continuum of oscillators with Drude's damping kernel gamma w_c exp(-w_c t) acts on a bar by a
-force p with p' = -w_c p - gamma w_c v_bar, so that small swings have an exact solution.  A finite
-bath follows it for a while, and then gives its energy back to the swing.  tribo estimates until
-when (dotted lines) the bath acts as a continuum.
+force p with p' = -w_c p - gamma w_c v_bar, so that small swings obey linear equations.  A finite
+bath follows their exact solution for a time, and then returns energy to the swing.  tribo estimates
+this time.
 
 R. Zwanzig, J. Stat. Phys. 9 (1973) 215.
 """
@@ -22,7 +22,7 @@ FREQUENCY = np.sqrt(ASPERITE.kappa / INERTIA)
 
 
 def swing_energy(spectrum):
-    """Energy of the swing over time, relative to the first."""
+    """Energy of the swing over time, relative to its first value."""
     bath, initial = tribo.Bath(spectrum=spectrum), tribo.Initial(omega=START)
     surface = tribo.Surface("one", asperite=ASPERITE, initial=initial, bath=bath)
     scene = tribo.Scene([surface], [], TIMES[-1], output=tribo.Output(samples=TIMES.size))
@@ -31,7 +31,7 @@ def swing_energy(spectrum):
 
 
 def continuum():
-    """The same with a continuum: the rates of theta, omega, velocity and p are linear."""
+    """The same with a continuum: linear equations for theta, omega, velocity and p."""
     swing, k = [-(FREQUENCY**2), 0, 0, -L2 / INERTIA], GAMMA * CUTOFF
     rates = [[0, 1, 0, 0], swing, [0, 0, 0, 1.0 / MASS], [0, L2 * k, -k, -CUTOFF]]
     theta, omega = np.array([expm(np.multiply(rates, t))[:2, 1] for t in TIMES]).T
@@ -39,7 +39,7 @@ def continuum():
 
 
 def main(folder="."):
-    """Until when each bath acts as a continuum, and its largest error until then."""
+    """Time for which each bath acts as a continuum, and its largest error until then."""
     shown, exact = {}, continuum()
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")

@@ -1,8 +1,8 @@
 """Friction of a rough surface of 16 x 16 asperites grows with the load.
 
-Springs pull bars that have a load and a Drude bath each; the bars below are held, and their swings
-are damped.  Left: friction per asperite of one pair of surfaces with 95 % intervals, and a power
-law for loads from 0.05 to 0.4 alone.  Right: the work under the largest load becomes heat.
+Springs pull the upper bars, each of which bears a load and carries a Drude bath.  The lower bars
+are held, and reservoirs damp their swings.  The power law is a fit to one pair of surfaces, for
+loads per asperite from 0.05 to 0.4 alone.  Most of the work becomes heat.
 
 B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840.
 """
@@ -21,7 +21,7 @@ HELD = {"drive": tribo.DrivenBars(), "langevin": tribo.Langevin(gamma=1.0, on="s
 
 
 def pull(load):
-    """The result of a run under a load."""
+    """Run under a load on each asperite."""
     rough = [tribo.Roughness(rms=0.3, hurst=0.8, seed=seed) for seed in (1, 2)]
     drive = {"kind": "pulled", "stiffness": 2.0, "speed": SPEED, "load": load}
     upper = tribo.Surface("upper", heights=rough[0], drive=drive, **PULLED, **GRID)
@@ -32,7 +32,7 @@ def pull(load):
 
 
 def main(folder="."):
-    """The exponent of the law, and the largest gap between work and energies."""
+    """The exponent of the power law, and the largest gap between work and energies."""
     results = [pull(load) for load in LOADS]
     force, error = np.abs([each.friction_force("upper", 20.0)[:2] for each in results]).T / 256
     exponent, logarithm = np.polyfit(np.log(LOADS), np.log(force), 1)

@@ -1,10 +1,10 @@
-"""Friction of a warm tip grows with its speed as Kramers' rate of escape says.
+"""Friction of a warm tip grows with its speed as Kramers' rate of escape predicts.
 
 At a temperature T noise takes a pulled tip over a barrier before the barrier vanishes; a slower
-pull leaves the noise more time.  The mean loss in a slip follows from Kramers' rate of escape at
-each position of the stage: it grows by 0.095, 0.109 and 0.128 (2 pi A / a) a decade between
-successive speeds, faster than the logarithm.  The intervals of the simulation are too wide to show
-this.  The reservoir moves with the stage and adds no drag.
+pull leaves the noise more time.  Kramers' rate of escape at each position of the stage gives the
+mean loss in a slip.  Between successive speeds the friction grows by 0.094, 0.109 and 0.127
+(2 pi A / a) a decade, faster than the logarithm.  The intervals of the simulation are too wide to
+show this.  The reservoir moves with the stage and adds no drag.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172; H. A. Kramers, Physica 7 (1940) 284.
 """
@@ -15,14 +15,14 @@ from scipy.integrate import cumulative_simpson
 import tribo
 from tribo.results.intervals import interval
 
-# Corrugation with a period and a curvature of 1; spring; damping of a mass of 1; temperature.
+# Corrugation of period 1 and curvature 1; pulling spring; damping of a mass of 1; temperature.
 Q, A = 2.0 * np.pi, 1.0 / (2.0 * np.pi) ** 2
 K, GAMMA, T = 1.0 / 3.0, 2.0, 0.1 * A
 SPEEDS, TIP = (3e-5, 1e-4, 3e-4, 1e-3), tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
 
 
 def friction(speed, tips=40):
-    """Mean work of the stage in its third period, over independent tips, and its half-width."""
+    """Work of the stage in its third period: mean over tips, and its half-width."""
     drive, bath = tribo.Pulled(stiffness=K, speed=speed), tribo.Langevin(GAMMA, T, (speed, 0.0))
     tip = tribo.Surface("tip", shape=(tips, 1), asperite=TIP, drive=drive, langevin=bath)
     fields, output = [tribo.Field(tribo.Corrugation(A, 1.0), on=["tip"])], tribo.Output(samples=4)
@@ -32,8 +32,8 @@ def friction(speed, tips=40):
 
 
 def kramers(speed):
-    """Mean loss in a slip: the energy lost at each stage X, by the probability of a slip there."""
-    edge = np.arccos(-K) / Q  # the end of the equilibrium
+    """Mean loss in a slip: the loss at each stage X, by the probability of a slip there."""
+    edge = np.arccos(-K) / Q  # where the equilibrium ends
     X, x = np.linspace(0.35, edge + A * Q / K * np.sin(Q * edge), 4000), []
     for ends in ((0.05, edge), (1.0 - edge, edge), (1.0 - edge, 1.2)):  # well, barrier, next well
         equilibria = np.linspace(*ends, 4000)

@@ -1,7 +1,7 @@
-"""A user's own potential, from its definition to a result and a report card.
+"""A class with parameters and an energy defines a user's own potential.
 
-A class with parameters and an energy is all that is needed.  Here 64 bobs slide over 64 others with
-this potential, and the report card checks its force, its smoothness and its limits.
+Here 64 bobs slide over 64 others with this potential, and the report card checks its force, its
+smoothness and its limits.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ def draw(potential, t, work, change, path):
 
 
 def main(folder=None):
-    """Run the scene, check the potential, and draw both in a folder."""
+    """Run the scene, check the potential, and draw both results in a folder."""
     mine = Gauss(height=0.05, width=0.2)
     row = {"shape": (64, 1), "spacing": (1.0, 0.0)}
     upper = tribo.Surface("upper", bob=(0.0, 0.3), velocity=(0.5, 0.0), **row)

@@ -1,13 +1,13 @@
 """A rough grid carries its load on a few asperites, as Greenwood and Williamson predict.
 
-A flat grid of 64 x 64 asperites comes down on a rough one, each asperite over one of the other.
-Where they meet they repel as spheres of diameter D do (Hertz).  With heights of the normal
-distribution phi, and d the distance of the flat from their mean less D, theory gives
+A flat grid of 64 x 64 asperites moves down onto a rough one, each asperite above one of the other.
+Asperites in contact repel each other as elastic spheres of diameter D do (Hertz).  For heights of
+the normal density phi, and d the distance of the flat from their mean minus D, theory gives
 
-    share in contact = integral of phi(z) from d on ,
-    load = (5 A / 2 D) integral of ((z - d) / D)^(3/2) phi(z) from d on ,
+    share in contact = integral over z > d of phi(z) ,
+    load per asperite = (5 A / 2 D) integral over z > d of ((z - d) / D)^(3/2) phi(z) .
 
-each for one asperite.  The drawn heights are one sample, with hills of up to 6 spacings.
+The drawn heights are one sample, with wavelengths of up to 6 spacings.
 
 J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. Lond. A 295 (1966) 300.
 """
@@ -26,7 +26,7 @@ GRID = {"shape": (SIDE, SIDE), "spacing": (SPACING, SPACING), "asperite": RIGID,
 
 
 def pressed():
-    """The result of a flat grid that moves down until half of the asperites are in contact."""
+    """Run of a flat grid that moves down until half of the asperites are in contact."""
     heights = tribo.Roughness(RMS, hurst=0.8, longest=6.0 * SPACING, seed=1)
     top = DIAMETER + 4.0 * RMS
     flat = tribo.Surface("flat", bob=(0.0, top), velocity=(0.0, -SPEED), **GRID)
@@ -45,7 +45,7 @@ def theory(d):
 
 
 def main(folder="."):
-    """The share in contact relative to theory, and how it grows when the load doubles."""
+    """The share in contact relative to theory, and its growth when the load doubles."""
     result = pressed()
     repulsion = -result["rough"].f1_y
     load, share = repulsion.mean(axis=1), (repulsion > 0.0).mean(axis=1)

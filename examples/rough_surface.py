@@ -1,10 +1,9 @@
 """The work of dragging one rough surface over another becomes heat.
 
 Two surfaces of asperites with self-affine heights repel each other where their bobs meet.  Lattice
-springs tie the bars of neighbours, and the upper surface is dragged at constant speed.  On every
-bar a reservoir at T = 0, which moves with its surface, damps vibrations.  The work of the drives
-and of the moving reservoirs, integrated along the run, is the sum of the kinetic and internal
-energy of the surfaces, the contact energy, and the heat of the reservoirs.
+springs tie the bars of neighbours.  On every bar a reservoir at T = 0, which moves with its
+surface, damps vibrations.  The drives and the moving reservoirs do work, integrated along the run.
+It equals the change of the kinetic, internal and contact energy plus the heat of the reservoirs.
 
 B. N. J. Persson et al., J. Phys.: Condens. Matter 17 (2005) R1.
 """
@@ -19,7 +18,7 @@ SPEED, TRAVEL = 0.3, 24.0  # of the upper surface [length / time], [length]
 
 
 def surface(name, n, seed, **settings):
-    """A row of n asperites with heights drawn by a seed."""
+    """A row of n asperites with heights drawn from a seed."""
     return tribo.Surface(
         name,
         shape=(n, 1),
@@ -33,7 +32,7 @@ def surface(name, n, seed, **settings):
 
 
 def main(folder="."):
-    """Heat and the largest gap of the balance, relative to the work."""
+    """Heat, and the largest gap of the balance, relative to the work at the end."""
     upper = surface("upper", 14, 10, bob=(0.75, 1.6), velocity=(SPEED, 0.0))
     lower = surface("lower", 32, 11, facing="up", bob=(-1.5, 0.0))
     scene = tribo.Scene((upper, lower), REPULSION, TRAVEL / SPEED)

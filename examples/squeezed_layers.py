@@ -1,15 +1,15 @@
-"""A liquid between two asperites is squeezed out layer by layer: a potential that is not built in.
+"""A growing load squeezes a liquid out between two asperites, layer by layer.
 
 The molecules of a liquid between two surfaces form layers.  The energy at a gap r then oscillates:
 
     U = A cos(2 pi r / s) exp(-r / l) ,
 
-with the thickness s of a layer and the decay length l.  A growing load breaks one layer after the
-other, each where the repulsion is largest, at 2 pi r_k / s = 2 atan(2 pi l / s) - pi / 2 + 2 pi k:
+with the thickness s of a layer and the decay length l.  The load breaks one layer after another,
+each where the repulsion is largest, at 2 pi r_k / s = 2 atan(2 pi l / s) - pi / 2 + 2 pi k:
 
     F_k = (2 pi A / s) exp(-r_k / l) ,
 
-so each layer bears exp(s / l) times the load of the one before it.
+so that each layer bears exp(s / l) times the load of the one before it.
 
 R. G. Horn, J. N. Israelachvili, J. Chem. Phys. 75 (1981) 1400.
 """
@@ -36,13 +36,13 @@ class Layers(NamedTuple):
 
 LIQUID = Layers(depth=1.0, thickness=1.0, decay=1.5)
 POINT, Q = tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf), 2.0 * np.pi / LIQUID.thickness
-# Gaps at which layers break, in the order of the breaks; the loads at which they do.
+# Gaps at which layers break, in the order of the breaks; their loads, and the rate of the load.
 GAPS = (2.0 * np.arctan(Q * LIQUID.decay) - 0.5 * np.pi + 2.0 * np.pi * np.arange(4, 1, -1)) / Q
 STRENGTHS, RATE = Q * LIQUID.depth * np.exp(-GAPS / LIQUID.decay), 1e-3
 
 
 def pressed():
-    """Loads that grow at a small rate, and the gap under each."""
+    """A load that grows slowly, and the gap under it."""
     drive, damping = tribo.Pushed(rate=(0.0, -RATE)), tribo.Langevin(gamma=6.0)
     upper = tribo.Surface("upper", bob=(0.0, 4.45), asperite=POINT, drive=drive, langevin=damping)
     lower = tribo.Surface("lower", facing="up", asperite=POINT, drive=tribo.DrivenBars())

@@ -1,10 +1,10 @@
-"""A Prandtl-Tomlinson tip glides without friction on a weak corrugation and jumps on a strong one.
+"""A Prandtl-Tomlinson tip slides without friction on a weak corrugation and jumps on a strong one.
 
 A bob moves in a corrugation -A cos(2 pi x / a); a spring k ties its bar to a stage that moves
-slowly.  The bob feels the spring and its pendulum in series, 1/K = 1/k + length^2/kappa for a long
-rod, and has several equilibria if eta = 4 pi^2 A / (K a^2) > 1.  For eta < 1 the work of a slow
-pull vanishes.  For eta > 1 each jump loses the energy between two equilibria.  The reservoir moves
-with the stage, so that it adds no drag to the mean force.
+slowly.  For a long rod the spring and the pendulum act in series, 1/K = 1/k + length^2/kappa.  The
+bob can rest at several positions if eta = 4 pi^2 A / (K a^2) > 1.  For eta < 1 the work of a slow
+pull vanishes.  For eta > 1 each jump loses the difference in energy of two equilibria.  The
+reservoir moves with the stage, so that it adds no drag to the mean force.
 
 L. Prandtl, Z. angew. Math. Mech. 8 (1928) 85; G. A. Tomlinson, Phil. Mag. 7 (1929) 905.
 """
@@ -21,7 +21,7 @@ ETAS, SAMPLES = np.array([0.7, 1.1, 1.6, 2.5, 4.0]), 400
 
 
 def pull(eta, speed, damping=1.0):
-    """Positions of the stage, pulling forces, and the work of the pull in the last period."""
+    """Positions of the stage, forces, and the work of the pull in the last period."""
     K = Q**2 * A / eta
     k, asperite = 2.0 * K, tribo.Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2)
     reservoir = tribo.Langevin(damping * np.sqrt(K), velocity=(speed, 0.0))
@@ -36,7 +36,7 @@ def pull(eta, speed, damping=1.0):
 
 
 def jump_energy(eta):
-    """Energy that is lost in every period of an infinitely slow pull."""
+    """Energy that an infinitely slow pull loses in every period."""
     if eta <= 1.0:
         return 0.0
     K, edge = Q**2 * A / eta, np.arccos(-1.0 / eta) / Q  # where the equilibrium ends
@@ -47,7 +47,7 @@ def jump_energy(eta):
 
 
 def main(folder="."):
-    """Work in a period of a slow pull, and by equilibria for the largest eta."""
+    """Work in a period for the smallest eta, and relative to a jump for the largest."""
     pulls = [pull(eta, speed=0.002) for eta in ETAS]
     works, fine = np.array([each[2] for each in pulls]), np.linspace(0.4, ETAS[-1], 500)
     with tribo.plotting.style():

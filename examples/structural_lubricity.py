@@ -1,12 +1,12 @@
 """A rigid row of atoms loses its static friction if its spacing does not fit the substrate.
 
-The forces of a substrate of period a on N atoms with spacing s add to
+The forces of a substrate of period a on N atoms with spacing s add up to at most
 
     F_N = F_1 |sin(pi N s / a) / sin(pi s / a)| .
 
-If the spacing fits, that is N F_1.  With a misfit of 1/N as many atoms climb as descend, and the
-static friction vanishes.  Here rows move at constant speed; their static friction is the largest
-force of the substrate.
+If the spacing fits, F_N is N F_1.  With a misfit s/a - 1 of 1/N as many atoms climb as descend,
+and the static friction vanishes.  Here rows move at constant speed; their static friction is the
+largest force of the substrate.
 
 M. Hirano, K. Shinjo, Phys. Rev. B 41 (1990) 11837; M. Dienwiebel et al., Phys. Rev. Lett. 92 (2004)
 126101.
@@ -43,7 +43,7 @@ def static_friction():
 
 
 def main(folder="."):
-    """Static friction per atom that fits, and with half the misfit that cancels it."""
+    """Static friction with a spacing that fits, and with half the misfit that cancels it."""
     found = static_friction()
     ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
     misfit = np.linspace(0.0, 3.0, 500) / N

@@ -1,8 +1,8 @@
-"""Friction of a tip decreases with temperature, as means over many runs with noise show.
+"""Friction of a tip decreases with temperature.
 
 At T = 0 a pulled bob sticks until its equilibrium ends, and then jumps.  At a temperature T noise
-takes it over the rest of the barrier before that, and the pull does less work.  Bands are 95 %
-intervals of the means.  The reservoir moves with the stage, so that it adds no drag to the mean.
+takes it over the remaining barrier earlier, and the pull does less work.  The reservoir moves with
+the stage, so that it adds no drag to the mean.
 
 S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
 """
@@ -12,7 +12,7 @@ import numpy as np
 import tribo
 from tribo.results.intervals import interval
 
-# Curvature of the corrugation (amplitude and period 1) relative to the springs; speed of the stage.
+# Curvature of the corrugation (amplitude and period 1) over K; speed of the stage; rod's length.
 ETA, SPEED, ROD = 4.0, 0.05, 10.0
 # Stiffness of the pulling spring and the torsion spring in series [force / length].
 K = (2.0 * np.pi) ** 2 / ETA
@@ -21,7 +21,7 @@ COLOURS, MEMBERS, SAMPLES = {0.01: "#0b62a4", 0.1: "#1f8a70", 0.3: "#d55e00"}, 4
 
 
 def runs(temperature):
-    """Works of a tip that is pulled over three periods, with their means and intervals."""
+    """An ensemble of pulls over three periods, with means and intervals of its work."""
     asperite = tribo.Asperite(m1=1.0, m2=1.0, length=ROD, kappa=2.0 * K * ROD**2)
     drive = tribo.Pulled(stiffness=2.0 * K, speed=SPEED)
     reservoir = tribo.Langevin(K**0.5, temperature, velocity=(SPEED, 0.0))
@@ -39,7 +39,7 @@ def friction(data):
 
 
 def main(folder="."):
-    """The friction at each temperature, and half the width of its interval."""
+    """The friction at each temperature, and the half-width of its interval."""
     shown = {}
     with tribo.plotting.style():
         ax = tribo.plotting.axes(tribo.plotting.WIDE, 2.8)

@@ -1,9 +1,8 @@
 """A run with all velocities reversed returns to its start.
 
-Two asperites pass each other, and their pendulums swing afterwards.  If the motion is reversed at
-the end, the pendulums return their energy to the drives and hang at rest at the end of the second
-run.  Without a reservoir friction is reversible; the start of the second run is what cannot be
-prepared.
+Two asperites pass each other, and their pendulums swing afterwards.  A second run starts from the
+end with all velocities reversed.  In it the pendulums return their energy to the drives and come to
+rest.  Without a reservoir friction is reversible; no experiment can prepare the second start.
 
 J. Loschmidt, Sitzungsber. Akad. Wiss. Wien 73 (1876) 128.
 """
@@ -33,7 +32,7 @@ def reversed_scene(result):
 
 
 def main(folder="."):
-    """Internal energy after the pass, what is left of it, and the last angle."""
+    """Internal energy after the pass and at the end, and the last angle."""
     forward = tribo.simulate(paper.scene("A"))
     back = tribo.simulate(reversed_scene(forward))
     with tribo.plotting.style():

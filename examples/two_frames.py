@@ -1,9 +1,9 @@
 """The work of friction depends on the observer; the internal energy does not.
 
-For an observer who moves with the velocity -u, each force has u times its impulse more work, and as
-much more pseudowork.  The difference of work and pseudowork, summed over all forces on an asperite,
-is the change of its internal energy, and all observers agree on it.  The paper prints 0.520 for its
-case A.
+An observer who moves with the velocity -u adds u to all velocities.  The work and the pseudowork of
+each force both grow by u times its impulse.  Their difference, summed over all forces on an
+asperite, is the change of its internal energy, and all observers agree on it.  The paper prints
+0.520 for its case A.
 
 J. D. Brown, Work Done by Sliding Friction, section on forced sliding.
 """
@@ -20,7 +20,7 @@ VELOCITIES = np.linspace(-1.0, 1.0, 9)
 
 
 def works(velocity):
-    """Work and pseudowork of the contact force on the upper asperite; all work less pseudowork."""
+    """Work and pseudowork of the contact on the upper asperite; its internal energy."""
     case = paper.scene("A")
     surfaces = [replace(s, velocity=np.add(s.velocity, (velocity, 0.0))) for s in case.surfaces]
     upper = tribo.simulate(replace(case, surfaces=tuple(surfaces)))["upper"]
@@ -28,7 +28,7 @@ def works(velocity):
 
 
 def main(folder="."):
-    """Impulse by the change of the work, and the range of the internal energy over observers."""
+    """Internal energy, and the ranges over observers of it and of the work of the contact."""
     work, pseudowork, internal = np.transpose([works(u) for u in VELOCITIES])
     with tribo.plotting.style():
         ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)

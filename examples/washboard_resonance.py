@@ -1,12 +1,12 @@
-"""Friction has a peak where the corrugation shakes pendulums at their own frequency.
+"""Friction peaks where the corrugation shakes pendulums at their natural frequency.
 
 Bars move at a speed v over a corrugation -A cos(q x), which shakes their bobs with the frequency
-w = q v.  Pendulums of stiffness kappa, inertia I and damping g take up energy.  For small swings of
+w = q v.  Pendulums of stiffness kappa, inertia I and damping g absorb energy.  For small swings of
 a rod of length 1 the friction force is
 
     F = (A q)^2 / (2 v) Re Y ,   Y = 1 / (g - i (w I - kappa / w)) ,
 
-with a peak at w^2 = kappa / I.
+which peaks near w^2 = kappa / I if the damping is weak.
 
 J. B. Sokoloff, Phys. Rev. B 42 (1990) 760.
 """
@@ -23,7 +23,7 @@ FREQUENCIES = np.linspace(0.4, 1.8, 15)
 
 
 def friction(frequency):
-    """Work of the bars' drive per length over the last five periods."""
+    """Work of the bar's drive per length over the last five periods."""
     speed, period = frequency / Q, 2.0 * np.pi / frequency
     drive, reservoir = tribo.DrivenBars(), tribo.Langevin(DAMPING, on="swing")
     settings = {"asperite": PENDULUM, "velocity": (speed, 0.0)}
@@ -36,7 +36,7 @@ def friction(frequency):
 
 
 def closed_form(frequency):
-    """The same to lowest order in the amplitude."""
+    """Friction to lowest order in the amplitude."""
     mobility = 1.0 / (DAMPING - 1j * (frequency - 1.0 / frequency))
     return (AMPLITUDE * Q) ** 2 / (2.0 * frequency / Q) * mobility.real
 

@@ -1,4 +1,4 @@
-"""The themes of the gallery, and for each example the code that is shown and its caption.
+"""The themes of the gallery, and for each example the function to show and its caption.
 
 A caption can be read without the text and ends with the number to remember; {0} is the first number
 of the example.
@@ -23,39 +23,38 @@ THEMES = {
     "Potentials that are not built in": ["squeezed_layers", "postcard"],
 }
 
-# Name -> the function that is shown, and the caption.
+# Name -> the function to show, and the caption.
 CAPTIONS = {
     "two_frames": (
         "works",
         "Work and pseudowork of the contact in case A of the paper, and the internal "
-        "energy, for observers who move at different velocities. Both works change by "
-        "the same amount; the internal energy is {0:.3f} for all.",
+        "energy, for observers who move at different velocities. Work and pseudowork "
+        "change by the same amount; for all observers the internal energy is {0:.3f}.",
     ),
     "time_reversal": (
         "reversed_scene",
-        "Angle of the upper pendulum of case A: until t = 40 the bobs pass each other, "
-        "then all velocities are reversed. The pendulum gives back its internal energy "
-        "of {0:.3f}.",
+        "Angle of the upper pendulum of case A. The bobs pass each other, and at t = 40 "
+        "all velocities are reversed. The pendulum returns its internal energy of {0:.3f}.",
     ),
     "stick_slip": (
         "pull",
         "Left: force of a slow pull over a corrugation. For $\\eta = 0.7$ the bob "
-        "follows smoothly, for $\\eta = 4$ it sticks and slips once in a period. Right: "
-        "the work in a period is zero below $\\eta = 1$; at $\\eta = 4$ it is {1:.3f} of "
-        "the energy of a jump.",
+        "follows smoothly; for $\\eta = 4$ it sticks, and slips once in a period. Right: "
+        "the work in a period is zero below $\\eta = 1$. At $\\eta = 4$, work / energy of "
+        "a jump = {1:.3f}.",
     ),
     "depinning": (
         "velocities",
-        "Mean velocity of an overdamped particle under a constant force. It stands "
-        "still below the static friction $F_c$; at $1.25\\,F_c$ its velocity is {1:.3f} "
-        "$F_c/\\gamma$ (closed form: 0.750).",
+        "Mean velocity of an overdamped particle under a constant force. The particle "
+        "stands still below the static friction $F_c$; at $1.25\\,F_c$ its velocity is "
+        "{1:.3f} $F_c/\\gamma$ (closed form: 0.750).",
     ),
     "thermal_friction": (
         "runs",
-        "Work of a pull over three periods at three temperatures: means of 48 runs with "
-        "bands of 95 % intervals. The steeper the line, the larger the friction: in the "
-        "last period it is {0:.2f} ± {1:.2f} $A/a$ at $T = 0.01\\,A$ and {4:.2f} ± "
-        "{5:.2f} at $0.3\\,A$.",
+        "Work of a pull over three periods at three temperatures. Lines are means of 48 "
+        "runs, and bands are their 95 % intervals. The slope of a line is the friction: "
+        "in the last period its mean is {0:.2f} ± {1:.2f} $A/a$ at $T = 0.01\\,A$; at "
+        "$0.3\\,A$ it is {4:.2f} ± {5:.2f}.",
     ),
     "logarithmic_velocity": (
         "friction",
@@ -66,29 +65,29 @@ CAPTIONS = {
     "structural_lubricity": (
         "static_friction",
         "Static friction of a rigid row of 40 atoms against its misfit with the "
-        "substrate. It vanishes where the misfit adds up to whole periods over the row; "
-        "at half a period it is {1:.3f} of the friction of a row that fits.",
+        "substrate. It vanishes where the misfit adds up to whole periods over the row. "
+        "At half a period, friction / friction of a row that fits = {1:.3f}.",
     ),
     "commensurate_rows": (
         "rows",
         "Static friction per asperite of rows of N asperites. Rows that fit (blue) keep "
         "the friction of one asperite; rows with a golden ratio of spacings (orange) "
         "lose it. Lines are the closed form, and the shaded area contains it for every "
-        "N. Friction of 256 that do not fit: {1:.2f} of one asperite's, for the whole "
-        "row.",
+        "N. For 256 that do not fit, friction of the whole row / that of one asperite = "
+        "{1:.2f}.",
     ),
     "aubry_transition": (
         "residue",
-        "Greene's residue of rings of atoms at rest, against the strength of the "
-        "substrate. Below the crossing it falls with the length of the ring and the "
-        "chain slides; above, it grows and the chain is pinned. The rings of 21 and 55 "
+        "Magnitude of Greene's residue of rings of atoms, against the strength of the "
+        "substrate. Below the crossing it falls with the length of the ring, and the "
+        "chain slides; above, it grows, and the chain is pinned. The curves of 21 and 55 "
         "atoms cross at $K$ = {0:.4f} (exact: 0.9716, dotted).",
     ),
     "friction_against_load": (
         "static_friction",
         "Static friction of a hard sphere that rests between two spheres of a row, "
-        "against the load. The line is the slope that it must climb, {1:.4f}; the "
-        "points have a slope of {0:.4f}.",
+        "against the load. The line shows the slope that it must climb, {1:.4f}; the "
+        "slope of the points is {0:.4f}.",
     ),
     "washboard_resonance": (
         "friction",
@@ -106,28 +105,28 @@ CAPTIONS = {
     ),
     "heat_into_baths": (
         "swing_energy",
-        "Left: energy of a swing that a bath on the bar damps, relative to its start; "
-        "40 oscillators give most of it back from t = 60 on. Right: difference from a "
-        "continuum of oscillators, with the times (dotted) until which tribo expects "
-        "each bath to act as one: {0:.0f} for 40 and {2:.0f} for 160.",
+        "Left: energy of a swing that a bath on the bar damps, relative to its first "
+        "value; 40 oscillators return most of it from t = 60 on. Right: difference from "
+        "a continuum of oscillators. Up to the dotted times, tribo expects a bath to act "
+        "as a continuum: {0:.0f} for 40 oscillators and {2:.0f} for 160.",
     ),
     "diffusion": (
         "diffusion",
-        "Diffusion of 8000 particles on a corrugation of amplitude A, relative to free "
-        "diffusion, with 95 % intervals. The line is $1/I_0(A/T)^2$. At $A/T = 2$ the "
-        "corrugation slows it to {2:.2f} ± {3:.2f}.",
+        "Diffusion of 8000 particles on a corrugation of amplitude A, relative to that "
+        "without one, with 95 % intervals. The line is $1/I_0(A/T)^2$. At $A/T = 2$ the "
+        "ratio is {2:.2f} ± {3:.2f}.",
     ),
     "rough_grid": (
         "pressed",
         "Left: heights of a rough grid of 64 x 64 asperites; orange squares mark those "
         "in contact with a flat grid when a tenth of them are. Right: share in contact "
-        "against the load, and the theory of Greenwood and Williamson. At twice the load "
-        "the share in contact is {1:.2f} times as large.",
+        "against the load, and the theory of Greenwood and Williamson. Twice the load of "
+        "the left map multiplies the share in contact by {1:.2f}.",
     ),
     "rough_surface": (
         "surface",
-        "Above: a rough row is dragged over another at half of the run. Below: the work "
-        "since the start, and the energies that it becomes. Heat / work at the end = "
+        "Above: two rough rows slide over each other, at half of the run. Below: the work "
+        "since the start, and the energies that it becomes. At the end, heat / work = "
         "{0:.2f}.",
     ),
     "load_and_energy": (
@@ -140,8 +139,8 @@ CAPTIONS = {
     "squeezed_layers": (
         "pressed",
         "Left: energy of a gap that a layered liquid fills. Right: the gap under a load "
-        "that grows slowly; orange points are the loads at which the closed form says "
-        "that a layer breaks. Simulation / closed form for the third break = {2:.3f}.",
+        "that grows slowly; orange points show where a layer breaks by the closed form. "
+        "For the third break, load in the simulation / closed form = {2:.3f}.",
     ),
     "postcard": (
         "main",

@@ -30,8 +30,8 @@ HEADER = """\
 
 This page shows each example of the folder `examples/`: its picture, the function that sets up the
 scene, and the numbers that a test compares with a closed form or a published value. Points are
-simulations and lines are closed forms, unless a legend or a caption says otherwise. An example
-draws its picture again by `python examples/NAME.py`.
+simulations and lines are closed forms, unless a legend or a caption says otherwise. The command
+`python examples/NAME.py` draws a picture again.
 """
 
 
