@@ -169,6 +169,19 @@ def test_members_in_lanes():
             assert found == pytest.approx(table[name.removeprefix("bar.")][-1], rel=1e-9), name
 
 
+def test_means_of_both_heats():
+    """The heat on the swing is among the series of an ensemble, summed over the surface."""
+    scene = Scene([surface((3.0, 2.0), (0.3, 0.1), n=3)], [], 2.0, output=Output(samples=3))
+    data = tribo.ensemble(scene, 3, method="verlet", step=STEP, seed=4)
+    for member in range(3):
+        own = with_values(scene, {"seed": int(data.seed[member])})
+        table = tribo.simulate(own, method="verlet", step=STEP)["bar"]
+        for name in ("heat", "heat_swing"):
+            found = data[f"bar.{name}"].values[member]
+            assert found == pytest.approx(getattr(table, name).sum(axis=1), rel=1e-9), name
+    assert np.ptp(data["bar.heat_swing_mean"].values) > 0.0
+
+
 def test_scene_files_and_keys():
     """A list of tables is written and read; keys say on what a reservoir acts."""
     part = surface((3.0, 2.0), (0.3, 0.1))

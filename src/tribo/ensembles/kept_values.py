@@ -240,6 +240,7 @@ def sum_names(scene: Scene) -> list[str]:
     for surface in scene.surfaces:
         fields = any(surface.name in item.on for item in scene.fields)
         kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.reservoirs)
+        kinds += ("heat_swing",) * (len(surface.reservoirs) == 2)
         names += [f"{surface.name}.{kind}" for kind in kinds]
     return _without_accounts(scene, names)
 
