@@ -102,10 +102,9 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
     twist = ROUNDINGS * EPSILON * turned * np.any(motion.phi != 0.0, axis=0)
     turns = a.dof_phi >= 0
     bar = np.where(turns, 1.0 / a.i2, 0.0)
-    torsion = np.where(np.isfinite(a.kappa), a.kappa, 0.0)
-    angular = twist * _impulse(torsion + _torsional(layout), pendulum + bar, duration)
+    angular = twist * _impulse(a.kappa + _torsional(layout), pendulum + bar, duration)
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
-    period = _inverse_frequency(torsion * pendulum, duration)
+    period = _inverse_frequency(a.kappa * pendulum, duration)
     return Errors(stretch, impulse / a.mass, omega * period, omega, nu * duration, nu)
 
 
@@ -135,9 +134,8 @@ def _inverse_frequency(square: np.ndarray, duration: float) -> np.ndarray:
 
 
 def _of_square(factor: np.ndarray, values: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """The error of factor values^2 / 2 from that of the values, (asperites,); 0 if rigid."""
-    with np.errstate(invalid="ignore"):
-        return np.nan_to_num(factor * error * (np.abs(values).max(axis=0) + error))
+    """The error of factor values^2 / 2 from that of the values, (asperites,)."""
+    return np.asarray(factor * error * (np.abs(values).max(axis=0) + error))
 
 
 def _stiffness(layout: Layout) -> np.ndarray:
