@@ -20,6 +20,7 @@ from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.fields import Corrugation
+from tribo.model.scene import Scene
 from tribo.potentials.combined import Sum, Wrapper
 from tribo.potentials.cutoff import ForceShifted, Shifted
 
@@ -128,29 +129,29 @@ def _of_cutoffs(layout: Layout) -> dict[str, float]:
 
     They may be far larger than the energy that is left, and have the same bits in all runs.
     """
-    model, surfaces = layout.model, layout.scene.surfaces
-    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
-    found = dict.fromkeys(("contact_energy", "delta_E_int", "total_energy_change"), 0.0)
-    for name, contacts in (("contact_energy", model.contacts), ("delta_E_int", model.within)):
-        energy = sum(_subtracted(contact.potential, charge) for contact in contacts or ())
-        found[name] = TERM_ROUNDINGS * EPSILON * layout.scene.count * energy
+    scene, found = layout.scene, {"total_energy_change": 0.0}
+    of = {"contact_energy": layout.model.contacts, "delta_E_int": layout.model.within or ()}
+    for name, contacts in of.items():
+        energy = sum(_subtracted(contact.potential, scene) for contact in contacts)
+        found[name] = TERM_ROUNDINGS * EPSILON * scene.count * energy
         found["total_energy_change"] += found[name]
     return found
 
 
-def _subtracted(potential: Any, charge: float) -> float:
-    """The energy that cutoffs in a potential subtract from that of two such charges."""
+def _subtracted(potential: Any, scene: Scene) -> float:
+    """The energy that cutoffs in a potential subtract from that of two of the largest charges."""
     if isinstance(potential, Sum):
-        parts = (potential.first, potential.second)
-        return sum(_subtracted(part, charge) for part in parts)
+        return _subtracted(potential.first, scene) + _subtracted(potential.second, scene)
     if not isinstance(potential, Wrapper):
         return 0.0
-    inner, end = potential.potential, getattr(potential, "cutoff", 0.0)
-    found = abs(getattr(potential, "factor", 1.0)) * _subtracted(inner, charge)
+    inner = potential.potential
+    found = abs(getattr(potential, "factor", 1.0)) * _subtracted(inner, scene)
     if isinstance(potential, (Shifted, ForceShifted)):
+        end = potential.cutoff
+        charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
         found += abs(float(inner.energy_between(end, charge, charge)))
-    if isinstance(potential, ForceShifted):
-        found += abs(float(end * inner.force_between(end, charge, charge)))
+        if isinstance(potential, ForceShifted):
+            found += abs(float(end * inner.force_between(end, charge, charge)))
     return found
 
 
