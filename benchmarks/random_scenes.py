@@ -122,7 +122,7 @@ def serve() -> None:
 
 def store(seeds: list[int]) -> None:
     """Write scenes and their solutions for the default tests."""
-    from support.reference_precise import solve
+    from support.reference import solve
     from support.verdicts import STORED
     from support.wide_scenes import wide_scene
 
