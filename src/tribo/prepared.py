@@ -33,7 +33,6 @@ from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
-from tribo.results.pumped_heat import pumping_notes
 from tribo.results.run_result import Constant, Cost
 from tribo.validation import InputError, TriboWarning
 
@@ -256,7 +255,7 @@ class Simulation:
             *notes_on.drive_notes(layout, assemble(layout, samples.ends())),
             *passing_notes(layout, samples),
             *separation_notes(layout.scene, watched.looks, watched.touching),
-            *pumping_notes(layout, watched),
+            *notes_on.pumping_notes(layout, watched),
         )
 
     def _errors(self, runs: Sequence[Integration]) -> Errors:
@@ -311,7 +310,8 @@ class Simulation:
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
-        notes = notes_on.calculator_notes(run) + notes_on.stop_notes(layout, run) + notes
+        raised = tuple(f"the calculator raised {failure}" for failure in run.failures)
+        notes = raised + notes_on.stop_notes(layout, run) + notes
         if keep is not None:
             run = run.without_samples()
         return Result(

@@ -12,10 +12,9 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles import ensemble
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
-from tribo.ensembles.members import Source, Variation, of_surfaces
-from tribo.ensembles.request import END, Request, checked_names, checked_time
+from tribo.ensembles.members import Sampler, Source, Variation, of_surfaces, sampled
+from tribo.ensembles.request import END, SAMPLES, Request, checked_names
 from tribo.ensembles.runner import Execution
-from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.stores import MemberStore
 from tribo.ensembles.target import Target, in_file
 from tribo.layout.layout import lay_out
@@ -26,7 +25,7 @@ from tribo.sweeps.dataset import Table, attributes_of, coordinates_of
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
-from tribo.validation import InputError, boolean, integer
+from tribo.validation import InputError, boolean, choice, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -101,7 +100,7 @@ def sweep(
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
     settings = accuracy, method, step, allow_unresolved
-    request = Request(names, checked_time(at), each.number is None, *settings)
+    request = Request(names, choice("at", at, (END, SAMPLES)), each.number is None, *settings)
     if at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
     how = Execution.checked(engine, threads)
