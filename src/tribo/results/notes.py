@@ -58,8 +58,10 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
     The change of the total energy is then not the work applied, within the bounds on their errors:
     a force is not minus the gradient of its energy.
     """
-    items, system = (*layout.scene.interactions, *layout.scene.fields), ledger.system
-    own = dict.fromkeys(name for item in items for name in _own_classes(item.potential))
+    scene, system = layout.scene, ledger.system
+    potentials = [each.potential for each in scene.interactions]
+    potentials += [each.potential for each in scene.fields]
+    own = dict.fromkeys(name for each in potentials for name in _own_classes(each))
     if not own or "applied_work" not in system:
         return ()
     change, work = system["total_energy_change"], system["applied_work"]
@@ -166,12 +168,12 @@ def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
 
 
-def halving_notes(layout: Layout, run: Integration, step: float, shorter: float) -> tuple[str, ...]:
+def halving_notes(layout: Layout, run: Integration, step: float) -> tuple[str, ...]:
     """A note on an automatic step that was too long for an encounter."""
     t, near = _closest_at_end(layout, run)
     return (
         f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
-        f"repeated with steps of {shorter:.3g}",
+        f"repeated with steps of {0.5 * step:.3g}",
     )
 
 
