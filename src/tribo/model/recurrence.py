@@ -16,7 +16,6 @@ import numpy as np
 # The spectra whose continuum is known.
 Kind = Literal["drude", "ohmic", "debye"]
 KINDS = get_args(Kind)
-
 # Side of the square blocks in which the energy is sampled: SIDE x SIDE samples a block.
 SIDE = 64
 # Elements of the matrix of exponentials that is held at a time: 8 MB of complex numbers.

@@ -18,22 +18,16 @@ if TYPE_CHECKING:
 
 # Above this number of asperites of a surface, angles are a band rather than lines.
 MOST_LINES = 6
-
 # Percentiles of the asperites between which a band lies.
 BAND = (5.0, 95.0)
-
 # Most paths of a phase plot: more cover one another.
 MOST_PATHS = 200
-
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
 COLOURS = CYCLE * 8
-
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)
-
 # Width of lines where there is one surface, and of all paths in a phase plot [points].
 WIDTH, PATH_WIDTH = 1.1, 0.7
-
 # Height of a graph over its width.
 ASPECT = 0.66
 

@@ -29,22 +29,16 @@ if TYPE_CHECKING:
 
 # Distance between two snapshots, and between lines of labels [points].
 GAP, LINE = 9.0, 14.0
-
 # Margin for times and phases left of snapshots [points].
 MARGIN = 50.0
-
 # Snapshots stand in a row if their widths together are less than this times the height.
 MOST_ROW = 6.0
-
 # Height that the colours of many asperites take below snapshots [points].
 BAR_ROOM = 30.0
-
 # Room at the sides for the arrows of forces [rod length].
 ARROW_ROOM = 0.4
-
 # Percentile of the magnitudes of swings that has the strongest colour.
 STRONGEST = 99.0
-
 # Line styles of the points of an asperite, and their subscripts.
 GUIDES: dict[str, Any] = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}
 SUBSCRIPTS = {"bar": "2", "cm": r"{\rm cm}", "bob": "1"}
