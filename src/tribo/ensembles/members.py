@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from tribo.ensembles.swing_states import SwingStates, joint_starts
 from tribo.integrators.methods import noisy
-from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
+from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_be, short_repr
@@ -317,7 +317,7 @@ def _is_of_scene(scene: Scene, key: str) -> bool:
     """
     name, _, quantity = key.rpartition(".")
     known = name in [surface.name for surface in scene.surfaces]
-    return known and quantity in (*UNITS_OF_DISPLACEMENTS, "temperature")
+    return known and quantity in (*DISPLACEMENTS, "temperature")
 
 
 def _rows(key: str, source: Source, size: int) -> np.ndarray:
