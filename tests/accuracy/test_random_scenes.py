@@ -83,7 +83,7 @@ def test_a_scene_that_seems_wrong_is_solved_more_precisely(monkeypatch, wrong_ag
     wrong = solution_from(copy.deepcopy(row["solution"]))
     wrong.series("theta")[0][-1] += 1.0
 
-    def solved(table, work=MOST):
+    def solved(table, work=MOST, stops=0):
         works.append(work)
         return wrong if work == MOST or wrong_again else truth
 

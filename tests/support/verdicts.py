@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import tribo
-from support.reference import SMALL, Solution, Tables, UnsolvedError, kind_of, solve
+from support.reference import SMALL, STOPS, Solution, Tables, UnsolvedError, kind_of, solve
 from tribo.accuracy.weak_works import LOST
 from tribo.model.scene_file import scene_from
 
@@ -32,8 +32,9 @@ STORED = Path(__file__).with_name("random_scenes.json")
 # their pairs; 2 to 5 s.
 MOST = 2e6
 # Work of the second solution of a scene whose run seems wrong: the first one may be wrong by more
-# than the difference of its tolerances.
+# than the difference of its tolerances, and jump an encounter.
 SECOND = 20.0 * MOST
+SECOND_STOPS = 2049
 # Largest error of the reference, relative to the accuracy of the run, that needs no more precision.
 SURER = 1e-5
 # Error of the reference, relative to the scales, above which nothing is known of a scene.
@@ -45,13 +46,13 @@ SCALE_ERROR = 0.05
 EPSILON = 2.2e-16
 
 
-def truth_of(table: dict, work: float = MOST) -> Solution | str:
+def truth_of(table: dict, work: float = MOST, stops: int = STOPS) -> Solution | str:
     """The reference's solution of a scene with so much work, or why there is none."""
     try:
         rows = Tables(table).rows
         most = work / (len(rows["asperites"]) + len(rows["pair"]))
         accuracy = table.get("numerics", {}).get("accuracy", 1e-8)
-        solution = solve(table, most=most, wanted=max(SURER * accuracy, SMALL))
+        solution = solve(table, most=most, wanted=max(SURER * accuracy, SMALL), stops=stops)
     except (UnsolvedError, NotImplementedError) as problem:
         return str(problem)
     error = solution.relative_error() if solution.has_work else 0.0
@@ -66,7 +67,7 @@ def judged(table: dict) -> dict[str, Any]:
     cost["reference_seconds"] = time.perf_counter() - began
     row = verdict(table, truth)
     if row["outcome"] == "silent":
-        row = verdict(table, truth_of(table, SECOND))
+        row = verdict(table, truth_of(table, SECOND, SECOND_STOPS))
     return row | cost
 
 
