@@ -25,7 +25,6 @@ from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
-from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.ledger import assemble
@@ -165,8 +164,9 @@ class CheckedRuns(BatchRuns):
         """Run members by one way with tolerances of one level; `near` in place of the way's."""
         stepper = self.steppers[method]
         near = stepper.near if near is None else near
-        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
-        return stepper.batch.run(tolerance, starts)
+        layout, exact = self.simulation.layout, self.simulation.method
+        setting = setting_at(layout, exact, ToleranceScales(*scales), level, near)
+        return stepper.batch.run(setting, starts)
 
     def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
         """The largest difference of each member from a finer run, in units of its accuracy.
@@ -181,13 +181,6 @@ class CheckedRuns(BatchRuns):
         excess = exact.excess(compared(runs))
         complete = runs.complete & fine.complete & np.isfinite(excess)
         return exact, np.where(complete, excess, np.inf)
-
-    def _bounds(self, exact: FineMembers, name: str, excess: np.ndarray) -> np.ndarray:
-        """Bounds on the errors of a quantity in each member, as its worst quantity has them."""
-        asked = self.simulation.accuracy
-        relative = asked.get(name, np.nan) if isinstance(asked, Mapping) else asked
-        floor = EPSILON / self.strictest
-        return np.maximum(excess / KEPT, floor) * relative * exact.scale_of(name)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -205,7 +198,9 @@ class CheckedRuns(BatchRuns):
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
             for name in self.kept.names if self.kept.with_errors else ():
-                found[f"{name}{ERROR}"][now] = self._bounds(exact, name, excess)
+                worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
+                asked = self._accuracy.get(name, np.nan)
+                found[f"{name}{ERROR}"][now] = worst * asked * exact.scale_of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now, coarse = now[bad], fine.of_members(bad)
@@ -240,15 +235,6 @@ def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
             lanes = Batch(partial(PairLanes, pair, explicit, own_numbers))
             steppers[name] = Stepper(lanes, NEAR_IN_LANES, COST_IN_LANES)
     return steppers
-
-
-def tolerance_at(
-    simulation: Simulation, scales: ToleranceScales, level: float, near: float
-) -> Tolerance:
-    """The setting of members at a level of their errors."""
-    setting = setting_at(simulation.layout, simulation.method, scales, level, near)
-    assert isinstance(setting, Tolerance)
-    return setting
 
 
 def rough_differences(

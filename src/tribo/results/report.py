@@ -14,13 +14,8 @@ from tribo.files import replace_file
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
+from tribo.results import force_averages
 from tribo.results.averages import Average
-from tribo.results.force_averages import (
-    has_mean_friction,
-    load_of,
-    recorded_averages,
-    shares_without_contact,
-)
 from tribo.results.run_result import RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
@@ -65,8 +60,8 @@ def end(result: RunResult) -> dict[str, Any]:
         },
         "system": {key: float(values[-1]) for key, values in ledger.system.items()},
         "error_estimate": dict(result.error_estimate),
-        **recorded_averages(result),
-        **shares_without_contact(result),
+        **force_averages.recorded_averages(result),
+        **force_averages.shares_without_contact(result),
     }
 
 
@@ -99,16 +94,16 @@ def text(result: RunResult) -> str:
 
 def _sliding(result: RunResult) -> list[str]:
     """What is said of sliding, and the share of time without contact, where it is recorded."""
-    shares = shares_without_contact(result).get("time_without_contact", {})
+    shares = force_averages.shares_without_contact(result).get("time_without_contact", {})
     each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
     return _friction(result) + [f"  time without contact: {each}"] * bool(shares)
 
 
 def _friction(result: RunResult) -> list[str]:
     """Friction forces, heat and the energy budget, of scenes in which sliding goes on."""
-    if not has_mean_friction(result.scene):
+    if not force_averages.has_mean_friction(result.scene):
         return []
-    averages, lines = recorded_averages(result), []
+    averages, lines = force_averages.recorded_averages(result), []
     for surface in result.scene.surfaces:
         for name, word in (("friction_force", "friction force"), ("pull_force", "drive's force")):
             found = averages.get(name, {}).get(surface.name)
@@ -127,8 +122,8 @@ def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
     parts = [f"{found.mean:.4g}{interval} from t = {found.after:g} on"]
     if surface.count > 1:
         parts.append(f"{found.mean / surface.count:.4g} per asperite")
-    if is_friction and load_of(surface) > 0.0:
-        parts.append(f"{abs(found.mean) / load_of(surface):.4g} of the load")
+    if is_friction and force_averages.load_of(surface) > 0.0:
+        parts.append(f"{abs(found.mean) / force_averages.load_of(surface):.4g} of the load")
     return ", ".join(parts) + f" ({found.note})" * bool(found.note)
 
 
