@@ -60,7 +60,10 @@ def end(result: RunResult) -> dict[str, Any]:
         },
         "system": {key: float(values[-1]) for key, values in ledger.system.items()},
         "error_estimate": dict(result.error_estimate),
-        **force_averages.recorded_averages(result),
+        **{
+            name: {surface: average._asdict() for surface, average in averages.items()}
+            for name, averages in force_averages.recorded_averages(result).items()
+        },
         **force_averages.shares_without_contact(result),
     }
 
@@ -107,9 +110,9 @@ def _friction(result: RunResult) -> list[str]:
     for surface in result.scene.surfaces:
         for name, word in (("friction_force", "friction force"), ("pull_force", "drive's force")):
             found = averages.get(name, {}).get(surface.name)
-            drives = found is not None and found["mean"] != 0.0
-            if drives and (name == "friction_force" or isinstance(surface.drive, Pulled)):
-                parts = in_words(Average(**found), surface, name == "friction_force")
+            is_friction = name == "friction_force"
+            if found and found.mean != 0.0 and (is_friction or isinstance(surface.drive, Pulled)):
+                parts = in_words(found, surface, is_friction)
                 lines.append(f"  {surface.name:>10}: {word} {parts}")
     if not averages and not result.ledger.kept:
         lines = ['  friction force: not recorded; series = ["forces"] under [output] records it']
