@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,7 +84,7 @@ def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
 
 
 def common_attributes(
-    scene: Scene, interrupted: bool, notes: Sequence[str], began: float
+    scene: Scene, interrupted: bool, notes: Iterable[str], began: float
 ) -> Attributes:
     """Attributes of ensembles and sweeps; text is JSON where it is no word."""
     from tribo import __version__

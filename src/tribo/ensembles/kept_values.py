@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -282,21 +282,17 @@ class Tally(Counter[str]):
         return {name: n for name, n in self.items() if n and name not in (CHECKED, REFINED, WEAK)}
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> Iterator[str]:
         """How many members were refined, and how many have no values."""
-        notes, total = [], sum(self.statuses.values())
-        stopped = sorted(name for name in self.statuses if name != Status.COMPLETED)
-        if stopped:
+        total = sum(self.statuses.values())
+        if stopped := sorted(self.statuses.keys() - {str(Status.COMPLETED)}):
             number = total - self[str(Status.COMPLETED)]
-            notes.append(f"{number} of {total} members have no values ({', '.join(stopped)})")
+            yield f"{number} of {total} members have no values ({', '.join(stopped)})"
         if self[CHECKED]:
-            notes.append(
-                f"{self[CHECKED]} members were run again with finer settings; {self[REFINED]} "
-                "needed them"
-            )
+            again = f"{self[CHECKED]} members were run again with finer settings"
+            yield f"{again}; {self[REFINED]} needed them"
         if self[WEAK]:
-            notes.append(
+            yield (
                 f"works of {self[WEAK]} members that were compared lie {LOST} that they change: "
                 "errors are relative to these, and these works have no digit that is known"
             )
-        return notes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -76,9 +77,9 @@ class Table:
             variables[f"{name}{ERROR}"] = self.dimensions, self.placed(bounds), what
         return variables
 
-    def notes(self) -> list[str]:
+    def notes(self) -> Iterator[str]:
         """What to know of single points."""
-        notes, points = [], self._grid.size
+        points = self._grid.size
         of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
@@ -88,8 +89,7 @@ class Table:
             elif self._members:
                 continue
             if note:
-                notes.append(f"{self._grid.label(index)}: {note}")
-        return notes
+                yield f"{self._grid.label(index)}: {note}"
 
     def check_any_ran(self) -> None:
         """Raise InputError if no point can be run."""
