@@ -68,7 +68,7 @@ def _cheapest(
         while good - too_loose > 1:
             k = (good + too_loose) // 2
             found = runs.run(method, levels[k], scales, starts)
-            if np.all(runs.excess(fine, found)[fine.complete] <= CHOSEN):
+            if np.all(runs.compared(fine, found)[1][fine.complete] <= CHOSEN):
                 good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
@@ -114,7 +114,7 @@ class Pilot:
 
         def errors(some: MemberStarts) -> np.ndarray:
             fine = self._runs.run(method, level, plan.scales, some)
-            return self._runs.excess(fine, self._run(plan, some))
+            return self._runs.compared(fine, self._run(plan, some))[1]
 
         return np.concatenate([np.empty(0), *self._each(errors, self._starts.of_members(members))])
 

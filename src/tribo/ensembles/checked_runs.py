@@ -168,17 +168,14 @@ class CheckedRuns(BatchRuns):
         setting = setting_at(layout, exact, ToleranceScales(*scales), level, near)
         return stepper.batch.run(setting, starts)
 
-    def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
-        """The largest difference of each member from a finer run, in units of its accuracy.
+    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
+        """Finer runs with the scales of their errors, and the difference of each member from its.
 
-        Infinite where either run did not complete.
+        That is the largest difference, in units of the accuracy; infinite where either run did not
+        complete.
         """
-        return self._compared(fine, runs)[1]
-
-    def _compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
-        """Members of finer runs, with the scales of their errors, and :meth:`excess` from these."""
-        exact = FineMembers(fine.layout, compared(fine), self._accuracy)
-        excess = exact.excess(compared(runs))
+        exact = FineMembers(fine.layout, _few_samples(fine), self._accuracy)
+        excess = exact.excess(_few_samples(runs))
         complete = runs.complete & fine.complete & np.isfinite(excess)
         return exact, np.where(complete, excess, np.inf)
 
@@ -194,7 +191,7 @@ class CheckedRuns(BatchRuns):
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
-            exact, excess = self._compared(fine, coarse)
+            exact, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
             for name in self.kept.names if self.kept.with_errors else ():
@@ -213,7 +210,7 @@ class CheckedRuns(BatchRuns):
         found["status"][now] = UNKNOWN
 
 
-def compared(runs: MemberRuns) -> Samples:
+def _few_samples(runs: MemberRuns) -> Samples:
     """The samples by which members are compared, as single runs are where they have many."""
     samples, members = runs.samples, runs.samples.runs
     times = samples.t.size // members

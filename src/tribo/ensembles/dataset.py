@@ -77,10 +77,9 @@ def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
 
 def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
     """The times at which quantities are kept."""
-    about = {"units": "time", "long_name": "time" if kept.at_samples else "time of the end"}
-    return {
-        "time": (("time",), scene.times, about) if kept.at_samples else ((), scene.duration, about)
-    }
+    if kept.at_samples:
+        return {"time": (("time",), scene.times, {"units": "time", "long_name": "time"})}
+    return {"time": ((), scene.duration, {"units": "time", "long_name": "time of the end"})}
 
 
 def common_attributes(

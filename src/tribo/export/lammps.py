@@ -84,13 +84,10 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
         raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
     files = LammpsFiles(folder / DATA, folder / FORCES, folder / RUN, tuple(omitted))
     replace_file(files.data, data_file(scene, atoms, max(reach, 1.0)).encode())
-    replace_file(files.forces, _text(_forces(scene, atoms, pairs, reach)))
-    replace_file(files.run, _text(_run(scene, atoms, files.omitted)))
+    forces, run = _forces(scene, atoms, pairs, reach), _run(scene, atoms, files.omitted)
+    for path, lines in ((files.forces, forces), (files.run, run)):
+        replace_file(path, ("\n".join(lines) + "\n").encode())
     return files
-
-
-def _text(lines: list[str]) -> bytes:
-    return ("\n".join(lines) + "\n").encode()
 
 
 def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[str]:

@@ -83,13 +83,12 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
     return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))
 
 
-def shares_without_contact(result: RunResult) -> dict[str, dict[str, float]]:
+def shares_without_contact(result: RunResult) -> dict[str, float]:
     """The share of time without contact of every surface, where it is recorded, by name."""
     if np.count_nonzero(result.t >= result.scene.output.run_in) < 2:
         return {}
     names = [n for n, b in result.ledger.blocks.items() if "time_without_contact" in b]
-    shares = {name: time_without_contact(result, name) for name in names}
-    return {"time_without_contact": shares} if shares else {}
+    return {name: time_without_contact(result, name) for name in names}
 
 
 def has_mean_friction(scene: Scene) -> bool:

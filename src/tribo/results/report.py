@@ -36,7 +36,7 @@ SHOWN = {
 
 def end(result: RunResult) -> dict[str, Any]:
     """The end state and the cost, as ``tribo run --json`` prints them."""
-    ledger = result.ledger.at_end()
+    ledger, shares = result.ledger.at_end(), force_averages.shares_without_contact(result)
     return {
         "status": result.status,
         "t": float(ledger.t[-1]),
@@ -65,7 +65,7 @@ def end(result: RunResult) -> dict[str, Any]:
             name: {surface: average._asdict() for surface, average in averages.items()}
             for name, averages in force_averages.recorded_averages(result).items()
         },
-        **force_averages.shares_without_contact(result),
+        **({"time_without_contact": shares} if shares else {}),
     }
 
 
@@ -101,7 +101,7 @@ def _sliding(result: RunResult) -> Iterator[str]:
     if force_averages.has_mean_friction(result.scene):
         yield from _friction(result)
         yield from _energies(result)
-    shares = force_averages.shares_without_contact(result).get("time_without_contact", {})
+    shares = force_averages.shares_without_contact(result)
     each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
     if each:
         yield f"  time without contact: {each}"

@@ -156,7 +156,7 @@ def _together(
     sets, order, simulation = point_sets(grid, request, each)
     report = how.progress
     if report is not None:
-        how = how._replace(progress=lambda done: report(done // each.each))
+        how = how._replace(progress=lambda done: report(done // (each.number or 1)))
     interrupted = how.collect(runs_of(sets, store.done, how, simulation), store)
     table = Table(grid, order, kept, store.values(), each)
     table.check_any_ran()
