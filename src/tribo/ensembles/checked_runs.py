@@ -132,10 +132,9 @@ class CheckedRuns(BatchRuns):
 
         Those that need a search for their own settings have the status UNKNOWN.
         """
-        plan = self.plan
         starts = self.begin(members)
-        runs = self.run(plan.method, plan.level, plan.scales, starts)
-        found = delivered(self.kept, runs, plan.level)
+        runs = self.run(self.plan, starts)
+        found = delivered(self.kept, runs, self.plan.level)
         complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         every = self.kept.with_errors
@@ -150,22 +149,14 @@ class CheckedRuns(BatchRuns):
         if starts.numbers is None:
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
-        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, starts, near)
+        rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
         return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
 
-    def run(
-        self,
-        method: str,
-        level: float,
-        scales: tuple[float, ...],
-        starts: MemberStarts,
-        near: float | None = None,
-    ) -> MemberRuns:
-        """Run members by one way with tolerances of one level; `near` in place of the way's."""
-        stepper = self.steppers[method]
-        near = stepper.near if near is None else near
-        layout, exact = self.simulation.layout, self.simulation.method
-        setting = setting_at(layout, exact, ToleranceScales(*scales), level, near)
+    def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
+        """Run members by the method and tolerances of a plan; `near` in place of the method's."""
+        stepper, layout = self.steppers[plan.method], self.simulation.layout
+        near, scales = stepper.near if near is None else near, ToleranceScales(*plan.scales)
+        setting = setting_at(layout, self.simulation.method, scales, plan.level, near)
         return stepper.batch.run(setting, starts)
 
     def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
@@ -190,7 +181,8 @@ class CheckedRuns(BatchRuns):
         coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
+            finer = self.plan._replace(method=self.exact, level=level)
+            fine = self.run(finer, starts.of_members(now))
             exact, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
