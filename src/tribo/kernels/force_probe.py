@@ -75,7 +75,7 @@ def note_forces(model, s, i, t, q, acceleration, found):
     set_block(found[SWING], i, block(acceleration, i))
 
 
-def force_probe(model, neighbours, places, times, y, baths, begin, q, v, acceleration, found):
+def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceleration, found):
     """Find the forces in one sample after another, from `begin` on.
 
     Returns the number of the samples that are done: fewer than all where the neighbour list needs

@@ -1,13 +1,13 @@
-"""Contacts, distances and accelerations at given positions: nothing moves."""
+"""Contacts and accelerations at given positions: nothing moves."""
 
-from tribo.kernels.contact import contact_energy, separation
+from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.equations_of_motion import equations_of_motion, update_neighbours
-from tribo.kernels.neighbours import crowded, image, rebuild
+from tribo.kernels.neighbours import crowded, rebuild
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
 
 
-def contact_probe(model, neighbours, columns, positions, charges, begin, energies, forces):
+def contact_probe(model, neighbours, begin, columns, positions, charges, energies, forces):
     """Compute the contact energy, and the force on every bob, of arrangements from `begin` on.
 
     Returns the number of those that are done: fewer than all where the neighbour list needs more
@@ -36,23 +36,12 @@ def contact_probe(model, neighbours, columns, positions, charges, begin, energie
     return positions.shape[0]
 
 
-def distance_probe(model, positions, i, distances):
-    """Compute the distance from bob i to the nearest image of every bob.
-
-    positions (n, 3), distances (n,).
-    """
-    for j in range(positions.shape[0]):
-        dx = image(positions[i, 0] - positions[j, 0], model.box, 0)
-        dz = image(positions[i, 2] - positions[j, 2], model.box, 1)
-        distances[j] = separation(dx, positions[i, 1] - positions[j, 1], dz)
-
-
-def acceleration_probe(model, neighbours, t, q, v, acceleration):
+def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
     """Compute q'' of all coordinates.
 
-    Returns whether the neighbour list had room; q'' is not set otherwise.
+    Returns 1, or `begin`, which is 0, where the neighbour list needs more room.
     """
     if not update_neighbours(model, neighbours, t, q):
-        return False
+        return begin
     equations_of_motion(model, neighbours, t, q, v, acceleration)
-    return True
+    return 1

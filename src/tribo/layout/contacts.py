@@ -11,7 +11,7 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
-from tribo.validation import InputError, inside
+from tribo.validation import inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
 # lists cost more in each evaluation, shorter ones have to be rebuilt more often.
@@ -127,13 +127,6 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     return neighbours._replace(
         index=np.zeros(space, np.int32), place=nowhere(neighbours.place.shape[1])
     )
-
-
-def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
-    """Raise InputError for an error that a calculator raised when kernels called it."""
-    for call in calls:
-        if call.error is not None:
-            raise InputError("potential", f"the calculator raises {call.failure}")
 
 
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:

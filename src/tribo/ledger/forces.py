@@ -12,21 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import time_loop
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import force_probe
 from tribo.kernels.records import BARS
-from tribo.layout.contacts import raise_calculator_errors, with_room
+from tribo.layout.compiled import Probe
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import own_model
 from tribo.layout.span import Span
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 
 class Force(NamedTuple):
@@ -143,17 +139,9 @@ class Forces:
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, ROWS, columns)."""
         layout, samples = self.layout, self._samples
-        columns, coordinates = layout.model.each.shape[1], layout.room[0]
-        found = room((samples.t.size, force_probe.ROWS, columns))
-        scratch = [room((coordinates,)) for _ in range(3)]
-        neighbours, done = layout.neighbours(), 0
-        model, calls = own_model(layout)
+        found = room((samples.t.size, force_probe.ROWS, layout.model.each.shape[1]))
+        scratch = [room((layout.room[0],)) for _ in range(3)]
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
-        probe = time_loop(force_probe.force_probe, source_stamp(layout.plugins))
-        with compiling(probe, layout.named_plugins):
-            while done < samples.t.size:
-                neighbours = with_room(neighbours)
-                arrays = places, samples.t, y, samples.baths
-                done = probe(model, neighbours, *arrays, done, *scratch, found)
-        raise_calculator_errors(calls)
+        arrays = places, samples.t, y, samples.baths
+        Probe(layout, force_probe.force_probe)(samples.t.size, *arrays, *scratch, found)
         return found

@@ -160,7 +160,8 @@ class PairSamples(Samples):
         record = np.concatenate([each._record for each in parts])
         return PairSamples(t, record, self._first, self._factors)
 
-    def _rows(self, selected: np.ndarray | slice) -> PairSamples:
+    def rows(self, selected: np.ndarray | slice) -> PairSamples:
+        """The samples of one run at some places."""
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 
 from tribo.layout.contact_distance import contact_distance
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import bob_places, in_box
+from tribo.ledger.closest_bobs import bob_places, in_box, nearest_images
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 
@@ -150,19 +150,13 @@ def _any_within(
         gap = np.maximum(y.min(axis=1) - their_y.max(axis=1), their_y.min(axis=1) - y.max(axis=1))
         near = np.isfinite(mine).all(axis=(1, 2)) & np.isfinite(theirs).all(axis=(1, 2))
         near &= gap < distance
-    (mine, box), (theirs, _) = in_box(layout, mine[near]), in_box(layout, theirs[near])
+    mine, theirs = mine[near], theirs[near]
     if mine.shape[1] * theirs.shape[1] <= MOST_PAIRS:
-        found[near] = _nearest(mine, theirs, box) < distance
+        between = nearest_images(layout, mine[:, :, None] - theirs[:, None])
+        found[near] = np.linalg.norm(between, axis=-1).min(axis=(1, 2)) < distance
         return found
+    (mine, box), (theirs, _) = in_box(layout, mine), in_box(layout, theirs)
     for k, own, others in zip(np.flatnonzero(near), mine, theirs, strict=True):
         nearest, _ = KDTree(others, boxsize=box).query(own, distance_upper_bound=distance)
         found[k] = np.min(nearest) < distance
     return found
-
-
-def _nearest(mine: np.ndarray, theirs: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """The smallest distance of any two places in a box, (times,)."""
-    between = mine[:, :, None] - theirs[:, None]
-    periodic = box > 0.0
-    between[..., periodic] -= box[periodic] * np.round(between[..., periodic] / box[periodic])
-    return np.asarray(np.sqrt(np.min(np.sum(between**2, axis=-1), axis=(1, 2))))

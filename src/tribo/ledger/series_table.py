@@ -45,19 +45,10 @@ class SeriesTable(NamedTuple):
 
 
 def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
-    """All series of a run, and further ones by `names`, as "upper.W".
+    """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
     Those that are linear in the integrals of the kernels are computed together; their last bits may
     differ from those of a series that is computed alone.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    group
-        all asperites
-    names
-        of further quantities
     """
     items = _items(layout, group)
     linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import COUNTS
+from tribo.layout.compiled import entry_point
 from tribo.layout.layout import Layout
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.pair_scene import factors_of, mobility_of, record_of
@@ -21,8 +21,6 @@ from tribo.loops.pair import Pair
 from tribo.pair.loop import COLUMNS
 from tribo.pair.members import pair_members
 from tribo.pair.step_rows import LIMITS, STATE
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
@@ -41,9 +39,7 @@ class PairMembers:
         self._numbers = np.array([numbers_of(potential)], float)
         self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
         examples = self._arguments(self._record, self._numbers, np.empty((1, self._size)))
-        loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
-        with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, (potential,), examples)
+        self._loop = entry_point(pair.layout, pair_members, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with tolerances."""

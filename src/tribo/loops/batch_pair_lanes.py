@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.integrators.lane_queue import queue_of
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import CODE, PAUSED
+from tribo.layout.compiled import entry_point
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.batch_pair import MOST_STEPS, pair_runs, records_of
 from tribo.loops.integrate import Setting
@@ -22,8 +22,6 @@ from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
 from tribo.pair.loop import COLUMNS
 from tribo.pair.step_rows import FIRST, OF_J, OF_V1, OF_V2
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 
 def has_lanes(pair: Pair) -> bool:
@@ -62,9 +60,8 @@ class PairLanes:
         self._rows = GROUPS * (lanes.F + 3 * self._stages + (numbers if own_numbers else 0))
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros((1, LANES)), starts)
-        loop = time_loop(pair_members_in_lanes, source_stamp(pair.layout.plugins))
-        with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, (PairScene(*record.item()), potential), examples)
+        fixed = PairScene(*record.item()), potential
+        self._loop = entry_point(pair.layout, pair_members_in_lanes, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with tolerances."""

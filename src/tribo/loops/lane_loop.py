@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
@@ -21,8 +20,6 @@ from tribo.layout.loop_memory import together
 from tribo.loops.batch import MemberStarts, Pool, RecordingLoop
 from tribo.loops.batch_general import GeneralMembers
 from tribo.loops.integrate import Columns, Setting
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
 # registers as well.
@@ -121,16 +118,6 @@ class LaneLoop(RecordingLoop):
     def record(self, columns: Columns) -> Record:
         """These arrays for the loop."""
         return Record(*columns, *self._recorded)  # type: ignore[call-arg]
-
-    def compile(self, loop: Any, arguments: tuple[Any, ...]) -> EntryPoint:
-        """Compile the loop, or load it, for arguments like these behind the model.
-
-        Raises InputError if a plug-in does not compile.
-        """
-        layout = self.layout
-        compiled = time_loop(loop, source_stamp(layout.plugins))
-        with compiling(compiled, layout.named_plugins):
-            return EntryPoint(compiled, (self.eight.model,), arguments)
 
     def keep(self, items: tuple[Any, ...], others: list[np.ndarray]) -> Any:
         """Nested tuples in memory that :meth:`forget` restores, as it does some other arrays."""

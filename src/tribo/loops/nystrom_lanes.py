@@ -15,6 +15,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import empty_state
 from tribo.kernels.status import PAUSED
+from tribo.layout.compiled import entry_point
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import MemberStarts
@@ -42,7 +43,7 @@ class NystromLanes(LaneLoop):
         none = np.empty((0, layout.start.size)), np.empty((0, self._places_of_numbers.shape[1]))
         columns = sample_columns(layout, 1)
         examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
-        self._entry = self.compile(nystrom_members, examples)
+        self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
 
     def fill_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns

@@ -14,6 +14,7 @@ from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
+from tribo.layout.compiled import entry_point
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import MemberStarts, padded
@@ -39,7 +40,7 @@ class SplittingLanes(LaneLoop):
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(layout, LANES)
         examples = self._arguments(1.0, columns, 0, np.empty((0, LANES)))
-        self._entry = self.compile(splitting_members, examples)
+        self._entry = entry_point(layout, splitting_members, (self.eight.model,), examples)
 
     def fill_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
