@@ -9,7 +9,7 @@ import tribo
 from support.continued import same_end
 from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
-from tribo.explanation.summary import inactive_at_start
+from tribo.explanation.explanation import contact
 from tribo.integrators.methods import METHODS
 from tribo.layout import active, contacts
 from tribo.layout import layout as layouts
@@ -120,5 +120,5 @@ def test_explanation_counts_the_live():
     """With a splitting method; adaptive ones step all."""
     scene = crossing()
     layout = lay_out(scene)
-    found = inactive_at_start(layout, METHODS["verlet"])
-    assert 0 < found < scene.count and inactive_at_start(layout, METHODS["dop853"]) == 0
+    found = contact(layout, METHODS["verlet"]).inactive
+    assert 0 < found < scene.count and contact(layout, METHODS["dop853"]).inactive == 0

@@ -11,7 +11,7 @@ from tribo.compiler.lanes import LANES, NARROW, broadcast, lane, narrow, where_l
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.compiler.plugin_methods import recognize, type_of
-from tribo.explanation import summary
+from tribo.explanation import explanation
 from tribo.integrators.methods import METHODS
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
 from tribo.layout.layout import lay_out
@@ -128,7 +128,7 @@ def test_a_users_potential(potential, arithmetic):
     scene = tribo.Scene(
         (tribo.Surface("upper"), tribo.Surface("lower", facing="up")), potential, 1.0
     )
-    assert summary.contact(lay_out(scene), METHODS["verlet"]).arithmetic == arithmetic
+    assert explanation.contact(lay_out(scene), METHODS["verlet"]).arithmetic == arithmetic
 
 
 @shared_kernel

@@ -14,7 +14,8 @@ import tribo
 from support import ledgers
 from support.package import SOURCE
 from tribo import paper
-from tribo.explanation.explanation import Contact, Explanation, Predicted
+from tribo.explanation.explanation import Contact, Explanation
+from tribo.explanation.prediction import Predicted
 from tribo.layout.layout import lay_out
 from tribo.layout.threads import Threads
 from tribo.loops.pair import is_pair

@@ -13,7 +13,7 @@ import pytest
 
 import tribo
 from support.random_scenes import random_scene
-from tribo.explanation import summary
+from tribo.explanation import explanation
 from tribo.layout.layout import Layout, lay_out
 from tribo.model.scene_file import scene_from
 
@@ -241,7 +241,7 @@ def counted(scene: tribo.Scene) -> dict[str, int]:
 def test_degrees_of_freedom(seed):
     """Those that an explanation reports are those of the equations, with any two effects."""
     for names, scene in crossed(2, seed).items():
-        assert summary.coordinates(scene) == counted(scene), names
+        assert explanation.coordinates(lay_out(scene)) == counted(scene), names
         layout = lay_out(scene)
         # Rigid asperites keep the slots of their swings.
         held = layout.coordinates - sum(counted(scene).values())

@@ -38,7 +38,6 @@ from tribo.loops.resolution import (
     turn_of_step,
     user_frequency,
 )
-from tribo.model.scene import Scene
 from tribo.model.settings import check_accuracy
 from tribo.validation import POSITIVE, InputError, number
 
@@ -268,7 +267,7 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     where a fast bath would make even the best of the others take short steps throughout.
     """
     scene = layout.scene
-    work, oscillators = workload(layout), _oscillators(scene)
+    work, oscillators = workload(layout), layout.coordinates - layout.core
     found = []
     for name, rate in RATES.items():
         method = methods.METHODS[name]
@@ -319,11 +318,3 @@ def evaluations(name: str, rate: Rate, work: Workload, accuracy: float) -> float
     if not methods.METHODS[name].splits:
         return max(count, work.fast)
     return max(count, at_accuracy(*WITH_FAST_BATH[name])) if count < work.fast else count
-
-
-def _oscillators(scene: Scene) -> int:
-    """Coordinates of all baths together."""
-    return sum(
-        surface.count * (2 * surface.bath.masses.size + surface.bath.inertias.size)
-        for surface in scene.surfaces
-    )

@@ -1,59 +1,38 @@
-"""What a run will do and cost, as data and as text."""
+"""What a run will do and cost, before it is run: as data, as JSON and as text."""
 
 from __future__ import annotations
 
 import json
-import textwrap
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
-from tribo.accuracy.comparison import Accuracy
-from tribo.integrators.methods import noisy
-from tribo.layout.threads import Threads
-from tribo.model.effects import Effect
-from tribo.model.scene import Scene
+import numpy as np
+from numba import config
+from numba.core.event import install_recorder
 
+from tribo.accuracy.choose_method import choose
+from tribo.accuracy.comparison import Accuracy
+from tribo.accuracy.run_time import pairs_of_bobs
+from tribo.compiler.plugin_methods import type_of
+from tribo.explanation.prediction import Predicted, Search, predict, slow_motion
+from tribo.integrators.methods import Method, noisy
+from tribo.kernels.potential_in_lanes import is_vectorized
+from tribo.layout.layout import Layout, lay_out
+from tribo.layout.threads import Threads, threads_of
+from tribo.ledger.ledger import check_keep
+from tribo.loops.general import GeneralLoop
+from tribo.model.effects import EFFECTS, Effect, reason_for
+from tribo.model.scene import Scene, checked_scene
+from tribo.validation import inside
+
+# Time of a run from which on the explanation says what makes it slow [s].
+LONG = 45 * 60.0
 # Width of the text [columns].
 WIDTH = 100
 # Units of times and of bytes, from the largest on.
 TIMES = ((3600.0, "hours"), (60.0, "minutes"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us"))
 BYTES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
-# Ledgers without the works of each asperite.
-LEDGERS = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
-# What is said of the time loop.
-COMPILED = "was compiled before"
-NOT_COMPILED = "had not been compiled before; it is now, and is kept on disk"
-
-
-@dataclass(frozen=True)
-class Predicted:
-    """Predicted cost of a run.
-
-    Attributes
-    ----------
-    force_evaluations : int
-        Evaluations of all forces, in the run and in those that estimate its error.
-    seconds : float
-        Time of these runs on this machine, without compiling [s].
-    memory_bytes : int
-        Bytes of the arrays of the scene, of the loop, of all samples, and of all series, which are
-        computed when they are first read.
-    basis : str
-        How they are known: "counted" from a given step, "searched" by the runs that find the
-        settings, or "extrapolated" from the first of these.
-    met : bool or None
-        Whether the run will meet its accuracy, as far as the search shows; None where it was not
-        completed, or with a given step.
-    stop : str
-        Why the run will stop as NoProgress, and what would do; empty if it should not.
-    """
-
-    force_evaluations: int
-    seconds: float
-    memory_bytes: int
-    basis: str
-    met: bool | None
-    stop: str = ""
 
 
 @dataclass(frozen=True)
@@ -114,13 +93,12 @@ class Explanation:
     evaluations_used : int
         Evaluations of all forces that the prediction itself took.
     slow : str
-        For a run of 45 minutes or more, the motion that limits its steps, and a way to slow that
-        motion; else empty.
+        For a run of 45 minutes or more, the motion that limits its steps, and a cure; else empty.
     """
 
     scene: Scene
-    effects: dict[str, str]
-    absent: dict[str, str]
+    effects: dict[Effect, str]
+    absent: dict[Effect, str]
     coordinates: dict[str, int]
     contact: Contact
     method: str
@@ -159,56 +137,65 @@ class Explanation:
         return json.dumps(table, indent=1, allow_nan=False, default=vars)
 
     def __repr__(self) -> str:
-        cost = self.predicted
         return (
             f"<Explanation: {len(self.effects)} effects, {self.degrees_of_freedom} degrees of "
-            f"freedom, {self.method}, about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_in_units(cost.seconds, TIMES)}; print it for the reasons>"
+            f"freedom, {self.method}, {self._cost()}; print it for the reasons>"
         )
 
     def __str__(self) -> str:
-        scene, described = self.scene, {str(effect): effect.description for effect in Effect}
+        scene, n = self.scene, len(self.scene.surfaces)
         title = f"{scene.title}: " if scene.title else ""
-        surfaces = "1 surface" if len(scene.surfaces) == 1 else f"{len(scene.surfaces)} surfaces"
-        count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {surfaces}"
-        present = {name: f"{described[name]}: {why}" for name, why in self.effects.items()}
+        count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {n} surface{'s' * (n > 1)}"
         lines = [f"{title}{count}, until t = {scene.duration:g}."]
+        present = {effect: f"{effect.description}: {why}" for effect, why in self.effects.items()}
         for head, reasons in (("Simulated:", present), ("Absent, at no cost:", self.absent)):
-            rows = (_wrapped(f"  {name:<15} {why}", 18) for name, why in reasons.items())
-            lines += ["", head, *rows]
+            rows = (f"  {name:<15} {why}" for name, why in reasons.items())
+            lines += ["", head, *(fill(row, WIDTH, subsequent_indent=18 * " ") for row in rows)]
+        now = "had not been compiled before; it is now, and is kept on disk"
         plan = [f"{subject}: {text}." for subject, text in self._plan().items() if text]
-        plan += [f"The time loop {COMPILED if self.compiled else NOT_COMPILED}."]
-        return "\n".join([*lines, "", *(_wrapped(each, 2) for each in plan)])
+        plan += [f"The time loop {'was compiled before' if self.compiled else now}."]
+        return "\n".join(
+            [*lines, "", *(fill(each, WIDTH, subsequent_indent="  ") for each in plan)]
+        )
 
     def _plan(self) -> dict[str, str]:
         """What is said of each subject; nothing where a text is empty."""
-        scene, contact, cost = self.scene, self.contact, self.predicted
+        output, contact, count = self.scene.output, self.contact, self.scene.count
         kinds = ", ".join(f"{n} {kind}" for kind, n in self.coordinates.items() if n)
         place = "neighbour lists, about" if contact.by_list else "all pairs of bobs,"
         names = ", ".join(contact.scalar)
         how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
         computed = f"{place} {contact.pairs:,}; forces are computed {how}"
         live = (
-            f"{scene.count - contact.inactive:,} of {scene.count:,} asperites at the start. The "
-            "others are out of reach, and are computed in closed form until they come within reach"
+            f"{count - contact.inactive:,} of {count:,} asperites at the start. The others are out "
+            "of reach, and are computed in closed form until they come within reach"
         )
+        ledgers = {"surfaces": "sums of works over each surface", "none": "no works are computed"}
         steps = "steps of its own" if self.step is None else f"steps of {self.step:.3g}"
         if self.accuracy is not None:
             single = isinstance(self.accuracy, float)
             steps = f"accuracy {f'{self.accuracy:.0e}' if single else 'of observables'}, {steps}"
+        default = "integrates thermal noise" if noisy(self.scene) else "is the default with a step"
+        given = "which the scene names" if self.scene.numerics.method else f"which {default}"
+        why = f"chosen because {self.why}" if self.why else given
+        memory = _in_units(self.predicted.memory_bytes, BYTES)
         return {
             "Degrees of freedom": f"{self.degrees_of_freedom} ({kinds})",
             "Contact": computed if contact.pairs else "none",
             "Live": live if contact.inactive else "",
-            "Ledger": LEDGERS.get(scene.output.ledger, ""),
-            "Recorded": f"only {', '.join(scene.output.keep)}" if scene.output.keep else "",
-            "Method": f"{self.method}, {steps}, {reason_of_method(scene, self.why)}",
+            "Ledger": ledgers.get(output.ledger, ""),
+            "Recorded": f"only {', '.join(output.keep)}" if output.keep else "",
+            "Method": f"{self.method}, {steps}, {why}",
             "Threads": f"{self.threads.number}, {self.threads.why}",
-            "Cost": f"about {_rounded(cost.force_evaluations)} force evaluations, "
-            f"{_in_units(cost.seconds, TIMES)} on this machine, "
-            f"{_in_units(cost.memory_bytes, BYTES)} of memory. {self._basis()}",
+            "Cost": f"{self._cost()} on this machine, {memory} of memory. {self._basis()}",
             "Slow": self.slow,
         }
+
+    def _cost(self) -> str:
+        """The evaluations to three digits, and their time."""
+        count = self.predicted.force_evaluations
+        time = _in_units(self.predicted.seconds, TIMES)
+        return f"about {round(count, 3 - len(str(count))):,} force evaluations, {time}"
 
     def _basis(self) -> str:
         """How the evaluations are known, and whether the run will stop or fall short."""
@@ -223,25 +210,75 @@ class Explanation:
         return basis + ". The run will fall short of its accuracy" * (cost.met is False)
 
 
-def reason_of_method(scene: Scene, why: str) -> str:
-    """Why a run has its method, as the end of a sentence."""
-    if why:
-        return f"chosen because {why}"
-    if scene.numerics.method is not None:
-        return "which the scene names"
-    return "which integrates thermal noise" if noisy(scene) else "the default with a given step"
-
-
-def _wrapped(text: str, indent: int) -> str:
-    return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent)
-
-
 def _in_units(number: float, units: tuple[tuple[float, str], ...]) -> str:
     """Two digits of a number, in the largest unit that it reaches."""
     size, unit = next((each for each in units if number >= each[0]), units[-1])
     return f"{float(f'{number / size:.2g}'):g} {unit}"
 
 
-def _rounded(count: int) -> str:
-    """A count to three digits."""
-    return f"{float(f'{count:.3g}'):,.0f}"
+def explain(scene: Scene) -> Explanation:
+    """Predict what a run of a scene does and costs, with the scene's own numerics.
+
+    This compiles the time loop. With an accuracy, it also makes the search for settings with
+    which every run begins, for at most two seconds by the model of costs.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to explain.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    InputError
+        As for :func:`tribo.prepare`.
+    """
+    scene = checked_scene(scene)
+    layout, given = lay_out(scene), scene.numerics
+    check_keep(layout)
+    with inside("numerics"):
+        choice = choose(layout, given.accuracy, given.method, given.step)
+    threads = threads_of(layout.model, choice.method, None)
+    with install_recorder("numba:compile") as compilations:
+        search = Search(layout, choice.method, threads.number)
+    predicted, step = predict(choice, search)
+    reasons = {effect: reason_for(scene, effect) for effect in Effect}
+    return Explanation(
+        scene=scene,
+        effects={each: why for each, why in reasons.items() if why},
+        absent={each: EFFECTS[each][0] for each, why in reasons.items() if not why},
+        coordinates=coordinates(layout),
+        contact=contact(layout, choice.method),
+        method=choice.method.name,
+        why=choice.why,
+        threads=threads,
+        accuracy=choice.accuracy,
+        step=step,
+        compiled=not compilations.buffer,
+        predicted=predicted,
+        evaluations_used=search.evaluations,
+        slow=slow_motion(layout, choice.step) if predicted.seconds >= LONG else "",
+    )
+
+
+def coordinates(layout: Layout) -> dict[str, int]:
+    """How many coordinates of each kind are integrated."""
+    slots = {"bars": "dof_phi", "x": "dof_x", "y": "dof_y"}
+    swings = sum(int(np.isfinite(s.each["kappa"]).sum()) for s in layout.scene.surfaces)
+    found = {kind: int((layout.asperites[name] >= 0).sum()) for kind, name in slots.items()}
+    return {"swings": swings, **found, "baths": layout.coordinates - layout.core}
+
+
+def contact(layout: Layout, method: Method) -> Contact:
+    """How contact is computed."""
+    acting = [each.potential for each in (*layout.model.contacts, *(layout.model.within or ()))]
+    if not config.DISABLE_JIT:  # type: ignore[attr-defined]
+        acting = [each for each in acting if not is_vectorized(type_of(each))]
+    names = tuple(dict.fromkeys(type(each).__name__ for each in acting))
+    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    if method.splits:  # which select the asperites that they step
+        loop.advance(layout.times[-1:], loop.room(1), 0)
+    return Contact(*pairs_of_bobs(layout), "scalar" if names else "lanes", names, loop.inactive)

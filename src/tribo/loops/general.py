@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,12 @@ class GeneralLoop(TimeLoop):
         own = self._neighbours.active.since[self.layout.places.columns // LANES]
         return int(np.count_nonzero(np.isfinite(own)))
 
+    @property
+    def bytes(self) -> int:
+        """Bytes of all arrays of the loop and of its layout."""
+        arrays = _arrays((vars(self), self.layout.asperites, self.layout.surfaces))
+        return sum({id(array): array.nbytes for array in arrays}.values())
+
     def memory(self) -> Memory:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
@@ -195,3 +202,12 @@ def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
     """Set the fields of a clock from :func:`numbers_of`."""
     for name, value in zip(CLOCK.names or (), numbers, strict=True):
         clocks[name] = value
+
+
+def _arrays(item: Any) -> Iterator[np.ndarray]:
+    """All arrays in nested tuples and dictionaries."""
+    if isinstance(item, np.ndarray):
+        yield item
+    elif isinstance(item, (dict, tuple)):
+        for part in item.values() if isinstance(item, dict) else item:
+            yield from _arrays(part)

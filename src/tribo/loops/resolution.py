@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -58,7 +59,7 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     if springs is not None:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
-    return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members)))))
+    return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members), L2))))
 
 
 def bath_frequency(layout: Layout) -> float:
@@ -70,9 +71,7 @@ def bath_frequency(layout: Layout) -> float:
 
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
-    table = layout.constants
-    mobility = 1.0 / table[MASS] + table[L1] ** 2 / table[INERTIA]
-    fastest = 0.0
+    mobility, fastest = _mobility(layout.constants, L1), 0.0
     for field in layout.model.fields or ():
         if type(field.potential) is Corrugation:
             amplitude, period = field.potential
@@ -80,6 +79,14 @@ def corrugation_frequency(layout: Layout) -> float:
             on = np.isin(layout.asperites.surface, field.surfaces)
             fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
     return fastest
+
+
+def contact_frequency(layout: Layout) -> float:
+    """The largest of a bob in the minimum of a potential, without its cutoff, that declares one."""
+    mobility = 2.0 * float(np.max(_mobility(layout.constants, L1)))
+    inner = (getattr(i.potential, "potential", i.potential) for i in layout.scene.interactions)
+    curvatures = (float(each.minimum()[2]) for each in inner if hasattr(each, "minimum"))
+    return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
 
 
 def longest_damped_step(
@@ -148,15 +155,15 @@ def _constants(layout: Layout, members: MemberNumbers | None) -> np.ndarray:
     return table.reshape(len(table), *members.asperites.shape)
 
 
-def _mobility(table: np.ndarray) -> np.ndarray:
-    """Velocity of each bar for a unit of momentum, at most, from the constants of asperites."""
-    mobility: np.ndarray = 1.0 / table[MASS] + table[L2] ** 2 / table[INERTIA]
+def _mobility(table: np.ndarray, length: int) -> np.ndarray:
+    """Velocity of each bob (with L1) or bar (with L2) for a unit of momentum, at most."""
+    mobility: np.ndarray = 1.0 / table[MASS] + table[length] ** 2 / table[INERTIA]
     return mobility
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
-    a, mobility = layout.asperites, _mobility(layout.constants)
+    a, mobility = layout.asperites, _mobility(layout.constants, L2)
     for drive in layout.model.drives or ():
         i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))

@@ -60,16 +60,15 @@ class Effect(StrEnum):
 
 # Yields the keys of a scene that call for an effect, with their values.
 Finder = Callable[[Any], Iterator[str]]
+# Most keys that a reason names.
+MOST_NAMED = 3
 
 
-def keys_of(scene: Any, effect: Effect) -> Iterator[str]:
-    """The keys of a scene that call for an effect, which it has if there are any."""
-    return EFFECTS[effect][1](scene)
-
-
-def lack_of(effect: Effect) -> str:
-    """What a scene without an effect lacks."""
-    return EFFECTS[effect][0]
+def reason_for(scene: Any, effect: Effect) -> str:
+    """The first keys of a scene that call for an effect; empty if the scene does not have it."""
+    keys = list(EFFECTS[effect][1](scene))
+    more = f" and {len(keys) - MOST_NAMED} more" if len(keys) > MOST_NAMED else ""
+    return "; ".join(keys[:MOST_NAMED]) + more
 
 
 def potential_name(item: Interaction) -> str:

@@ -15,7 +15,7 @@ from tribo.files import replace_file
 from tribo.model import fields, topography
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
-from tribo.model.effects import Effect, keys_of
+from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
@@ -275,7 +275,7 @@ class Scene(ComparedByValue):
     @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        return frozenset(effect for effect in Effect if any(keys_of(self, effect)))
+        return frozenset(effect for effect in Effect if reason_for(self, effect))
 
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
