@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import FunctionType
 from typing import Any
 
 from tribo.compiler.jit import EntryPoint, time_loop
@@ -38,7 +37,7 @@ class Probe:
     the number of those that are done: fewer than all where the list needs more room.
     """
 
-    def __init__(self, layout: Layout, kernel: FunctionType) -> None:
+    def __init__(self, layout: Layout, kernel: Any) -> None:
         self.model, self._calls = own_model(layout)
         self._layout, self._neighbours = layout, layout.neighbours()
         self._kernel = loop_of(layout, kernel)

@@ -72,23 +72,17 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
-    if isinstance(drive, Forced):
-        record["drive"] = FORCED
-    elif isinstance(drive, Free):
-        # A rigid body of one asperite is a free asperite.
-        record["drive"] = RIGID if surface.moves_as_one else FREE
-    elif isinstance(drive, DrivenBars):
-        record["drive"] = BARS
-    elif isinstance(drive, Pulled):
-        record["drive"] = PULLED
+    # A rigid body of one asperite is a free asperite.
+    free = RIGID if surface.moves_as_one else FREE
+    kinds = {Forced: FORCED, Free: free, DrivenBars: BARS, Pulled: PULLED, Pushed: PUSHED}
+    record["drive"] = kinds.get(type(drive), CUSTOM)
+    if isinstance(drive, Pulled):
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]
     elif isinstance(drive, Pushed):
-        record["drive"], record["loaded"] = PUSHED, 1
+        record["loaded"] = 1
         record["push"], record["load"] = drive.force
         record["push_rate"], record["load_rate"] = drive.rate
-    else:
-        record["drive"] = CUSTOM
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign

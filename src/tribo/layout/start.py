@@ -51,11 +51,7 @@ def start_of(asperites: np.ndarray, scene: Scene, parts: Parts, numbering: Numbe
 
 
 def draw_starts(
-    asperites: np.ndarray,
-    scene: Scene,
-    parts: Parts,
-    y: np.ndarray,
-    seeds: Sequence[int],
+    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
 ) -> None:
     """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
 
@@ -87,11 +83,7 @@ def draw_starts(
 
 
 def start_baths(
-    asperites: np.ndarray,
-    scene: Scene,
-    parts: Parts,
-    y: np.ndarray,
-    seeds: Sequence[int],
+    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
 ) -> None:
     """Start oscillators at the bars, or drawn about them at temperature T, likewise."""
     q, v = np.split(y, 2, axis=1)

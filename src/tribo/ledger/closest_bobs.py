@@ -16,18 +16,10 @@ from tribo.ledger.samples import Samples
 
 
 class Closest(NamedTuple):
-    """The two bobs of two surfaces that are closest to one another.
+    """The two bobs of two surfaces that are closest to one another."""
 
-    Attributes
-    ----------
-    distance : float
-        [length].
-    one, other : int
-        Numbers of their asperites.
-    """
-
-    distance: float
-    one: int
+    distance: float  # [length]
+    one: int  # numbers of their asperites
     other: int
 
 

@@ -18,7 +18,7 @@ from tribo.kernels.records import BARS
 from tribo.layout.compiled import Probe
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
-from tribo.ledger.accounts import Integrals
+from tribo.ledger.accounts import Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
@@ -26,23 +26,12 @@ from tribo.model.surface import Surface
 
 
 class Force(NamedTuple):
-    """A force on asperites.
+    """A force on asperites."""
 
-    Attributes
-    ----------
-    row : int
-        Of its x in what the kernels find.
-    meaning : str
-        In a few words.
-    work : str
-        The name of its work; empty where it never has noise.
-    acts : callable
-        Whether it acts on the asperites of a surface of a scene.
-    """
-
-    row: int
-    meaning: str
-    work: str = ""
+    row: int  # of its x in what the kernels find
+    meaning: str  # in a few words
+    work: str = ""  # the name of its work; empty where it never has noise
+    # Whether it acts on the asperites of a surface of a scene.
     acts: Callable[[Scene, Surface], bool] = lambda scene, surface: True
 
     def is_known(self, scene: Scene, surface: Surface) -> bool:
@@ -89,15 +78,7 @@ FORCES = {
 
 
 class Forces:
-    """The forces on all asperites in the sampled states.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run.
-    """
+    """The forces on all asperites of a scene in the states of raw samples."""
 
     def __init__(self, layout: Layout, samples: Samples) -> None:
         self.layout = layout
@@ -118,9 +99,8 @@ class Forces:
 
     def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
         """The mean of a force over the interval that ends at each sample; NaN at the first."""
-        accounts = Integrals(self._samples.s).of(span)
-        account = accounts[work]
-        impulse = accounts.whole((account.jx, account.jy)[axis])
+        accounts = Accounts(span, self._samples.s)
+        impulse = accounts.whole((accounts[work].jx, accounts[work].jy)[axis])
         mean = np.full(impulse.shape, np.nan)
         mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
         return mean

@@ -49,16 +49,8 @@ class NotKeptError(InputError, KeyError, AttributeError):
 class Series(Mapping[str, np.ndarray]):
     """Series by name, as ``series["theta"]`` or ``series.theta``, each computed when first needed.
 
-    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).
-
-    Parameters
-    ----------
-    names : collection of str
-        Of the quantities.
-    compute : callable
-        Computes the series of a name.
-    kept : tuple of str
-        The names in ``output.keep``, where no others were recorded.
+    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).  `kept`
+    are the names in ``output.keep``, where no others were recorded.
     """
 
     def __init__(

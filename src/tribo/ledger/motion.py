@@ -20,16 +20,8 @@ class Motion:
 
     Every array is (times, asperites), and computed when it is first needed.  The displacements x
     and y and the velocities vx and vy are relative to the uniform motion with the initial velocity
-    of the surface; positions and velocities are in the laboratory.
-
-    Parameters
-    ----------
-    view : LedgerView
-        The places of the samples' numbers.
-    span : Span
-        Some asperites of one surface.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
+    of the surface; positions and velocities are in the laboratory.  The first of the raw samples is
+    the start of the run.
     """
 
     def __init__(self, view: LedgerView, span: Span, samples: Samples) -> None:

@@ -51,16 +51,8 @@ class Factors:
 class PairSamples(Samples):
     """The samples of a pair, which stay in the loop's record until they are asked for.
 
-    Parameters
-    ----------
-    t : ndarray, (times x runs,)
-        When they were recorded.
-    record : ndarray, (times x runs, COLUMNS)
-        Rows of the loop's record.
-    first : ndarray, (runs, COLUMNS)
-        The first row of each run.
-    factors : Factors
-        Of the scene's layout.
+    `record` (times x runs, COLUMNS) has rows of the loop's record, and `first` (runs, COLUMNS) the
+    first row of each run; `factors` are those of the scene's layout.
     """
 
     def __init__(

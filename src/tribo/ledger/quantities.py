@@ -32,23 +32,12 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a reported quantity is.
+    """What a reported quantity is."""
 
-    Attributes
-    ----------
-    kind : str
-        A key of `UNITS`; accuracies are relative to one scale per kind.
-    long_name : str
-        Its meaning in a few words.
-    of : callable
-        Its series, from some asperites, a surface or the system.
-    present : callable
-        Whether it can be asked for, of a surface of a scene.
-    """
-
-    kind: str
-    long_name: str
-    of: Callable[..., np.ndarray]
+    kind: str  # a key of `UNITS`; accuracies are relative to one scale per kind
+    long_name: str  # its meaning in a few words
+    of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
+    # Whether it can be asked for, of a surface of a scene.
     present: Callable[[Scene, Surface], bool] = lambda scene, surface: True
 
     @property
@@ -285,13 +274,7 @@ SUMMED_QUANTITIES = {
 
 @dataclass(frozen=True)
 class Reported:
-    """The quantities that a scene reports, by name.
-
-    Attributes
-    ----------
-    asperites, blocks, system : dict
-        Of each asperite, of each surface as a whole, and of the system.
-    """
+    """The quantities that a scene reports: of asperites, of surfaces as wholes, of the system."""
 
     asperites: Mapping[str, Quantity]
     blocks: Mapping[str, Quantity]

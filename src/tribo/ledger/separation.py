@@ -24,21 +24,11 @@ MOST_PAIRS = 400
 
 
 class Reach(NamedTuple):
-    """The distance of two bobs in contact.
+    """The distance of two bobs in contact."""
 
-    Attributes
-    ----------
-    distance : float
-        [length].
-    ends : bool
-        Whether their potential is zero beyond it.
-    species : tuple of str, or None
-        The species of the two bobs; None for any.
-    """
-
-    distance: float
-    ends: bool
-    species: tuple[str, str] | None
+    distance: float  # [length]
+    ends: bool  # whether their potential is zero beyond it
+    species: tuple[str, str] | None  # of the two bobs; None for any
 
 
 def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:

@@ -14,21 +14,11 @@ from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSer
 
 
 class SeriesTable(NamedTuple):
-    """All series of a run side by side.
+    """All series of a run side by side."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "w1", or "upper.w1" for that of one surface.
-    starts : ndarray, (names,)
-        The first column of each.
-    values : ndarray, (times, columns)
-        The series.
-    """
-
-    names: tuple[str, ...]
-    starts: np.ndarray
-    values: np.ndarray
+    names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
+    starts: np.ndarray  # (names,) the first column of each
+    values: np.ndarray  # (times, columns)
 
     def rows(self, selected: slice | np.ndarray) -> SeriesTable:
         """The same series at some of the times."""

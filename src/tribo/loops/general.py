@@ -77,7 +77,7 @@ class GeneralLoop(TimeLoop):
             self._scratch += (empty_state(self.state),)
         self._constants = (method.coefficients, in_blocks(setting, layout))
         self.compiled = loop_of(layout, method.loop)
-        self._assist = loop_of(layout, assist) if self._assistants else None
+        self._assist: Any = loop_of(layout, assist) if self._assistants else None
 
     def room(self, samples: int) -> Columns:
         return sample_columns(self.layout, samples)

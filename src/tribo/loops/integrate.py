@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class TimeLoop(ABC):
     layout: Layout
     adaptive: bool  # whether it chooses its steps
     calls: tuple[Call, ...] = ()  # ASE calculators that it calls
-    clocks: np.ndarray  # (1,) of CLOCK: how far the run has come
+    clocks: Any  # (1,) of CLOCK: how far the run has come
 
     @abstractmethod
     def room(self, samples: int) -> Columns:

@@ -17,7 +17,9 @@ from tribo.kernels.records import (
     L1,
     L2,
     MASS,
+    OF_MEMBERS,
     OSCILLATOR_FREQUENCY,
+    OWN_GAMMA,
     OWN_STIFFNESS,
     PULLED,
 )
@@ -89,23 +91,17 @@ def contact_frequency(layout: Layout) -> float:
     return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
 
 
-def longest_damped_step(
-    layout: Layout,
-    gamma: np.ndarray | None = None,
-    swing_gamma: np.ndarray | None = None,
-    temperature: np.ndarray | None = None,
-    swing_temperature: np.ndarray | None = None,
-) -> float:
+def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
-    Infinite where no reservoir acts on pendulums that can swing [time].  The numbers of reservoirs
-    are (..., surfaces); without them, those of the scene.
+    Infinite where no reservoir acts on pendulums that can swing [time].  With the numbers of the
+    reservoirs of members, it is that of all of them.
     """
-    a, s, table = layout.asperites, layout.surfaces, layout.constants
-    gamma = s.gamma if gamma is None else gamma
-    swing_gamma = s.swing_gamma if swing_gamma is None else swing_gamma
-    temperature = s.temperature if temperature is None else temperature
-    other = s.swing_temperature if swing_temperature is None else swing_temperature
+    a, table = layout.asperites, layout.constants
+    gamma, swing_gamma, temperature, other = (
+        layout.surfaces[name] if members is None else members.of_surfaces[..., row]
+        for row, name in list(enumerate(OF_MEMBERS))[OWN_GAMMA:]
+    )
     warmest = np.maximum(temperature, other)[..., a.surface]
     with np.errstate(divide="ignore", invalid="ignore"):
         on_bars = gamma[..., a.surface] / table[MASS] * np.isfinite(table[INERTIA])

@@ -125,18 +125,10 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """Where the runs of a scene begin, if not at its start.
-
-    Attributes
-    ----------
-    state : State
-        The state they begin from.
-    same_scene : bool
-        Whether the state is of the same scene, whose accounts go on.
-    """
+    """Where the runs of a scene begin, if not at its start."""
 
     state: State
-    same_scene: bool
+    same_scene: bool  # whether the state is of the same scene, whose accounts go on
 
     @property
     def first(self) -> Samples | None:
@@ -210,11 +202,7 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     """The coordinates of a surface's asperites and their rates, by name."""
     a, n = layout.asperites[part], layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
-    for name, rate, slots in (
-        ("phi", "nu", a.dof_phi),
-        ("x", "vx", a.dof_x),
-        ("y", "vy", a.dof_y),
-    ):
+    for name, rate, slots in (("phi", "nu", a.dof_phi), ("x", "vx", a.dof_x), ("y", "vy", a.dof_y)):
         table[name] = columns(slots, y[None, :n])[0]
         table[rate] = columns(slots, y[None, n:])[0]
     if np.any(a.pivot > 0.0):
@@ -251,8 +239,8 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
     # Works go on only where the same ones are kept.
     ledgers = state.scene.output.ledger, layout.scene.output.ledger
     same_scene = first_difference(before, now) is None and ledgers[0] == ledgers[1]
-    places = ({"surface": list(map(_places_of, each["surface"]))} for each in (old, new))
-    other = first_difference(*places)
+    places, others = ({"surface": list(map(_places_of, t["surface"]))} for t in (old, new))
+    other = first_difference(places, others)
     if other is not None:
         raise InputError("start", f"must be a state of this scene, but {other}")
     if state.y.size != layout.start.size:
