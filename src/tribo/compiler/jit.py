@@ -20,7 +20,7 @@ import numpy as np
 from numba import config, njit, typeof
 from numba.core.event import install_recorder
 
-from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
+from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL
 from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
 from tribo.progress import announced
@@ -34,8 +34,6 @@ inlined = njit(**KERNEL, **INLINED)
 expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
 owning_kernel = njit(**OWNING_KERNEL)
-# Kernels that Python calls too.
-shared_kernel = njit(**NUMPY_ERRORS, **UNCOUNTED)
 _loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and

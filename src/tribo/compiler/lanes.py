@@ -86,39 +86,21 @@ def _binary(operation, compute) -> None:
         lower_builtin(operation, *pair)(build)
 
 
-def _arithmetic(operation, instruction: str) -> None:
-    def compute(builder, one, other, of_lanes):
-        flags = ["contract"]
-        if instruction == "fdiv" and not of_lanes:
-            flags += ["arcp", "reassoc"]  # 1 / (1 / x) becomes x: see `root_and_inverse`
-        return getattr(builder, instruction)(one, other, flags=flags)
-
-    _binary(operation, compute)
+def _arithmetic(instruction: str, builder, one, other, of_lanes):
+    flags = ["contract"]
+    if instruction == "fdiv" and not of_lanes:
+        flags += ["arcp", "reassoc"]  # 1 / (1 / x) becomes x: see `root_and_inverse`
+    return getattr(builder, instruction)(one, other, flags=flags)
 
 
-def _comparison(operation, symbol: str) -> None:
-    def compute(builder, one, other, of_lanes):
-        return builder.uitofp(builder.fcmp_ordered(symbol, one, other), one.type)
-
-    _binary(operation, compute)
+def _comparison(symbol: str, builder, one, other, of_lanes):
+    return builder.uitofp(builder.fcmp_ordered(symbol, one, other), one.type)
 
 
-for _operation, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _arithmetic(_operation, _instruction)
-
-
-for _operation, _symbol in (
-    (operator.lt, "<"),
-    (operator.le, "<="),
-    (operator.gt, ">"),
-    (operator.ge, ">="),
-):
-    _comparison(_operation, _symbol)
+for _name, _instruction in {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}.items():
+    _binary(getattr(operator, _name), functools.partial(_arithmetic, _instruction))
+for _name, _symbol in {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}.items():
+    _binary(getattr(operator, _name), functools.partial(_comparison, _symbol))
 
 
 def instruction(signature) -> Any:

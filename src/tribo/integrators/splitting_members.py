@@ -25,13 +25,6 @@ RATE, AGE, LOST, WATCHED = range(4)
 
 
 @kernel
-def write_members(model, t, state, record, times, k):
-    """Record the state of each member at the kth of the times."""
-    for lane in range(LANES):
-        write_row(model, None, t, state, record, lane * times + k, lane)
-
-
-@kernel
 def watch_encounters(model, t, y, speeds, watch, h, all_of_them):
     """Compute the encounter rates of members that can be near an encounter, or of all.
 
@@ -81,7 +74,9 @@ def splitting_members(
         if left <= 0.0:
             arrive(model, None, clock, state, work)
         while left <= 0.0:
-            write_members(model, clock.t, state, record, times.size, clock.sample)
+            for lane in range(LANES):
+                k = lane * times.size + clock.sample
+                write_row(model, None, clock.t, state, record, k, lane)
             clock.sample += 1
             if clock.sample == times.size:
                 return COMPLETED

@@ -65,22 +65,18 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         clock = self.clocks.view(np.ndarray)[0]
         for m, count in enumerate(counts):
             own = tuple(each[m] for each in columns)
-            self._begin(starts.y[m], int(starts.seeds[m]))
+            for array, fresh in zip(self._own, self._fresh, strict=True):
+                array[...] = fresh
+            self.forget_neighbours()
+            self.state.y[self._places] = starts.y[m]
+            if self._noise:
+                self._noise = (np.random.default_rng([int(starts.seeds[m]), 2]),)
             count[CODE] = self._to_end(own)
             count[STEPS], count[EVALUATIONS] = clock["steps"], clock["evaluations"]
             if count[CODE] != COMPLETED:
                 for each in own:
                     each[...] = 0.0
         return counts
-
-    def _begin(self, start: np.ndarray, seed: int) -> None:
-        """Forget the last member, and begin the next from y at t = 0."""
-        for array, fresh in zip(self._own, self._fresh, strict=True):
-            array[...] = fresh
-        self.forget_neighbours()
-        self.state.y[self._places] = start
-        if self._noise:
-            self._noise = (np.random.default_rng([seed, 2]),)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         code: int = self._entry(*self._arguments(times, columns, budget))

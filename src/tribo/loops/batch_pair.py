@@ -18,8 +18,7 @@ from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
 from tribo.loops.pair import Pair
-from tribo.pair.loop import COLUMNS
-from tribo.pair.members import pair_members
+from tribo.pair.loop import COLUMNS, pair_members
 from tribo.pair.step_rows import LIMITS, STATE
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.

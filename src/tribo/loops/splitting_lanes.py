@@ -68,7 +68,7 @@ class SplittingLanes(LaneLoop):
         self.forget()
         self._state.y[self._places] = starts
         generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
-        left = steps_in_all(self.layout.times, step)
+        left = int(np.sum(count_of_steps(np.diff(self.layout.times), step)))
         code = PAUSED
         while code == PAUSED:
             budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
@@ -96,11 +96,6 @@ class SplittingLanes(LaneLoop):
             Deviates(deviates, np.zeros(1, np.int64)),
             self._work,
         )
-
-
-def steps_in_all(times: np.ndarray, step: float) -> int:
-    """Steps of a run in equal steps of at most `step` between samples."""
-    return int(np.sum(count_of_steps(np.diff(times), step)))
 
 
 def deviates_of_substep(layout: Layout) -> int:
