@@ -138,10 +138,7 @@ class _Accelerations:
         layout = self._layout
         q = np.zeros(layout.coordinates)
         q[: layout.core] = u * self.lengths
-        for surface in layout.scene.surfaces:
-            if surface.bath:
-                part = layout.parts[surface.name]
-                hang_baths(self._asperites[part], surface.bath, part, q)
+        hang_baths(self._asperites, layout.scene, layout.parts, q)
         return q
 
     def __call__(self, u: np.ndarray) -> np.ndarray:

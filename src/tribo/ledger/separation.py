@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -33,19 +34,23 @@ class Reach(NamedTuple):
 
 def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
     """Whether no bob of a surface is in contact with one of another surface, (times,)."""
-    places = bob_places(layout, samples)
-    pairs = {pair: each for pair, each in _reaches(layout.scene).items() if index in pair}
-    touches = [_in_contact(layout, places, pair, each) for pair, each in pairs.items()]
-    return ~np.any(touches, axis=0)
+    return ~np.any(touching(layout, samples, lambda pair: index in pair), axis=1)
 
 
-def touching(layout: Layout, samples: Samples) -> np.ndarray:
-    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs)."""
-    pairs = _reaches(layout.scene)
+def touching(
+    layout: Layout,
+    samples: Samples,
+    counts: Callable[[tuple[int, int]], bool] = lambda pair: True,
+) -> np.ndarray:
+    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs).
+
+    `counts` says which pairs of surfaces are looked at.
+    """
+    pairs = [item for item in _reaches(layout.scene).items() if counts(item[0])]
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
     places = bob_places(layout, samples)
-    return np.column_stack([_in_contact(layout, places, *each) for each in pairs.items()])
+    return np.column_stack([_in_contact(layout, places, *each) for each in pairs])
 
 
 def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[str, ...]:
@@ -74,16 +79,13 @@ def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[
 
 def parted(layout: Layout, samples: Samples) -> np.ndarray:
     """Whether two surfaces with a load part for good in each of several runs, (members,)."""
-    scene, members = layout.scene, samples.runs
-    found = np.zeros(members, dtype=bool)
-    for pair, reach in _reaches(scene).items():
-        if all(scene.surfaces[k].drive.load is None for k in pair):
-            continue
-        touches = _in_contact(layout, bob_places(layout, samples), pair, reach)
-        t = samples.t[::members]
-        for member, each in enumerate(touches.reshape(-1, members).T):
-            found[member] |= _part(t, t[each])
-    return found
+
+    def is_loaded(pair: tuple[int, int]) -> bool:
+        return any(layout.scene.surfaces[k].drive.load is not None for k in pair)
+
+    t = samples.t[:: samples.runs]
+    touches = touching(layout, samples, is_loaded).reshape(t.size, samples.runs, -1)
+    return np.array([any(_part(t, t[each]) for each in own.T) for own in touches.swapaxes(0, 1)])
 
 
 def _part(t: np.ndarray, met: np.ndarray) -> bool:

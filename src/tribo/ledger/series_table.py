@@ -40,22 +40,21 @@ def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = (
     Those that are linear in the integrals of the kernels are computed together; their last bits may
     differ from those of a series that is computed alone.
     """
-    items = _items(layout, group)
-    linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]
-    rest = [item for item in items if not isinstance(item.of, Linear)]
+    items = sorted(_items(layout, group), key=lambda item: not isinstance(item.of, Linear))
 
     def together(integrals: Integrals) -> np.ndarray:
         count = len(integrals.s)
+        linear = ((item, item.of) for item in items if isinstance(item.of, Linear))
         values = [of.value(each, integrals) for item, of in linear for each in item.sources]
         none = np.empty((count, 0))
         return np.concatenate([none, *(value.reshape(count, -1) for value in values)], axis=1)
 
     values = [group.samples.linear("columns", together)]
+    rest = (item for item in items if not isinstance(item.of, Linear))
     series = (item.of(each) for item in rest for each in item.sources)
     values += [each.reshape(len(values[0]), -1) for each in series]
-    ordered = [*(item for item, _ in linear), *rest]
-    starts = np.cumsum([0, *(item.width for item in ordered[:-1])])
-    columns = SeriesTable(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
+    starts = np.cumsum([0, *(item.width for item in items[:-1])])
+    columns = SeriesTable(tuple(i.name for i in items), starts, np.concatenate(values, axis=1))
     return _with(layout, columns, names)
 
 
