@@ -21,8 +21,7 @@ from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.loops.batch import MemberStarts
-from tribo.loops.batch_pair import PairMembers
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, PairMembers, has_lanes
 from tribo.model.parameters import with_values
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]

@@ -36,7 +36,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.choose_batch import choose_batch
 from tribo.prepared import Simulation
 
