@@ -11,7 +11,7 @@ import pytest
 
 import tribo
 from support.kernels import shared_kernel
-from tribo.compiler.jit_options import LOOP
+from tribo.compiler.jit import LOOP
 from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS

@@ -15,7 +15,7 @@ import numpy as np
 from numba import jit, types
 from numba.extending import is_jitted, overload
 
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
 
 

@@ -14,8 +14,7 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic, models, overload, register_model
 
-from tribo.compiler.jit import inlined
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD, inlined
 from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, instruction, lanes
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.pointers import PointerType

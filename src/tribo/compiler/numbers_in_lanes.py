@@ -8,7 +8,7 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic, overload
 
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
 from tribo.compiler.numba_private import cgutils

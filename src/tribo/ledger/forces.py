@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.compiler.lanes_memory import room
-from tribo.kernels import force_probe
+from tribo.kernels import probe
 from tribo.kernels.records import BARS
 from tribo.layout.compiled import Probe
 from tribo.layout.layout import Layout
@@ -46,30 +46,28 @@ class Force(NamedTuple):
 
 
 FORCES = {
-    "f1": Force(force_probe.F1, "contact force on the bob"),
+    "f1": Force(probe.F1, "contact force on the bob"),
     "f_within": Force(
-        force_probe.WITHIN,
+        probe.WITHIN,
         "contact force of bobs of the same surface",
         acts=Scene.has_contact_within,
     ),
-    "f_field": Force(
-        force_probe.FIELD, "force of external fields on the bob", acts=Scene.has_field
-    ),
-    "f2": Force(force_probe.F2, "drive on the bar", "w2"),
+    "f_field": Force(probe.FIELD, "force of external fields on the bob", acts=Scene.has_field),
+    "f2": Force(probe.F2, "drive on the bar", "w2"),
     "f_spring": Force(
-        force_probe.SPRING,
+        probe.SPRING,
         "force of lattice springs on the bar",
         acts=lambda scene, surface: bool(surface.springs),
     ),
     "f_bath": Force(
-        force_probe.BATH,
+        probe.BATH,
         "force of the bath on the bar",
         acts=lambda scene, surface: surface.bath.masses.size > 0,
     ),
-    "fL": Force(force_probe.LEFT, "force on the bar's left end", "wL"),
-    "fR": Force(force_probe.RIGHT, "force on the bar's right end", "wR"),
+    "fL": Force(probe.LEFT, "force on the bar's left end", "wL"),
+    "fR": Force(probe.RIGHT, "force on the bar's right end", "wR"),
     "f_T": Force(
-        force_probe.FRICTION,
+        probe.FRICTION,
         "force of the reservoir on the bar",
         "w_T",
         lambda scene, surface: surface.bar_reservoir is not None,
@@ -108,7 +106,7 @@ class Forces:
     def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
         a, (tx, ty) = motion.span.asperites, motion.direction
-        turning, inward = self._found(motion.span, force_probe.SWING), motion.omega**2
+        turning, inward = self._found(motion.span, probe.SWING), motion.omega**2
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
@@ -119,9 +117,9 @@ class Forces:
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, ROWS, columns)."""
         layout, samples = self.layout, self._samples
-        found = room((samples.t.size, force_probe.ROWS, layout.model.each.shape[1]))
+        found = room((samples.t.size, probe.ROWS, layout.model.each.shape[1]))
         scratch = [room((layout.room[0],)) for _ in range(3)]
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
         arrays = places, samples.t, y, samples.baths
-        Probe(layout, force_probe.force_probe)(samples.t.size, *arrays, *scratch, found)
+        Probe(layout, probe.force_probe)(samples.t.size, *arrays, *scratch, found)
         return found

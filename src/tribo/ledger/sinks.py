@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.kernels.force_probe import ROWS
+from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble

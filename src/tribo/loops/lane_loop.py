@@ -10,18 +10,23 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.lane_queue import Queue, queue_of
+from tribo.integrators.members import (
+    LOST,
+    TRIED,
+    WATCHED,
+    Starts,
+    nystrom_members,
+    splitting_members,
+)
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
-from tribo.integrators.nystrom_members import TRIED, Starts, nystrom_members
-from tribo.integrators.splitting_members import LOST, WATCHED, splitting_members
 from tribo.integrators.step_control import LARGEST, Tolerance, count_of_steps
 from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.compiled import entry_point
-from tribo.layout.interleaved import interleaved
-from tribo.layout.lane_numbers import LaneNumbers
+from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import together
 from tribo.ledger.samples import sample_columns
@@ -69,14 +74,8 @@ class LaneLoop(RecordingLoop):
     ) -> None:
         self.layout = layout
         self._longest, self._order, self._alone = first_step, method.order, alone
-        eight = interleaved(layout, own_numbers)
-        self._memory, self._places_of_numbers = np.empty(0), np.empty((LANES, 0), np.int64)
-        self._numbers: LaneNumbers | None = None
-        if own_numbers:
-            self._numbers = own = LaneNumbers(layout, eight.model)
-            eight = eight._replace(model=own.model)
-            self._memory, self._places_of_numbers = own.memory, own.places
-        self.eight = eight
+        self._own_numbers = own_numbers
+        self.eight = eight = interleaved(layout, own_numbers)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -105,9 +104,9 @@ class LaneLoop(RecordingLoop):
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         members = len(starts.y)
         numbers = np.empty((members, 0))
-        if self._numbers is not None:
+        if self._own_numbers:
             assert starts.numbers is not None
-            numbers = self._numbers.rows(starts.numbers)
+            numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(
             each.reshape(each.shape[0] * each.shape[1], *each.shape[2:]) for each in columns
         )
@@ -158,7 +157,7 @@ class NystromLanes(LaneLoop):
         )
         tolerance = unit_setting(layout, method)
         assert isinstance(tolerance, Tolerance)
-        none = np.empty((0, layout.start.size)), np.empty((0, self._places_of_numbers.shape[1]))
+        none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
         examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
         self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
@@ -194,7 +193,7 @@ class NystromLanes(LaneLoop):
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         first_step = first_step_at(tolerance, self._longest, self._order)
-        places = self._places, numbers, self._places_of_numbers
+        places = self._places, numbers, self.eight.numbers
         return (
             self.coefficients,
             self._in_lanes(tolerance),
@@ -204,7 +203,7 @@ class NystromLanes(LaneLoop):
             self.record(columns),
             budget,
             queue,
-            Starts(starts, *places, self._memory, first_step),
+            Starts(starts, *places, self.eight.memory, first_step),
             *self._scratch,
         )
 
@@ -235,7 +234,7 @@ class SplittingLanes(LaneLoop):
             own = chosen[first : first + LANES]
             rows = slice(first * times, (first + LANES) * times)
             some = tuple(each[rows] for each in columns)
-            self._memory[self._places_of_numbers] = numbers[own]
+            self.eight.memory[self.eight.numbers] = numbers[own]
             lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
