@@ -12,9 +12,9 @@ from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS, PULLED
-from tribo.layout.force_records import stiffness_at_bars
 from tribo.layout.layout import Layout
 from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import Corrugation
 
