@@ -25,14 +25,22 @@ from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
 
+# Whether a surface of a scene has something.
+Has = Callable[[Scene, Surface], bool]
+
+
+def always(scene: Scene, surface: Surface) -> bool:
+    """Every surface has it."""
+    return True
+
+
 class Force(NamedTuple):
     """A force on asperites."""
 
     row: int  # of its x in what the kernels find
     meaning: str  # in a few words
     work: str = ""  # the name of its work; empty where it never has noise
-    # Whether it acts on the asperites of a surface of a scene.
-    acts: Callable[[Scene, Surface], bool] = lambda scene, surface: True
+    acts: Has = always  # on the asperites of a surface
 
     def is_known(self, scene: Scene, surface: Surface) -> bool:
         """Whether it acts, and has a series.
@@ -48,9 +56,7 @@ class Force(NamedTuple):
 FORCES = {
     "f1": Force(probe.F1, "contact force on the bob"),
     "f_within": Force(
-        probe.WITHIN,
-        "contact force of bobs of the same surface",
-        acts=Scene.has_contact_within,
+        probe.WITHIN, "contact force of bobs of the same surface", acts=Scene.has_contact_within
     ),
     "f_field": Force(probe.FIELD, "force of external fields on the bob", acts=Scene.has_field),
     "f2": Force(probe.F2, "drive on the bar", "w2"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.layout.contact_distance import has_contact_distance
-from tribo.ledger.forces import FORCES
+from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.totals import Linear, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
@@ -37,8 +37,7 @@ class Quantity:
     kind: str  # a key of `UNITS`; accuracies are relative to one scale per kind
     long_name: str  # its meaning in a few words
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
-    # Whether it can be asked for, of a surface of a scene.
-    present: Callable[[Scene, Surface], bool] = lambda scene, surface: True
+    present: Has = always  # whether it can be asked for
 
     @property
     def units(self) -> str:
@@ -66,6 +65,10 @@ def _works(agents: Mapping[str, str]) -> dict[str, Quantity]:
         for name, agent in agents.items()
         if name not in ("wL", "wR")
     }
+
+
+def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
+    return Quantity("energy", long_name, of, present)
 
 
 def _summed(name: str) -> Linear:
@@ -119,34 +122,28 @@ SECOND_RESERVOIR_QUANTITIES = {
 OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES | SECOND_RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": Quantity("energy", "work of external forces on the surface", Linear(SurfaceSeries.work)),
-    "W_ps": Quantity(
-        "energy", "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
+    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work)),
+    "W_ps": _energy(
+        "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
     ),
-    "delta_K": Quantity(
-        "energy",
-        "change of the surface's bulk kinetic energy",
-        lambda whole: whole.change_of_kinetic,
+    "delta_K": _energy(
+        "change of the surface's bulk kinetic energy", lambda whole: whole.change_of_kinetic
     ),
-    "delta_E_int": Quantity(
-        "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
+    "delta_E_int": _energy(
+        "change of the surface's internal energy", lambda whole: whole.change_of_internal
     ),
-    "friction_work": Quantity(
-        "energy",
-        "work against the contact force at the surface's velocity",
-        Linear(SurfaceSeries.friction),
+    "friction_work": _energy(
+        "work against the contact force at the surface's velocity", Linear(SurfaceSeries.friction)
     ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
-    "contact_energy": Quantity(
-        "energy", "potential energy of contacts between surfaces", SystemSeries.contact_energy
+    "contact_energy": _energy(
+        "potential energy of contacts between surfaces", SystemSeries.contact_energy
     ),
-    "total_energy_change": Quantity(
-        "energy", "change of the total energy", SystemSeries.change_of_energy
-    ),
-    "applied_work": Quantity(
-        "energy", "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
+    "total_energy_change": _energy("change of the total energy", SystemSeries.change_of_energy),
+    "applied_work": _energy(
+        "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
     ),
 }
 # Those that have an accuracy.
@@ -162,8 +159,10 @@ def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
     return lambda whole: whole.force(name, axis)
 
 
-def _along_x(*names: str) -> Callable[[SurfaceSeries], np.ndarray]:
-    return lambda whole: whole.force_along_x(*names)
+def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
+    """The x component of the sum of some forces on a surface."""
+    meaning = f"x of {force} on the surface"
+    return Quantity("force", meaning, lambda whole: whole.force_along_x(*names), present)
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -187,52 +186,35 @@ FURTHER_OF_ASPERITES = {
 }
 # Of each surface as a whole, likewise.
 FURTHER_OF_SURFACES = {
-    "friction_force": Quantity(
-        "force", "x of contact and fields on the surface", _along_x("f1", "f_field")
-    ),
-    "contact_force": Quantity(
-        "force", "x of the contact force on the surface", _along_x("f1"), Scene.has_field
-    ),
-    "field_force": Quantity(
-        "force", "x of the fields' force on the surface", _along_x("f_field"), Scene.has_field
-    ),
-    "pull_force": Quantity(
-        "force", "x of the drive's force on the surface", _along_x("f2"), FORCES["f2"].is_known
-    ),
+    "friction_force": _along_x("contact and fields", "f1", "f_field"),
+    "contact_force": _along_x("the contact force", "f1", present=Scene.has_field),
+    "field_force": _along_x("the fields' force", "f_field", present=Scene.has_field),
+    "pull_force": _along_x("the drive's force", "f2", present=FORCES["f2"].is_known),
     "time_without_contact": Quantity(
         "share",
         "share of time without contact: 1 where no bob is in contact, else 0",
         lambda whole: whole.without_contact,
         has_contact_distance,
     ),
-    "e_springs": Quantity(
-        "energy",
+    "e_springs": _energy(
         "energy of the lattice springs",
         lambda whole: whole.stored(SPRINGS),
         FORCES["f_spring"].acts,
     ),
-    "e_within": Quantity(
-        "energy",
+    "e_within": _energy(
         "energy of contact within the surface",
         lambda whole: whole.stored(WITHIN),
         Scene.has_contact_within,
     ),
-    "k_bath": Quantity(
-        "energy", "kinetic energy of the bath", lambda whole: whole.kinetic_of_bath, _has_bath
-    ),
-    "e_bath": Quantity(
-        "energy", "potential energy of the bath", lambda whole: whole.potential_of_bath, _has_bath
-    ),
-    "heat_bath": Quantity(
-        "energy", "heat given to the bath", lambda whole: whole.heat_of_bath, _has_bath
-    ),
+    "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
+    "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
+    "heat_bath": _energy("heat given to the bath", lambda w: w.heat_of_bath, _has_bath),
 }
 # Those of which the average over time is kept at the end of a run, not the value at that time.
 AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
-    "field_energy": Quantity(
-        "energy",
+    "field_energy": _energy(
         "potential energy in fields",
         SystemSeries.field_energy,
         lambda scene, surface: bool(scene.fields),

@@ -38,9 +38,7 @@ def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
 
 
 def touching(
-    layout: Layout,
-    samples: Samples,
-    counts: Callable[[tuple[int, int]], bool] = lambda pair: True,
+    layout: Layout, samples: Samples, counts: Callable[[tuple[int, int]], bool] = lambda pair: True
 ) -> np.ndarray:
     """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs).
 
