@@ -15,8 +15,8 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, gmres
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.probe import acceleration_probe
 from tribo.kernels.records import ASPERITE, I2, INERTIA, MASS
-from tribo.layout.compiled import Probe
 from tribo.layout.layout import Layout, lay_out
+from tribo.layout.loop_memory import Probe
 from tribo.layout.start import hang_baths
 from tribo.ledger.closest_bobs import asperite_name, closest_bobs
 from tribo.ledger.samples import Samples

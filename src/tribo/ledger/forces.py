@@ -15,15 +15,14 @@ import numpy as np
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import probe
 from tribo.kernels.records import BARS
-from tribo.layout.compiled import Probe
 from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import Probe
 from tribo.layout.span import Span
 from tribo.ledger.accounts import Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-
 
 # Whether a surface of a scene has something.
 Has = Callable[[Scene, Surface], bool]

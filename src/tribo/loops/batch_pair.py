@@ -13,8 +13,8 @@ from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
-from tribo.layout.compiled import entry_point
 from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import entry_point
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.pair_scene import factors_of, mobility_of, record_of
 from tribo.ledger.pair_samples import PairSamples

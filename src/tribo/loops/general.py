@@ -18,10 +18,9 @@ from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
-from tribo.layout.compiled import loop_of
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import own_model
+from tribo.layout.loop_memory import loop_of, own_model
 from tribo.layout.threads import assisted
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop

@@ -25,10 +25,9 @@ from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
-from tribo.layout.compiled import entry_point
 from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import together
+from tribo.layout.loop_memory import entry_point, together
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.batch_general import GeneralMembers

@@ -13,8 +13,8 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE, Z
 from tribo.kernels.status import COMPLETED, PAUSED, Status
-from tribo.layout.compiled import entry_point
 from tribo.layout.layout import Layout
+from tribo.layout.loop_memory import entry_point
 from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, mobility_of, record_of
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
