@@ -9,11 +9,12 @@ from tribo.report_card import scan
 @pytest.fixture
 def uncompiled(monkeypatch):
     """Contacts of bobs in numpy, where a card has them from the kernels."""
-    monkeypatch.setattr(scan, "_contact_probe", contact_in_numpy)
+    monkeypatch.setattr(scan, "ContactProbe", contact_in_numpy)
 
 
-def contact_in_numpy(potential):
+def contact_in_numpy(scene):
     """Energy and forces between two bobs, as of a ContactProbe."""
+    potential = scene.interactions[0].potential
 
     def probe(positions, charges):
         apart = positions[:, :1, None] - positions[:, None, 1:]

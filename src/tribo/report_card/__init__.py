@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tribo.potentials.from_ase import Live
-from tribo.potentials.potential import Potential, as_potential
+from tribo.potentials.potential import as_potential
 from tribo.potentials.tables import as_table
 from tribo.report_card.agreement import check_agreement, check_third_law
 from tribo.report_card.ase_peers import check_ase
@@ -70,15 +70,11 @@ def check(
         *check_agreement(scan),
         *check_ase(scan, ase, symbols),
     ]
-    return Report(_name(scan.potential), tuple(checks), found)
-
-
-def _name(potential: Potential) -> str:
-    """The potential's name and parameters, as on a command line."""
-    return _named(as_table(potential))
+    return Report(_named(as_table(scan.potential)), tuple(checks), found)
 
 
 def _named(table: dict[str, object]) -> str:
+    """A potential's name and parameters, as on a command line."""
     values = dict(table)
     name = str(values.pop("potential"))
     if ".py:" in name:

@@ -10,9 +10,7 @@ import numpy as np
 
 from tribo.files import strict_json
 from tribo.plotting.style import save
-from tribo.report_card.figure import Curves, card_figure
-
-EPSILON = float(np.finfo(float).eps)
+from tribo.report_card.figure import EPSILON, Curves, card_figure
 
 _CONTINUOUS = "make {} there, or declare smoothness() (inside a range: smoothness_within()) = {}"
 _AT_END = "let {} end at zero (as .with_cutoff does), mend range(), or declare smoothness() = {}"
@@ -64,6 +62,14 @@ class Check:
     where: float | None = None
     note: str = ""
     failed: bool = False
+
+    @classmethod
+    def of_worst(
+        cls, name: str, compared: str, errors: np.ndarray, bound: float | None, r: np.ndarray
+    ) -> Check:
+        """The line of the largest error among those at distances `r`."""
+        worst = int(np.argmax(errors))
+        return cls(name, compared, float(errors[worst]), bound, float(r[worst]))
 
     @property
     def passed(self) -> bool:
@@ -121,11 +127,10 @@ class Report:
         return all(check.passed for check in self.checks)
 
     def __getitem__(self, name: str) -> Check:
-        for check in self.checks:
-            if check.name == name:
-                return check
-        names = ", ".join(check.name for check in self.checks)
-        raise KeyError(f"must be one of {names}, got {name!r}")
+        checks = {check.name: check for check in self.checks}
+        if name not in checks:
+            raise KeyError(f"must be one of {', '.join(checks)}, got {name!r}")
+        return checks[name]
 
     def to_json(self) -> str:
         """The card as strict JSON, as ``tribo check --json`` prints it.
@@ -135,12 +140,8 @@ class Report:
         str
             One JSON object; numbers that are not finite are null.
         """
-        table = {
-            "potential": self.potential,
-            "passed": self.passed,
-            "checks": [check.table for check in self.checks],
-        }
-        return strict_json(table)
+        checks = [check.table for check in self.checks]
+        return strict_json({"potential": self.potential, "passed": self.passed, "checks": checks})
 
     def save_figure(self, path: str | Path) -> Path:
         """Draw energy, force, their disagreement and the cutoff.
@@ -170,20 +171,16 @@ class Report:
         for check in self.checks:
             bound = "none" if check.bound is None else f"{check.bound:.1e}"
             grade = "-" if check.grade is None else f"{check.grade:.1f}"
-            verdict = "passed" if check.passed else "FAILED"
             numbers = f"  {check.name:{width}}  {check.value:7.1e}  {bound:>7}  {grade:>5}  "
-            lines.append(f"{numbers}{verdict}  {check.compared}")
-            margin = " " * len(f"{numbers}{verdict}  ")
+            numbers += "passed  " if check.passed else "FAILED  "
+            lines.append(numbers + check.compared)
+            margin = " " * len(numbers)
             if not check.passed and check.where is not None:
                 lines.append(f"{margin}worst at r = {check.where:.9g}")
             if check.note:
                 lines.append(f"{margin}{check.note}")
             if check.advice:
                 lines.append(f"{margin}to mend it: {check.advice}")
-        return "\n".join([*lines, "", self._verdict()])
-
-    def _verdict(self) -> str:
-        failed = [check.name for check in self.checks if not check.passed]
-        if failed:
-            return f"FAILED: {', '.join(failed)}"
-        return f"passed: all {len(self.checks)} checks"
+        failed = ", ".join(check.name for check in self.checks if not check.passed)
+        verdict = f"FAILED: {failed}" if failed else f"passed: all {len(self.checks)} checks"
+        return "\n".join([*lines, "", verdict])

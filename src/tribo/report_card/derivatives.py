@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import differentiate
 
-from tribo.report_card.card import EPSILON, Check
-from tribo.report_card.figure import Curves
+from tribo.report_card.card import Check
+from tribo.report_card.figure import EPSILON, Curves
 from tribo.report_card.scan import PotentialScan
 
 if TYPE_CHECKING:
@@ -18,29 +20,21 @@ if TYPE_CHECKING:
 
 # Largest acceptable |F + dU/dr|, relative to the scale of the force.
 BOUND = 1e-10
-
 # Factor by which the bound must exceed the uncertainty of dU/dr where the two are compared.
 TRUSTED = 10.0
-
 # Least fraction of the distances at which they must be compared.
 KNOWN = 0.9
-
 # Largest distance from r at which the energy is evaluated [r, and typical distance].
 REACH, LONGEST = 0.1, 0.8
-
 # Number of differences, each over half the distance of the one before.
 LEVELS = 12
-
 # Distances at which differences begin [reach].
 SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0)
-
 # Relative difference of two successive estimates of a derivative that ends the sequence.
 AGREEMENT = 1e-13
-
 # Relative error of a derivative by SciPy's coefficients, which are rounded to double precision:
 # up to 3.5e-15 was measured for r^-12, exp(-5 r) and the Lennard-Jones energy.
 WEIGHTS = 4e-15
-
 # Largest acceptable relative error of a declared minimum.
 MINIMUM = 1e-9
 
@@ -103,16 +97,11 @@ def check_force(found: Curves) -> Check:
     known = inside & (TRUSTED * found.uncertainty <= BOUND)
     share = float(np.count_nonzero(known)) / max(1, int(np.count_nonzero(inside)))
     errors = np.where(known & np.isfinite(found.disagreement), found.disagreement, 0.0)
-    worst = int(np.argmax(errors))
     best = float(np.median(found.uncertainty[known])) if known.any() else math.inf
-    return Check(
-        "force",
-        f"force and -dU/dr, whose uncertainty is {best:.1e}, at {found.r.size} distances",
-        float(errors[worst]),
-        BOUND,
-        float(found.r[worst]),
-        note="" if share >= KNOWN else f"dU/dr is known at only {share:.0%} of the distances",
-        failed=share < KNOWN,
+    text = f"force and -dU/dr, whose uncertainty is {best:.1e}, at {found.r.size} distances"
+    note = "" if share >= KNOWN else f"dU/dr is known at only {share:.0%} of the distances"
+    return replace(
+        Check.of_worst("force", text, errors, BOUND, found.r), note=note, failed=bool(note)
     )
 
 
@@ -124,10 +113,10 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
     if not math.isfinite(r):
         return []
     with np.errstate(all="ignore"):
-        forces = np.vectorize(scan.python_force, otypes=[np.longdouble])
+        forces = partial(scan.one_by_one, scan.methods[1])
         first = float(derivative(scan.python_energies, r, REACH * r)[0])
         second = -float(derivative(forces, r, REACH * r)[0])
-        energy = float(scan.python_energy(np.float64(r)))
+        energy = float(scan.python_energies(np.array([r]))[0])
     scale = max(abs(depth), float(scan.scale(r)) * r)
     errors = {
         "distance": abs(first) * r / scale,
@@ -135,16 +124,6 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
         "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
     }
     worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
-    return [
-        Check(
-            "minimum",
-            "declared distance, depth and curvature",
-            errors[worst],
-            MINIMUM,
-            r,
-            note=f"the {worst} has the largest error"
-            if second > 0.0
-            else "U has no minimum at this distance",
-            failed=not second > 0.0,
-        )
-    ]
+    text, failed = "declared distance, depth and curvature", not second > 0.0
+    note = "U has no minimum at this distance" if failed else f"the {worst} has the largest error"
+    return [Check("minimum", text, errors[worst], MINIMUM, r, note, failed)]

@@ -15,13 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 EPSILON = float(np.finfo(float).eps)
-
 # Colours of the curves and of the bound.
 ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
-
 # Typical values shown above zero and below.
 DEPTHS = 2.5
-
 # Lower end of the axis of the disagreement, which is relative.
 FLOOR = 1e-17
 

@@ -12,10 +12,8 @@ from tribo.report_card.scan import SMALLEST_SCALE, PotentialScan
 # Distance to which energy and force must be finite if no domain ends before
 # [largest distance of the scan].
 FAR = 1e6
-
 # Largest acceptable work of the force between distances where U is constant [energy].
 FROZEN = 1e-9
-
 # Octaves below and above r = 1 at which the potential is evaluated: from 1e-300 to 1e300.
 OCTAVES = 996
 
@@ -25,15 +23,10 @@ def check_finite(scan: PotentialScan) -> Check:
     r = np.concatenate([scan.edges, scan.everywhere])
     energy, force = scan.compiled(r)
     bad = ~(np.isfinite(energy) & np.isfinite(force))
-    worst = r[int(np.argmax(bad))] if bad.any() else None
-    return Check(
-        "finite",
-        f"energy and force at {r.size} distances",
-        float(np.count_nonzero(bad)),
-        0.0,
-        None if worst is None else float(worst),
-        note="" if worst is None else "a run that reaches this distance ends as NotFinite",
-    )
+    text, number = f"energy and force at {r.size} distances", float(np.count_nonzero(bad))
+    where = float(r[np.argmax(bad)]) if number else None
+    note = "a run that reaches this distance ends as NotFinite" if number else ""
+    return Check("finite", text, number, 0.0, where, note)
 
 
 def check_limits(scan: PotentialScan) -> Check:
@@ -47,15 +40,8 @@ def check_limits(scan: PotentialScan) -> Check:
     finite = np.isfinite(energy) & np.isfinite(force)
     note, where = _finite_range(scan, r, finite)
     value, worst = _work_at_constant_energy(scan, r, energy, force)
-    return Check(
-        "limits",
-        "force where U is constant, 1e-300 < r < 1e300",
-        value,
-        FROZEN,
-        worst if where is None else where,
-        note=note,
-        failed=where is not None,
-    )
+    text, failed = "force where U is constant, 1e-300 < r < 1e300", where is not None
+    return Check("limits", text, value, FROZEN, where if failed else worst, note, failed)
 
 
 def _finite_range(

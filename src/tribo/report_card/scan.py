@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,53 +25,41 @@ if TYPE_CHECKING:
 
 # Cells of equal ratio between the smallest and the largest distance.
 CELLS = 500
-
 # Finer cells around the typical distance: in each length over which the force changes, and on
 # either side.
 CELLS_PER_FEATURE, FINE_CELLS = 8, 80
-
 # Energy at which the core begins that no bob reaches [typical energy].
 CORE = 1e3
-
 # |F| r of a force that has vanished [typical energy].
 VANISHED = 1e-16
-
 # How far distances reach from the typical one at most, inward and outward [ratio].
 WIDEST = 1e3
-
 # Distances among which the typical one is searched, and how far they reach beyond the potential's
 # own lengths, inward and outward [ratio], and without any [length].
 SEARCHED = 8000
 AROUND_OWN, WITHOUT_OWN = 1e3, 1e20
-
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
 SAME_SIGN = 6
-
 # Times that an interval with an end of the distances is divided, and its parts each time.
 DIVISIONS, PARTS = 3, 200
-
 # Cells on either side over which a scale is the largest value.
 AROUND = 3
-
 # Factor by which |F| r must exceed its value at the smallest distance for a maximum.
 STEEPER = 1.01
-
 # Largest typical distance where there is a cutoff [cutoff].
 NEAR_CUTOFF = 0.6
-
 # Smallest scale [energy / length], so that errors of a potential that is zero can be divided by it.
 SMALLEST_SCALE = 1e-280
-
 # Smallest scale, relative to the largest at the typical distance and beyond: where the potential
 # is fainter, its digits do not matter.
 FAINT = 1e-30
-
 # Seed of the random distances.
 SEED = 5
 
 
 # Of distances, energies and forces: where it holds.
 Condition = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+Method = Callable[..., Any]
 
 
 class PotentialScan:
@@ -112,7 +101,8 @@ class PotentialScan:
     def __init__(self, potential: Potential) -> None:
         self.potential = potential
         self.cutoff = float(potential.range())
-        self._probe = _contact_probe(potential)
+        surfaces = Surface("one"), Surface("other", facing="up")
+        self._probe = ContactProbe(Scene(surfaces, (Interaction(potential),), 1.0))
         self.domain = _domain(potential)
         self.length = self._typical()
         self.low, self.high = self._felt()
@@ -124,43 +114,37 @@ class PotentialScan:
         self.special = np.array(sorted(self._special()))
         self._scale = self._running_scale()
 
-    # --- values ----------------------------------------------------------------------------------
-
     @property
     def everywhere(self) -> np.ndarray:
         """All distances of the scan: middles of cells, random and special ones."""
         return np.concatenate([self.r, self.random, self.special])
 
-    def in_python(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """U and -dU/dr between charges of 1 by the potential's methods, on an array."""
-        return (
-            self.potential.energy_between(r, 1.0, 1.0),
-            self.potential.force_between(r, 1.0, 1.0),
-        )
+    @property
+    def methods(self) -> tuple[Method, Method]:
+        """Energy and force of a distance and two charges, in Python."""
+        return self.potential.energy_between, self.potential.force_between
 
-    def python_energy(self, r: np.floating) -> float | np.floating:
-        """U(r) by the potential's methods, in the precision of r; nan where they raise."""
-        try:
-            return self.potential.energy_between(r, 1.0, 1.0)
-        except Exception:
-            return np.nan
+    def one_by_one(
+        self, method: Method, r: np.ndarray, one: float = 1.0, other: float = 1.0
+    ) -> np.ndarray:
+        """Values of a method of the potential at one r after another, in the precision of r.
 
-    def python_force(self, r: np.floating) -> float | np.floating:
-        """-dU/dr by the potential's methods, in the precision of r; nan where they raise."""
-        try:
-            return self.potential.force_between(r, 1.0, 1.0)
-        except Exception:
-            return np.nan
+        They are between two charges, and nan where the method raises.
+        """
+        found = np.full(r.shape, np.nan, r.dtype)
+        with np.errstate(all="ignore"):
+            for i, x in enumerate(r.flat):
+                with suppress(Exception):
+                    found.flat[i] = method(x, one, other)
+        return found
 
     def python_energies(self, r: np.ndarray) -> np.ndarray:
         """U(r) in the precision of r: of the whole array, or one by one if it takes no arrays."""
-        try:
+        with suppress(Exception):
             energies = np.asarray(self.potential.energy_between(r, 1.0, 1.0))
             if energies.shape == r.shape:
                 return energies
-        except Exception:
-            pass
-        return np.asarray(np.vectorize(self.python_energy, otypes=[r.dtype])(r))
+        return self.one_by_one(self.potential.energy_between, r)
 
     def compiled(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """U and -dU/dr at each r, in the shape of r: two bobs at a distance r along x."""
@@ -171,15 +155,10 @@ class PotentialScan:
         except InputError as error:
             raise InputError("potential", error.problem) from None
         except Exception as error:
-            name = type(self.potential).__name__
-            raise InputError(
-                "potential",
-                f"{name} raises {type(error).__name__}: {error}; "
-                "must return nan where it has no energy",
-            ) from None
+            raised = f"{type(self.potential).__name__} raises {type(error).__name__}: {error}"
+            problem = f"{raised}; must return nan where it has no energy"
+            raise InputError("potential", problem) from None
         return energies.reshape(r.shape), forces[:, 0, 0].reshape(r.shape)
-
-    # --- scales ----------------------------------------------------------------------------------
 
     def scale(self, r: ArrayLike) -> np.ndarray:
         """Scale of errors of the force at r: the largest |F| + |U| / r in the cells around."""
@@ -199,8 +178,6 @@ class PotentialScan:
         windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
         outer = float(np.max(here[self.r >= self.length], initial=0.0))
         return np.maximum(windows.max(axis=1), max(FAINT * outer, SMALLEST_SCALE))
-
-    # --- distances -------------------------------------------------------------------------------
 
     def _typical(self) -> float:
         """The first minimum, the largest |F| r, or where |F| r begins to fall faster.
@@ -311,12 +288,6 @@ class PotentialScan:
         return {float(x) for x in near if self.low <= x <= self.high}
 
 
-def _contact_probe(potential: Potential) -> ContactProbe:
-    """Two surfaces of one bob each, with the potential between them."""
-    surfaces = Surface("one"), Surface("other", facing="up")
-    return ContactProbe(Scene(surfaces, (Interaction(potential),), 1.0))
-
-
 def _parts(potential: Any) -> Iterator[Any]:
     """The potential, and every potential that it is made of."""
     yield potential
@@ -329,13 +300,10 @@ def _declared_lengths(part: Any) -> list[float]:
     """Distances that a potential declares: minimum, feature, range and the ends of its domain."""
     if not hasattr(part, "energy"):
         return []
-    lengths: list[float] = []
-    for name in ("feature", "domain"):
-        lengths += getattr(part, name)() if hasattr(part, name) else ()
-    lengths += [part.range()] if hasattr(part, "range") else []
-    if hasattr(part, "minimum"):
-        lengths.append(part.minimum()[0])
-    return [float(x) for x in lengths if 0.0 < x < math.inf]
+    names = [name for name in ("feature", "domain", "range", "minimum") if hasattr(part, name)]
+    found = {name: np.atleast_1d(getattr(part, name)()) for name in names}
+    lengths = [float(x) for name in names for x in found[name][: 1 if name == "minimum" else None]]
+    return [x for x in lengths if 0.0 < x < math.inf]
 
 
 def _domain(potential: Potential) -> tuple[float, float]:

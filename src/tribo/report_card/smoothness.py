@@ -24,24 +24,18 @@ from tribo.report_card.scan import PotentialScan
 
 # Number of halvings: a cell of one percent of r ends at 1e-12 of r.
 LEVELS = 32
-
-# Largest acceptable jump and kink, relative to the scale of the potential.
-JUMP, KINK = 1e-9, 1e-3
-
+# Largest acceptable jumps of energy and force, and kinks, relative to the scale of the potential.
+LARGEST_JUMPS = (1e-9, 1e-9, 1e-3)
 # Unit of distance of kinks and bends [cells]: about r, or less where cells are finer.
 LENGTH = 60.0
-
 # Largest acceptable jumps at the cutoff, in typical units.
 AT_END = {"energy": 1e-10, "force": 1e-10, "slope": 1e-6}
-
 # Distances inside the cutoff over which the slope of the force is taken [cutoff].
 INWARD = (1e-5, 1e-6, 1e-7)
-
 # Fourth difference.
 STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 
 NOT_PROMISED = "; smoothness() promises none"
-
 # Largest fourth difference of a jump, of a kink and of a bend of 1.
 LARGEST = (3.0, 2.0, 1.0)
 
@@ -55,24 +49,12 @@ def check_smoothness(scan: PotentialScan) -> list[Check]:
     energy = strengths(scan, lambda r: scan.compiled(r)[0], 1)[:, inside]
     force = strengths(scan, lambda r: scan.compiled(r)[1], 0)[:, inside]
     lines = []
-    for least, (name, found, bound) in enumerate(
-        [
-            ("jumps of energy", energy[0], JUMP),
-            ("jumps of force", force[0], JUMP),
-            ("kinks of force", force[1], KINK),
-        ]
-    ):
-        worst = int(np.argmax(found))
+    found = {"jumps of energy": energy[0], "jumps of force": force[0], "kinks of force": force[1]}
+    for least, (name, strength) in enumerate(found.items()):
         kept = promised >= least
-        lines.append(
-            Check(
-                name,
-                f"{len(found)} cells, each halved {LEVELS} times" + ("" if kept else NOT_PROMISED),
-                float(found[worst]),
-                bound if kept else None,
-                float(scan.edges[worst + 1]),
-            )
-        )
+        text = f"{len(strength)} cells, each halved {LEVELS} times" + NOT_PROMISED * (not kept)
+        bound = LARGEST_JUMPS[least] if kept else None
+        lines.append(Check.of_worst(name, text, strength, bound, scan.edges[1:]))
     return lines
 
 
@@ -107,26 +89,21 @@ def check_cutoff(scan: PotentialScan) -> list[Check]:
     end = scan.cutoff
     if not math.isfinite(end):
         return []
-    promised = float(scan.potential.smoothness())
-    last = np.nextafter(end, 0.0)
-    energy, force = (float(x[0]) for x in scan.compiled(np.array([last])))
-    slope = _slope_below(scan, end)
+    promised, slope = float(scan.potential.smoothness()), _slope_below(scan, end)
+    energy, force = (float(x[0]) for x in scan.compiled(np.array([np.nextafter(end, 0.0)])))
     unit, length = scan.typical_energy, scan.length
     jumps = {
         "energy": abs(energy) / unit,
         "force": abs(force) * length / unit,
         "slope": abs(slope) * length**2 / unit,
     }
-    return [
-        Check(
-            f"{name} at the cutoff",
-            "jump to zero, in typical units" + ("" if promised >= least else NOT_PROMISED),
-            jump,
-            AT_END[name] if promised >= least else None,
-            end,
-        )
-        for least, (name, jump) in enumerate(jumps.items())
-    ]
+    lines = []
+    for least, (name, jump) in enumerate(jumps.items()):
+        kept = promised >= least
+        text = "jump to zero, in typical units" + NOT_PROMISED * (not kept)
+        bound = AT_END[name] if kept else None
+        lines.append(Check(f"{name} at the cutoff", text, jump, bound, end))
+    return lines
 
 
 def _slope_below(scan: PotentialScan, end: float) -> float:
