@@ -11,7 +11,6 @@ from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.policy import Policy
-from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers
@@ -111,9 +110,7 @@ class StepRuns(BatchRuns):
         starts = self.begin(members)
         simulation, own = self.simulation, starts.numbers
         if own is not None and simulation.method.splits:  # refuse a step too long for some member
-            names = ("gamma", "swing_gamma", "temperature", "swing_temperature")
-            numbers = (own.of_surfaces[..., OF_MEMBERS.index(name)] for name in names)
-            check_damped_step(longest_damped_step(simulation.layout, *numbers), self._step)
+            check_damped_step(longest_damped_step(simulation.layout, own), self._step)
             check_resolved(simulation.layout, simulation.method, self._step, own)
         runs = self._batch.run(self._step, starts)
         return delivered(self.kept, runs, math.nan, guarded=True)
