@@ -26,9 +26,8 @@ from tribo.ledger.passing import passing_notes
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched
-from tribo.loops.cuts import up_to_passing
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.select import Integrator
+from tribo.loops.select import Integrator, up_to_passing
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
