@@ -48,13 +48,12 @@ class StatisticsStore(Store):
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []
 
-    def _take_back(self, arrays: KeptValues) -> object:
+    def _take_back(self, arrays: KeptValues) -> None:
         known = json.loads(arrays["known"].tobytes())
         self.done, self.tally = known["done"], Tally(known["tally"])
         self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
         if "mean" in arrays:
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
-        return SUMS
 
     def flush(self) -> None:
         """Write all sums, if there is a file."""
