@@ -12,7 +12,7 @@ ended.  What else the machine does changes no outcome.
 Seeds from 1000000 on have tiny or huge energies of interaction beside torsion springs of any
 stiffness; `--seeds 1000000:1002000` runs 2000 of them.
 
-The second form stores scenes and their references for tests/accuracy/test_random_scenes.py.
+The second form adds scenes and their references to those of tests/accuracy/test_random_scenes.py.
 """
 
 import argparse
@@ -121,16 +121,16 @@ def serve() -> None:
 
 
 def store(seeds: list[int]) -> None:
-    """Write scenes and their solutions for the default tests."""
-    from support.reference_precise import solve
+    """Add scenes and their solutions to those of the default tests."""
+    from support.reference import solve
     from support.verdicts import STORED
     from support.wide_scenes import wide_scene
 
-    rows = []
+    rows = {row["seed"]: row for row in json.loads(STORED.read_text(encoding="utf-8"))}
     for seed in seeds:
         table = wide_scene(seed)
-        rows.append({"seed": seed, "scene": table, "solution": solve(table).as_table()})
-    lines = ",\n".join(json.dumps(row, separators=(",", ":")) for row in rows)
+        rows[seed] = {"seed": seed, "scene": table, "solution": solve(table).as_table()}
+    lines = ",\n".join(json.dumps(rows[seed], separators=(",", ":")) for seed in sorted(rows))
     STORED.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 

@@ -5,8 +5,8 @@
 What accuracy costs is measured by measure_accuracy.py.
 Each function measures one table and its name is that of the file in docs/measured.  Errors are
 the largest over all reported quantities and recorded times, relative to the scale of their kind.
-Where the documents say "independent", the other solution is that of tests/support/reference.py:
-SciPy's DOP853 on the equations written down a second time, which shares no code with the package.
+Where the documents say "independent", the other solution is that of tests/support/reference.py: the
+equations written a second time in C, in long double or quadruple precision.
 """
 
 import os
@@ -77,7 +77,7 @@ def estimates() -> Iterator[list[str]]:
     groups = {"the paper's five cases": [paper.scene(c) for c in "ABCDE"]}
     groups |= {name: [scene] for name, scene in hard_scenes().items()}
     for name, scenes in groups.items():
-        truths = [independent(scene) for scene in scenes]
+        truths = [reference.solve(tomllib.loads(scene.to_toml())) for scene in scenes]
         for wanted in (1e-4, 1e-7, 1e-10):
             runs = [tribo.simulate(scene, accuracy=wanted) for scene in scenes]
             ratios = [r for pair in zip(runs, truths, strict=True) for r in judged(*pair)]
@@ -86,31 +86,21 @@ def estimates() -> Iterator[list[str]]:
             yield [name, f"{wanted:.0e}", met, holding, f"{max(ratios):.2g}"]
 
 
-def independent(scene: tribo.Scene) -> tuple[dict, dict]:
-    """The end by the other solution at two tolerances; their difference is its uncertainty."""
-    table = tomllib.loads(scene.to_toml())
-    return (
-        reference.solve(table, rtol=5e-14, atol_factor=1e-15),
-        reference.solve(table, rtol=2.3e-14, atol_factor=1e-16),  # the smallest that SciPy accepts
-    )
-
-
-def judged(result: tribo.Result, truths: tuple[dict, dict]) -> Iterator[float]:
+def judged(result: tribo.Result, truth: reference.Solution) -> Iterator[float]:
     """Error at the end over its estimate, quantity by quantity of every surface.
 
-    The uncertainty of the other solution and round-off are subtracted from the error: where one
-    value is exactly zero and the other is not, no estimate could hold.
+    The error of the other solution and round-off are subtracted from the error: where one value is
+    exactly zero and the other is not, no estimate could hold.
     """
-    coarse, fine = truths
     for part in ("surfaces", "blocks"):
-        for name, table in fine[part].items():
+        for name, table in truth.end[part].items():
             for key, values in table.items():
-                doubt = 3.0 * np.max(np.abs(np.array(coarse[part][name][key]) - values))
-                scale = fine["scales"][accuracy.kind_of(key)]
-                doubt += 4.0 * accuracy.EPSILON * max(scale, np.max(np.abs(values)))
-                off = np.max(np.abs(np.array(result.end[part][name][key]) - values))
+                scale = truth.scales[accuracy.kind_of(key)]
+                doubt = 4.0 * accuracy.EPSILON * max(scale, np.max(np.abs(values)))
+                off = np.max(np.abs(np.subtract(result.end[part][name][key], values)))
                 bound = result.error_estimate[key] or 0.0
-                yield max(0.0, float(off - doubt)) / (bound + np.finfo(float).tiny)
+                beyond = max(0.0, float(off - doubt - truth.error[key]))
+                yield beyond / (bound + np.finfo(float).tiny)
 
 
 def closure() -> Iterator[list[str]]:

@@ -16,8 +16,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
         potentials as potentials,
         units as units,
     )
-    from tribo.ensembles import ensemble as ensemble
-    from tribo.ensembles.one_member import ensemble_member as ensemble_member
+    from tribo.ensembles import ensemble as ensemble, ensemble_member as ensemble_member
     from tribo.ensembles.swing_states import (
         Canonical as Canonical,
         EnergyBall as EnergyBall,
@@ -86,8 +85,7 @@ if TYPE_CHECKING:  # "X as X" exports a name to type checkers
 # The public names of each module, which is imported when one of them is first used.
 _MODULES = {
     "analysis.relax": "NoEquilibriumError relax",
-    "ensembles": "ensemble",
-    "ensembles.one_member": "ensemble_member",
+    "ensembles": "ensemble ensemble_member",
     "ensembles.swing_states": "Canonical EnergyBall Microcanonical",
     "explanation": "explain Explanation",
     "loops.state": "State",

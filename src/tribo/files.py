@@ -24,13 +24,12 @@ def checked_target(field: str, path: Path) -> Path:
         path = Path(os.path.realpath(path))
         folder = path.parent
         kind = path.lstat().st_mode if os.path.lexists(path) else stat.S_IFREG
-        if not folder.is_dir():
-            raise InputError(field, f"must be in a folder that exists, got {folder}")
+        exists = folder.is_dir()
     except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         reason = getattr(error, "strerror", None) or error
         raise InputError(field, f"must be the name of a file ({reason})") from None
+    if not exists:
+        raise InputError(field, f"must be in a folder that exists, got {folder}")
     if stat.S_ISDIR(kind):
         raise InputError(field, f"must be the name of a file, got the folder {path}")
     if not stat.S_ISREG(kind):

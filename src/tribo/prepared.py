@@ -32,7 +32,6 @@ from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
-from tribo.results.pumped_heat import pumping_notes
 from tribo.results.run_result import Constant, Cost
 from tribo.validation import InputError, TriboWarning
 
@@ -182,14 +181,13 @@ class Simulation:
         setting, times = self._single
         run, ledger, watched = self._deliver(setting, times, y)
         notes: tuple[str, ...] = ()
-        if self.plan.automatic:
-            for _ in range(MOST_HALVINGS):
-                if run.status != Status.ENCOUNTER_JUMPED:
-                    break
-                assert isinstance(setting, float)
-                notes = notes_on.halving_notes(layout, run, setting, 0.5 * setting)
-                setting = 0.5 * setting
-                run, ledger, watched = self._deliver(setting, times, y)
+        for _ in range(MOST_HALVINGS if self.plan.automatic else 0):
+            if run.status != Status.ENCOUNTER_JUMPED:
+                break
+            assert isinstance(setting, float)
+            notes = notes_on.halving_notes(layout, run, setting)
+            setting = 0.5 * setting
+            run, ledger, watched = self._deliver(setting, times, y)
         notes += notes_on.passage_notes(layout, run)
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
@@ -227,9 +225,8 @@ class Simulation:
             bounds, scales, met = errors.bounds, errors.scales, errors.excess <= 1.0
             if not met:
                 notes = (*notes_on.approach_notes(self.layout, fine), self._missed(errors.excess))
-            open_budget = notes_on.budget_notes(
-                self.layout, assemble(self.layout, fine.samples), bounds
-            )
+            ledger = assemble(self.layout, fine.samples)
+            open_budget = notes_on.budget_notes(self.layout, ledger, bounds)
             assert self.accuracy is not None
             weak = weak_notes(scales.work, scales.energy, self.accuracy) if met else []
             met, notes = met and not open_budget, (*notes, *filter(None, weak), *open_budget)
@@ -238,12 +235,12 @@ class Simulation:
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         if self._streams and fine.status == Status.COMPLETED:
-            run, ledger, _ = self._deliver(self.plan.setting, layout.times, y)
+            run, streamed, _ = self._deliver(self.plan.setting, layout.times, y)
             notes += (f"errors are estimated at {self.plan.times.size} times",)
-            notes += _left_out(ledger())
+            notes += _left_out(streamed())
             known = known if run.status == Status.COMPLETED else False
             cost = partial(cost_of, runs, seconds, ratio, search, run)
-            return self._result(run, ledger, cost, notes, known, bounds)
+            return self._result(run, streamed, cost, notes, known, bounds)
         cost = partial(cost_of, runs, seconds, ratio, search)
         return self._result(fine, partial(_reported, layout, fine), cost, notes, known, bounds)
 
@@ -255,7 +252,7 @@ class Simulation:
             *notes_on.drive_notes(layout, assemble(layout, samples.ends())),
             *passing_notes(layout, samples),
             *separation_notes(layout.scene, watched.looks, watched.touching),
-            *pumping_notes(layout, watched),
+            *notes_on.pumping_notes(layout, watched),
         )
 
     def _errors(self, runs: Sequence[Integration]) -> Errors:
@@ -279,10 +276,8 @@ class Simulation:
         elif tuned.amplification is None:
             why = "the search for settings was interrupted"
         elif tuned.costly:
-            why = (
-                f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
-                "run that is delivered"
-            )
+            why = f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
+            why += "run that is delivered"
         else:
             why = out_of_reach(strictest(self.accuracy), tuned.amplification)
         if excess * strictest(self.accuracy) > 1.0:
@@ -300,8 +295,7 @@ class Simulation:
         setting: Setting | None = None,
     ) -> Result:
         """A result, with what all results of the simulation share."""
-        layout, method = self.layout, self.method.name
-        keep = self.scene.output.keep
+        layout, method, keep = self.layout, self.method.name, self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
             assemble_ledger, add_up_cost = Constant(ledger), Constant(cost)
@@ -310,7 +304,8 @@ class Simulation:
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
-        notes = notes_on.calculator_notes(run) + notes_on.stop_notes(layout, run) + notes
+        raised = tuple(f"the calculator raised {failure}" for failure in run.failures)
+        notes = raised + notes_on.stop_notes(layout, run) + notes
         if keep is not None:
             run = run.without_samples()
         return Result(

@@ -13,10 +13,8 @@ from tribo.validation import must_be
 
 # Seconds before a bar appears: shorter computations show none.
 DELAY = 1.0
-
 # How a bar looks: six digits of what is reached, the time spent and the time left.
 FORMAT = "{desc}{percentage:3.0f}%|{bar}| {n:.6g}/{total:.6g} {unit} [{elapsed}<{remaining}]"
-
 # A function that is called with what is reached; or whether a bar is shown: None on a terminal and
 # in a notebook alone, True in any case, False never.
 Shown = Callable[[float], None] | bool | None

@@ -20,12 +20,12 @@ from tribo.results.citations import citations
 from tribo.results.depinning import Depinning, depinning
 from tribo.results.force_averages import (
     force_average,
-    friction_coefficient,
     friction_force,
+    load_of,
     time_without_contact,
 )
 from tribo.results.run_result import Constant, Cost, RunResult
-from tribo.validation import as_path
+from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
     import pandas
@@ -105,7 +105,13 @@ class Result(RunResult):
         Average
             As of :meth:`friction_force`, relative to the load; the mean is not negative.
         """
-        return friction_coefficient(self, surface, after)
+        found = friction_force(self, surface, after)
+        load = load_of(next(each for each in self.scene.surfaces if each.name == surface))
+        if load == 0.0:
+            problem = "is missing; name the surface that has the load"
+            raise InputError(f"{surface}.drive.load", problem)
+        mean, half_width, spread = abs(found.mean), found.half_width, found.spread
+        return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
 
     def depinning(self, surface: str, distance: float | None = None) -> Depinning:
         """The drive's force at which a pulled or pushed surface starts to slide, along x.

@@ -76,6 +76,17 @@ def test_no_two_settings_begin_with_the_same_step():
     assert tuned.coarse.level > tuned.fine.level
 
 
+def test_tolerances_below_rounding_fall_with_the_level():
+    """Else coarse and fine runs took the same steps, and did not differ by their error."""
+    layout = lay_out(changed("A"))
+    scales = replace(
+        first_guess(layout), lost_angle=1e-9, lost_rate=1e-9, lost_speed=1e-9, lost_energy=1e-9
+    )
+    coarse, fine = (tolerances(layout, scales, level, 0.5) for level in (1e-12, 1e-13))
+    assert np.all(coarse.y < 1e-9)
+    assert np.all(fine.y < 0.6 * coarse.y) and np.all(fine.s < 0.6 * coarse.s)
+
+
 def test_a_scene_may_bound_its_evaluations(tmp_path):
     """By max_evaluations, in the file too; the message names it where equal steps exceed it."""
     numerics = tribo.Numerics(max_evaluations=1e3)

@@ -21,7 +21,7 @@ import pytest
 
 import tribo
 from support import verdicts
-from support.reference_precise import compiler, kind_of, solution_from, solve
+from support.reference import compiler, kind_of, solution_from, solve
 from support.verdicts import MOST, SECOND, STORED, compared, judged, verdict
 from support.wide_scenes import BLOCK, structure_of, wide_scene
 from tribo.model.scene_file import scene_from

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tribo
-from support.reference_precise import compiler, solve
+from support.reference import compiler, solve
 from support.verdicts import compared
 from support.wide_scenes import wide_scene
 from tribo import Asperite, Coulomb, Initial, Output, Scene, Surface

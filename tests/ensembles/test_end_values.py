@@ -370,7 +370,8 @@ def test_numbers_of_their_own(case):
     variation = Variation(scene, NUMBERS, 0)
     for member in (0, 33, 69):
         alone = tribo.ensemble_member(data, member)
-        run = tribo.simulate(variation.member(member).scene(scene, with_start=True), accuracy=1e-10)
+        own = variation.members(np.array([member])).scene(0, scene, with_start=True)
+        run = tribo.simulate(own, accuracy=1e-10)
         for name in KEEP:
             np.testing.assert_array_equal(data[name][member], alone[name][0], name)
             np.testing.assert_array_equal(data[name][member], few[name][member], name)
@@ -417,7 +418,9 @@ def test_numbers_of_their_own_over_time():
     scene = replace(paper.scene("A"), output=Output(samples=5))
     vary = {"upper.velocity": [[0.5, 0.01], [0.4, -0.02]], "lower.asperite.m2": [2.0, 2.5]}
     data = ensemble(scene, 2, vary, keep=["upper.w2", "upper.W", "lower.x_cm"], at="samples")
-    run = tribo.simulate(Variation(scene, vary, 0).member(1).scene(scene), accuracy=1e-10)
+    run = tribo.simulate(
+        Variation(scene, vary, 0).members(np.arange(2)).scene(1, scene), accuracy=1e-10
+    )
     for name in ("upper.w2", "upper.W", "lower.x_cm"):
         error = np.abs(data[name][1] - run.ledger.series(name)[0]).max()
         assert error <= 1e-6 * scales_of(run), name

@@ -9,7 +9,7 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, Output, ensemble, ensemble_member, paper
-from tribo.ensembles import batches, statistics_store
+from tribo.ensembles import batches, stores
 from tribo.loops import frames
 
 KEEP = ["upper.w1", "contact_energy"]
@@ -21,7 +21,7 @@ SCENE = replace(paper.scene("A"), numerics=tribo.Numerics(accuracy=1e-6), output
 def small_chunks(monkeypatch):
     """Chunks of 64 members, which are written at once."""
     monkeypatch.setattr(batches, "CHUNK", 64)
-    monkeypatch.setattr(statistics_store, "BLOCK", 100)
+    monkeypatch.setattr(stores, "BLOCK", 100)
     monkeypatch.setattr(frames, "INTERVAL", 0.0)
     monkeypatch.setattr(frames, "RELATIVE_INTERVAL", 0.0)
 

@@ -10,8 +10,8 @@ import tribo
 from support.crossed import Push
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation, values_at_start
+from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import policy_of
-from tribo.ensembles.single_runs import SingleRuns
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.initial_state import InitialState
@@ -54,7 +54,7 @@ def check(scene, vary, members, within, **how):
     assert set(data["status"].values) == {"completed"}
     variation = Variation(scene, vary, 0)
     for m in (0, members // 2, members - 1):
-        run = tribo.simulate(variation.member(m).scene(scene, with_start=True), **how)
+        run = tribo.simulate(variation.members(np.array([m])).scene(0, scene, True), **how)
         series = {}
         for name in KEEP:
             surface, _, quantity = name.rpartition(".")

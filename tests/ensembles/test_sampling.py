@@ -7,8 +7,7 @@ from scipy.stats import qmc
 
 import tribo
 from tribo import InputError, ensemble, paper
-from tribo.ensembles.members import Variation
-from tribo.ensembles.sampling import sampled
+from tribo.ensembles.members import Variation, sampled
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from scipy import stats
 
 import tribo
 from tribo import InputError, ensemble, paper
-from tribo.ensembles import statistics_store
+from tribo.ensembles import stores
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments
 
@@ -27,7 +27,7 @@ def test_against_numpy(name):
     values = DRAWS[name].rvs(size=(20_000, 2, 3), random_state=rng).astype(float)
     values[:, 1, 1] = 0.25  # constant
     kept = Kept({"upper.w1": (2, 3)}, True)
-    found = statistics_store.StatisticsStore(kept, None)
+    found = stores.StatisticsStore(kept, None)
     first = 0
     for size in (1, 1, 4000, 17, 15_981):
         part = values[first : first + size]
@@ -117,7 +117,7 @@ def test_incomplete_members_are_in_no_mean():
 
 def test_too_many_covariances(monkeypatch):
     """Are refused before anything is run."""
-    monkeypatch.setattr(statistics_store, "MOST_BYTES", 1000)
+    monkeypatch.setattr(stores, "MOST_BYTES", 1000)
     with pytest.raises(InputError, match=r"^statistics: would keep covariances of 1 values at 401"):
         ensemble(
             paper.scene("A"),

@@ -9,8 +9,7 @@ from scipy.stats import qmc
 
 import tribo
 from tribo import InputError, paper
-from tribo.ensembles.members import Variation, draws_of
-from tribo.ensembles.sampling import sampled
+from tribo.ensembles.members import Variation, draws_of, sampled
 
 FORCED = paper.scene("A")
 DRIVEN = replace(FORCED, surfaces=[replace(s, drive=tribo.DrivenBars()) for s in FORCED.surfaces])
@@ -83,10 +82,11 @@ def test_members_do_not_depend_on_their_company():
     """Nor on the start of the other surface, if each has its own."""
     vary = {"upper.swing_state": tribo.Canonical(0.3), "lower.swing_state": tribo.Canonical(0.2)}
     variation = Variation(FORCED, vary, seed=5)
-    one, many = variation.member(9_000), variation.members(np.arange(20_000))
+    one, many = variation.members(np.array([9_000])), variation.members(np.arange(20_000))
     for key, values in one.values.items():
-        np.testing.assert_array_equal(values, many.values[key][9_000])
-    alone = Variation(FORCED, {"upper.swing_state": tribo.Canonical(0.3)}, seed=5).member(9_000)
+        np.testing.assert_array_equal(values[0], many.values[key][9_000])
+    alone = Variation(FORCED, {"upper.swing_state": tribo.Canonical(0.3)}, seed=5)
+    alone = alone.members(np.array([9_000]))
     assert alone.values["upper.swing"] == one.values["upper.swing"]
     assert one.values["upper.swing"] != one.values["lower.swing"]
 

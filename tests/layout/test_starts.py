@@ -149,7 +149,8 @@ def test_members_have_starts_of_their_own():
     data = tribo.ensemble(scene, 3, keep=["lower.theta"])
     ends = np.ravel(data["lower.theta"].values)
     variation = Variation(scene, {}, seed=0)
-    alone = [tribo.simulate(variation.member(m).scene(scene)) for m in range(3)]
+    members = variation.members(np.arange(3))
+    alone = [tribo.simulate(members.scene(m, scene)) for m in range(3)]
     assert ends.tolist() == [run["lower"].theta[-1, 0] for run in alone]
     assert np.unique(ends).size == 3
 

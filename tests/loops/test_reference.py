@@ -1,8 +1,4 @@
-"""Every reported quantity against independent solvers, and those against each other.
-
-The solver in C is used where a C compiler is found, else that with SciPy; they share no code with
-the package.
-"""
+"""Every reported quantity against an independent solver, and the solver against closed forms."""
 
 import math
 from decimal import Decimal
@@ -12,7 +8,7 @@ import numpy as np
 import pytest
 
 import tribo
-from support import reference, reference_precise
+from support import reference
 from support.random_scenes import (
     POTENTIALS,
     constrained_scene,
@@ -24,20 +20,18 @@ from support.random_scenes import (
 from support.verdicts import WITHOUT_REFERENCE
 from tribo.accuracy.scales import KINDS
 from tribo.integrators.methods import METHODS
-from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
 
 ACCURACY = 1e-8
 # Largest difference, in units of the accuracy and of the scale of each kind.
 AGREEMENT = 10.0
-COMPILER = reference_precise.compiler()
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
+pytestmark = pytest.mark.skipif(reference.compiler() is None, reason="there is no C compiler")
 
 
 def assert_agrees(scene: dict, method: str | None = None, accuracy: float = ACCURACY) -> None:
     """Surfaces, blocks and system, every quantity that either reports."""
     end = tribo.simulate(scene_from(scene), accuracy=accuracy, method=method).end
-    truth = reference_precise.solve(scene).end if COMPILER else reference.solve(scene)
+    truth = reference.solve(scene).end
     assert end["status"] == "completed"
     for part in ("surfaces", "blocks"):
         assert end[part].keys() == truth[part].keys()
@@ -127,7 +121,6 @@ FOR_ALL = ("verlet", "midpoint", "dop853", "gauss-radau-15")
 SLOW = [pytest.param(m, marks=pytest.mark.slow) for m in METHODS if m not in FOR_ALL]
 
 
-@needs_compiler
 @pytest.mark.parametrize("method", [*FOR_ALL, *SLOW])
 def test_driven_bars_and_rigid_asperites(method):
     """By each method; damped, on bars and on swings, where the method takes reservoirs."""
@@ -140,7 +133,6 @@ def test_driven_bars_and_rigid_asperites(method):
     assert_agrees(scene, method, ACCURACY if METHODS[method].order > 4 else 1e-5)
 
 
-@needs_compiler
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_scenes_with_driven_bars(seed):
     """Bars of both surfaces are driven, free to turn or clamped; swings of one are damped."""
@@ -150,7 +142,6 @@ def test_random_scenes_with_driven_bars(seed):
     assert_agrees(scene)
 
 
-@needs_compiler
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_scenes_with_rigid_asperites(seed):
     """Below any drive, and on driven bars, where nothing moves but uniformly."""
@@ -160,35 +151,7 @@ def test_random_scenes_with_rigid_asperites(seed):
     assert_agrees(scene)
 
 
-def test_phase_of_a_field_far_from_the_origin():
-    """At 1e7 periods from x = 0 the force of a corrugation keeps its digits."""
-    scene = random_scene(4, "morse")
-    scene["surface"][0]["bob"] = [1e5 + 0.001, 0.0]
-    field = {"on": ["upper"], "kind": "corrugation", "amplitude": 1.0, "period": 0.013}
-    field["origin"] = [3e4, 0.0]
-    (laid_out,) = lay_out(scene_from(scene | {"field": [field]})).model.fields
-    force, _ = laid_out.potential.force_at(laid_out.origin[0], 0.0)
-    with mpmath.workdps(40):
-        q = 2 * mpmath.pi / mpmath.mpf(0.013)
-        exact = -q * mpmath.sin(q * (mpmath.mpf(1e5 + 0.001) - mpmath.mpf(3e4)))
-    assert force == pytest.approx(float(exact), rel=1e-14)
-
-
-# --- the solver in C ------------------------------------------------------------------------------
-
-
-@needs_compiler
-@pytest.mark.parametrize("scene", [random_scene(0, "lennard-jones"), rich_scene(1)])
-def test_two_solvers_agree(scene):
-    """The solver in C and that with SciPy, to the accuracy of the second."""
-    one, other = reference_precise.solve(scene), reference.solve(scene)
-    for part in ("surfaces", "blocks"):
-        for name, table in other[part].items():
-            for quantity, values in table.items():
-                difference = np.max(np.abs(np.subtract(one.end[part][name][quantity], values)))
-                assert difference <= 1e-11 * one.scales[reference_precise.kind_of(quantity)]
-    for quantity, value in other["system"].items():
-        assert abs(one.end["system"][quantity] - value) <= 1e-11 * one.scales["total"]
+# --- the solver -----------------------------------------------------------------------------------
 
 
 def pair(interaction: dict, start: float, gap: float, duration: float, **asperite: float) -> dict:
@@ -212,11 +175,10 @@ DIGITS = (
 )
 
 
-@needs_compiler
 @pytest.mark.parametrize(("scene", "quantity", "digits"), DIGITS)
 def test_known_digits(scene, quantity, digits):
     """All digits that are known of hard scenes."""
-    solution = reference_precise.solve(scene | {"output": {"samples": 2}})
+    solution = reference.solve(scene | {"output": {"samples": 2}})
     last_place = 10.0 ** Decimal(digits).as_tuple().exponent
     found = solution.surfaces["upper"][quantity][-1, 0]
     assert found == pytest.approx(float(digits), rel=1e-16, abs=last_place)
@@ -224,7 +186,7 @@ def test_known_digits(scene, quantity, digits):
 
 
 def scene_of_rare_effects() -> dict:
-    """Effects that the solver with SciPy lacks."""
+    """Effects that random scenes lack."""
     scene = rich_scene(2) | {"periodic": {}}
     for surface in scene["surface"]:
         surface["bars"] = "free"
@@ -256,26 +218,23 @@ def assert_ledger_closes(solution, tolerance: float) -> None:
     assert np.max(np.abs(system["total_energy_change"] - system["applied_work"])) <= scale
 
 
-@needs_compiler
 def test_ledger_of_rare_effects_closes():
     """Reservoirs, moving fields, spectra, torsional baths, listed springs, sums of potentials."""
-    assert_ledger_closes(reference_precise.solve(scene_of_rare_effects()), 1e-14)
+    assert_ledger_closes(reference.solve(scene_of_rare_effects()), 1e-14)
 
 
-@needs_compiler
 @pytest.mark.parametrize("seed", range(3))
 def test_ledger_of_constraints_closes(seed):
     """The reaction f2 follows from the acceleration, and its power is integrated like any other."""
-    assert_ledger_closes(reference_precise.solve(constrained_scene(seed, damping=0.2)), 1e-14)
+    assert_ledger_closes(reference.solve(constrained_scene(seed, damping=0.2)), 1e-14)
 
 
-def alone(**settings) -> reference_precise.Solution:
+def alone(**settings) -> reference.Solution:
     """One asperite without contact."""
     table = {"name": "one", "drive": "bars"} | settings
-    return reference_precise.solve({"duration": 10.0, "surface": [table], "output": {"samples": 9}})
+    return reference.solve({"duration": 10.0, "surface": [table], "output": {"samples": 9}})
 
 
-@needs_compiler
 @pytest.mark.parametrize("gamma", [0.0, 0.4])
 def test_pendulum_on_a_driven_bar(gamma):
     """theta'' = -(kappa theta + gamma theta') / (m1 length^2), and the bar moves uniformly."""
@@ -293,7 +252,6 @@ def test_pendulum_on_a_driven_bar(gamma):
     assert_ledger_closes(solution, 1e-14)
 
 
-@needs_compiler
 def test_rigid_asperite_in_a_corrugation():
     """A point mass M: its energy is kept, and it turns where that is all potential."""
     amplitude, period, mass, speed = 0.3, 1.3, 3.0, 0.2
@@ -306,33 +264,31 @@ def test_rigid_asperite_in_a_corrugation():
     modulus = mass * speed**2 / (4.0 * amplitude)  # of (1 - cos q x) / 2 at the turning point
     quarter = float(mpmath.ellipk(modulus)) / (q * math.sqrt(amplitude / mass))
     scene |= {"duration": 4.0 * quarter, "output": {"samples": 5}}
-    table = reference_precise.solve(scene).surfaces["one"]
+    table = reference.solve(scene).surfaces["one"]
     farthest = 2.0 * math.asin(math.sqrt(modulus)) / q
     path = [0.0, farthest, 0.0, -farthest, 0.0]
     assert table["x_cm"][:, 0] == pytest.approx(path, abs=1e-14)
     assert table["delta_e_int"] == pytest.approx(0.0, abs=0.0)
 
 
-@needs_compiler
 @pytest.mark.parametrize("ending", ["switch", "shift", "force-shift"])
 def test_ledger_closes_over_cutoffs(ending):
     """Steps end where a formula changes: a kink or a jump of the force costs no digit."""
     scene = random_scene(1, "morse")
     scene["interaction"] |= {"cutoff": 1.1, "at_cutoff": ending}
-    assert_ledger_closes(reference_precise.solve(scene), 1e-14)
+    assert_ledger_closes(reference.solve(scene), 1e-14)
 
 
-@needs_compiler
-@pytest.mark.parametrize("kind", reference_precise.POTENTIALS)
+@pytest.mark.parametrize("kind", reference.POTENTIALS)
 def test_potentials_of_the_solver(kind):
     """Every built-in potential: the force is minus the slope of the energy, as the ledger shows."""
     numbers = {"strength": 0.2, "screening": 1.1, "D": 0.4, "alpha": 1.6, "r0": 0.7}
     numbers |= {"epsilon": 0.3, "sigma": 0.6, "n": 10.5, "m": 4.5, "softening": 0.3}
     numbers |= {"A": 20.0, "rho": 0.2, "C": 1e-3}
-    names = reference_precise.POTENTIALS[kind]
+    names = reference.POTENTIALS[kind]
     interaction = {"potential": kind} | {name: numbers[name] for name in names}
     scene = pair(interaction, -2.0, 0.4, 8.0) | {"output": {"samples": 3}}
-    solution = reference_precise.solve(scene)
+    solution = reference.solve(scene)
     assert_ledger_closes(solution, 1e-14)
     energy = tribo.potentials.named(kind, **{name: numbers[name] for name in names}).energy
     upper, lower = (solution.surfaces[name] for name in ("upper", "lower"))
@@ -340,23 +296,21 @@ def test_potentials_of_the_solver(kind):
     assert solution.system["contact_energy"] == pytest.approx(energy(r), rel=1e-13)
 
 
-@needs_compiler
 def test_quadruple_precision():
     """It differs from long double by no more than the error of that."""
     scene = random_scene(2, "coulomb")
-    one, other = (reference_precise.solve(scene, p) for p in ("long double", "quad"))
+    one, other = (reference.solve(scene, p) for p in ("long double", "quad"))
     for quantity, error in other.error.items():
-        scale = one.scales[reference_precise.kind_of(quantity)]
+        scale = one.scales[reference.kind_of(quantity)]
         assert error <= 1e-16 * scale
         for mine, theirs in zip(one.series(quantity), other.series(quantity), strict=True):
             assert np.max(np.abs(mine - theirs)) <= 2.0 * one.error[quantity] + 1e-15 * scale
 
 
-@needs_compiler
 def test_bobs_at_one_place_are_refused():
     """And so are plug-ins."""
     scene = pair(COULOMB, 0.0, 0.0, 1.0)
-    with pytest.raises(reference_precise.UnsolvedError, match="bobs coincide"):
-        reference_precise.solve(scene)
+    with pytest.raises(reference.UnsolvedError, match="bobs coincide"):
+        reference.solve(scene)
     with pytest.raises(NotImplementedError):
-        reference_precise.solve(pair({"potential": "own.py:Own"}, -1.0, 0.3, 1.0))
+        reference.solve(pair({"potential": "own.py:Own"}, -1.0, 0.3, 1.0))

@@ -1,15 +1,25 @@
-"""A second, independent solution of the friction model, to test the first one against.
+"""A reference of 15 digits and more: scenes in long double or quadruple precision.
 
-It shares nothing with the package but the two design pages: plain numpy, all pairs, the vectors
-of the paper (r1, r2, rL, rR, f1, f2, fL, fR), SciPy's DOP853 at a tight tolerance. Every work and
-every pseudowork is a component of the differential equation, integrated in the lab frame from its
-definition (force . velocity of its point of application, force . v_cm); no identity of the ledger
-is used, so each of them is left to be tested.
+    solution = solve(tomllib.load(file))              # long double; if that falls short, quadruple
+    solution = solve(table, precision="quad")         # __float128: 1e-22 or so, 20 times slower
+    solution.end["surfaces"]["upper"]["w1"][0]        # as `tribo run --json`, and ["scales"]
+    solution.surfaces["upper"]["w1"]                  # (times, asperites), as Result's ledger
+    solution.blocks["upper"]["W"], solution.system["contact_energy"], solution.t
+    solution.error["w1"]                              # by two tolerances, over all times
 
-    end = solve(tomllib.load(file))
-    end["surfaces"]["upper"]["w1"][0], end["blocks"]["upper"]["W"], end["scales"]["energy"]
+The equations are in reference.c, which the C compiler translates when it is first needed; they
+share no code with the package.  Every work and every pseudowork is integrated in the lab frame from
+its definition (force . velocity of its point of application, force . v_cm): no identity of the
+ledger is used, so each of them is left to be tested.  Times, positions and forces of a scene are
+exact: its numbers are those that doubles hold, and pi in `theta` is the double.
 
-Conventions where the design pages leave room:
+    from support.reference import compiler    # None where there is no C compiler
+    pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+
+It solves scenes with every built-in potential, sums and scaled ones, moving fields, springs, baths,
+driven bars, rigid asperites, and reservoirs on bars and swings at temperature zero.  Conventions
+where the design pages leave room:
+
 - contact_energy is the contact between different surfaces; contact within one is in its E_int.
 - `between` naming one surface twice asks for contact among its bobs. An interaction without
   `between` acts between all different surfaces; interactions on the same pair add up.
@@ -17,23 +27,28 @@ Conventions where the design pages leave room:
 - A forced or free drive cancels f1 only, never a field or contact within.
 - wrap ties last to first along x and along z, in the directions in which the scene is periodic
   (in both where it is not periodic); a ring of two has two springs.
+- Without an initial theta a pendulum starts at phi + rest.
 - The mean initial velocity in the velocity scale is the plain mean over the surfaces.
 - The energy scale covers the accounts of asperites that are reported (not wL_ps and wR_ps).
 
-Arrays of vectors have shape (2, n): a row of x, a row of y. The state holds departures from
-uniform motion, so that a weak encounter keeps all its digits: theta = theta0 + d_theta,
-r_cm = r_cm0 + v0 t + d_r, v_cm = v0 + d_v, and bath masses likewise.
+`UnsolvedError` is raised for a scene that cannot be solved (its `status` says why), and
+NotImplementedError for one with anything else, as plug-ins and noise.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
-from types import SimpleNamespace
+import ctypes
+import math
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
-from scipy.optimize import brentq
 
 PARAMETERS = {
     "m1": 1.0,
@@ -44,687 +59,563 @@ PARAMETERS = {
     "i2": 5.0,
     "charge": 1.0,
 }
-FORCES = ("1", "2", "L", "R", "_int", "_field")
-REPORTED_PS = ("w1_ps", "w2_ps", "w_int_ps")
+SOURCE = Path(__file__).with_name("reference.c")
+POTENTIALS = {
+    "coulomb": ("strength",),
+    "morse": ("D", "alpha", "r0"),
+    "lennard-jones": ("epsilon", "sigma"),
+    "yukawa": ("strength", "screening"),
+    "buckingham": ("A", "rho", "C"),
+    "born-mayer": ("A", "rho"),
+    "weeks-chandler-andersen": ("epsilon", "sigma"),
+    "mie": ("epsilon", "sigma", "n", "m"),
+    "plummer": ("strength", "softening"),
+}
+CHARGED = ("coulomb", "yukawa", "plummer")
+CUTOFFS = ("", "switch", "truncate", "shift", "force-shift")
+DRIVES = ("forced", "free", "rigid", "pulled", "bars")
+STATUSES = ("done", "too costly", "step underflow", "not finite", "bobs coincide")
+# The quantities of an asperite in the order of report() in the C source.
+QUANTITIES = (
+    *("theta", "phi", "omega", "nu", "x_cm", "y_cm", "vx_cm", "vy_cm"),
+    *("x_bob", "y_bob", "x_bar", "y_bar", "w1", "w2", "wL", "wR", "w_int", "w"),
+    *("w1_ps", "w2_ps", "w_int_ps", "w_ps", "delta_k_trans", "delta_e_int"),
+    *("w_field", "w_field_ps", "w_T", "w_T_ps", "heat"),
+)
+# The velocity of the bob and the forces, which are not in the ledger.  f_int is that of springs and
+# oscillators together.
+FORCES = ("f1", "f2", "fL", "fR", "f_within", "f_field", "f_int")
+BESIDE = ("vx_bob", "vy_bob", *(f"{force}_{axis}" for force in FORCES for axis in "xy"))
+WIDTH = len(QUANTITIES) + len(BESIDE)
+BLOCK = ("W", "W_ps", "delta_K", "delta_E_int")
+SYSTEM = ("contact_energy", "total_energy_change", "applied_work")
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The z component of a x b."""
-    return a[0] * b[1] - a[1] * b[0]
+class UnsolvedError(RuntimeError):
+    """A scene that the reference cannot solve; `status` is one of STATUSES."""
+
+    def __init__(self, status: str, info: Info) -> None:
+        super().__init__(f"{status} at t = {info.t!r} after {info.evaluations:g} evaluations")
+        self.status, self.info = status, info
 
 
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a . b in the plane."""
-    return a[0] * b[0] + a[1] * b[1]
+class Info(ctypes.Structure):
+    """What a solution cost, and the smallest distance between two bobs."""
+
+    _fields_ = [
+        (name, ctypes.c_double) for name in ("evaluations", "steps", "smallest", "smallest_at", "t")
+    ]
+    evaluations: float
+    steps: float
+    smallest: float
+    smallest_at: float
+    t: float
 
 
-def speed_of_turning(rate: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """Velocity of the end of an arm that turns at a rate: rate z x arm."""
-    return np.array([-rate * arm[1], rate * arm[0]])
+class Arrays(ctypes.Structure):
+    """The C type Scene."""
+
+    COUNTS = ("n", "surfaces", "pairs", "terms", "fields", "springs", "oscillators", "torsionals")
+    TABLES = (
+        *("asperites", "surface", "pair", "term", "field", "spring"),
+        *("oscillator", "torsional"),
+    )
+    _fields_ = [
+        *((name, ctypes.c_int) for name in COUNTS),
+        *((name, ctypes.POINTER(ctypes.c_double)) for name in TABLES),
+        ("box_x", ctypes.c_double),
+        ("box_z", ctypes.c_double),
+    ]
 
 
-def differences(n: int, first: list[int], second: list[int]) -> np.ndarray:
-    """The matrix D with (r @ D)[p] = r[first[p]] - r[second[p]]; f @ D.T adds +f and -f."""
-    D = np.zeros((n, len(first)))
-    for p, (i, j) in enumerate(zip(first, second, strict=True)):
-        D[i, p] += 1.0
-        D[j, p] -= 1.0
-    return D
+@dataclass
+class Solution:
+    """All quantities at the recorded times, with a bound on their errors.
+
+    Attributes
+    ----------
+    t : (times,) array
+    surfaces, blocks, system : dict
+        As in a Result's ledger.
+    error : dict
+        Quantity -> the largest difference between solutions with two tolerances.
+    scales : dict
+        Scales of errors, by kind: those of the scene-file page; "total" is that of the energies
+        of surfaces and of the system, and "internal" the largest internal energy of an asperite.
+    info : Info
+    forces : dict
+        Force and axis, as "f1_x" -> (times, asperites of all surfaces), and the bobs' velocities.
+    """
+
+    t: np.ndarray
+    surfaces: dict[str, dict[str, np.ndarray]]
+    blocks: dict[str, dict[str, np.ndarray]]
+    system: dict[str, np.ndarray]
+    error: dict[str, float]
+    scales: dict[str, float]
+    info: Info
+    forces: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def end(self) -> dict[str, Any]:
+        """The end state in the shape of `tribo run --json`."""
+        return {
+            "surfaces": {
+                name: {q: v[-1].tolist() for q, v in table.items()}
+                for name, table in self.surfaces.items()
+            },
+            "blocks": {
+                name: {q: float(v[-1]) for q, v in table.items()}
+                for name, table in self.blocks.items()
+            },
+            "system": {q: float(v[-1]) for q, v in self.system.items()},
+            "scales": self.scales,
+        }
+
+    @property
+    def has_work(self) -> bool:
+        """Whether any force works; if none does, the scale of energies is rounding."""
+        return any(np.any(series) for series in self.series("w1") + self.series("w"))
+
+    def relative_error(self) -> float:
+        """The largest error in units of its scale."""
+        ratios = [0.0]
+        for name, error in self.error.items():
+            scale = self.scales[kind_of(name)]
+            if error > 0.0:
+                ratios.append(error / scale if scale > 0.0 else math.inf)
+        return max(ratios)
+
+    def as_table(self) -> dict[str, Any]:
+        """All numbers as lists, which `solution_from` reads."""
+        return {
+            "t": self.t.tolist(),
+            "surfaces": {name: _lists(table) for name, table in self.surfaces.items()},
+            "blocks": {name: _lists(table) for name, table in self.blocks.items()},
+            "system": _lists(self.system),
+            "error": self.error,
+            "scales": self.scales,
+        }
+
+    def series(self, name: str) -> list[np.ndarray]:
+        """All series of a quantity."""
+        tables = [self.system, *self.surfaces.values(), *self.blocks.values()]
+        return [table[name] for table in tables if name in table]
 
 
-class Surface:
-    """One [[surface]] table: its asperites at rest, their parameters, drive, springs, bath."""
+def _lists(table: dict[str, np.ndarray]) -> dict[str, list]:
+    return {name: values.tolist() for name, values in table.items()}
 
-    def __init__(self, table: dict, index: int) -> None:
-        if "langevin" in table:
-            raise ValueError("the reference has no reservoirs: it is deterministic")
-        self.name = table.get("name", f"surface{index}")
-        self.sign = {"down": 1.0, "up": -1.0}[table.get("facing", "down")]
-        self.rest = 0.0 if self.sign > 0 else np.pi
-        self.shape = None if "positions" in table else tuple(table.get("shape", (1, 1)))
+
+def _arrays(table: dict[str, list]) -> dict[str, np.ndarray]:
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def solution_from(table: dict[str, Any]) -> Solution:
+    """The solution that `Solution.as_table` gave."""
+    return Solution(
+        np.array(table["t"]),
+        {name: _arrays(values) for name, values in table["surfaces"].items()},
+        {name: _arrays(values) for name, values in table["blocks"].items()},
+        _arrays(table["system"]),
+        table["error"],
+        table["scales"],
+        Info(),
+    )
+
+
+@cache
+def compiler() -> str | None:
+    """The C compiler; None where there is none, or where its long double is a double."""
+    if np.finfo(np.longdouble).eps > 1e-18:
+        return None
+    return shutil.which("gcc") or shutil.which("cc")
+
+
+@cache
+def library(precision: str) -> Any:
+    """The compiled solver."""
+    path = Path(tempfile.mkdtemp()) / "reference.so"
+    quad = ["-DQUAD"] if precision == "quad" else []
+    libraries = ["-lquadmath", "-lm"] if quad else ["-lm"]
+    command = [compiler(), "-O2", "-std=gnu11", "-shared", "-fPIC", *quad, str(SOURCE)]
+    subprocess.run([*command, "-o", str(path), *libraries], check=True)
+    solver = ctypes.CDLL(str(path)).solve
+    path.unlink()
+    path.parent.rmdir()
+    number, array = ctypes.c_double, ctypes.POINTER(ctypes.c_double)
+    solver.argtypes = [ctypes.POINTER(Arrays), ctypes.c_int, array, number, ctypes.c_int, number]
+    solver.argtypes += [array, ctypes.POINTER(Info)]
+    return solver
+
+
+# Tolerances of a step relative to the scale of each kind, and rows of the extrapolation.
+TOLERANCES = {"long double": (3e-18, 7), "quad": (1e-24, 12)}
+# The looser tolerance of the second solution, in units of the first.
+LOOSER = 100.0
+# Time of an evaluation in quadruple precision, in units of that in long double.
+SLOWER = 5.0
+# Times at which the scales of a run are measured, besides the recorded ones.
+SCALE_TIMES = 33
+# Errors in long double, relative to the scales, above which quadruple precision is tried.
+SMALL = 1e-14
+
+
+def solve(
+    scene: dict[str, Any], precision: str = "", most: float = 2e7, wanted: float = SMALL
+) -> Solution:
+    """All quantities of a scene at its recorded times.
+
+    Parameters
+    ----------
+    scene : dict
+        What tomllib gives for a scene file.
+    precision : str
+        "long double" or "quad"; empty for the first if that is enough.
+    most : float
+        The largest number of evaluations of the forces of one solution; a fifth of it in
+        quadruple precision, if that is chosen here.
+    wanted : float
+        Error in long double, relative to the scales, above which quadruple precision is tried.
+
+    Raises
+    ------
+    UnsolvedError
+        If bobs coincide, the steps become too short or too many, or a number is not finite.
+    NotImplementedError
+        If the scene has an effect that is not solved here.
+    """
+    if precision:
+        return _solve(Tables(scene), precision, most)
+    solution = None
+    try:
+        solution = _solve(Tables(scene), "long double", most)
+        if solution.relative_error() <= wanted:
+            return solution
+    except UnsolvedError as failure:
+        if failure.status == "bobs coincide":
+            raise
+    try:
+        return _solve(Tables(scene), "quad", most / SLOWER)
+    except UnsolvedError:
+        if solution is None:
+            raise
+        return solution
+
+
+def _solve(model: Tables, precision: str, most: float) -> Solution:
+    tolerance, rows = TOLERANCES[precision]
+    fine, info = model.solve(precision, tolerance, rows, most)
+    rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
+    times, kept = model.t[model.recorded], model.recorded
+    numbers, scales, forces = model.named(fine[kept]), model.scales(fine), model.beside(fine[kept])
+    solution = Solution(times, *numbers, {}, scales, info, forces)
+    other = Solution(times, *model.named(rough[kept]), {}, {}, info)
+    for name in (*QUANTITIES, *BLOCK, *SYSTEM):
+        pairs = zip(solution.series(name), other.series(name), strict=True)
+        differences = [float(np.max(np.abs(one - two))) for one, two in pairs]
+        if differences:
+            solution.error[name] = max(differences)
+    return solution
+
+
+def recorded_times(scene: dict[str, Any]) -> np.ndarray:
+    """The times that a run of the scene records, both ends included."""
+    output, duration = scene.get("output", {}), float(scene["duration"])
+    if "times" in output:
+        return np.union1d(np.array(output["times"], float), [0.0, duration])
+    return np.linspace(0.0, duration, output.get("samples", 401))
+
+
+def kind_of(name: str) -> str:
+    """The kind of a quantity, which selects its scale."""
+    if name in ("theta", "phi"):
+        return "angle"
+    if name in ("omega", "nu"):
+        return "rate"
+    if name in BLOCK or name in SYSTEM:
+        return "total"
+    return {"x_": "length", "y_": "length", "vx": "velocity", "vy": "velocity"}.get(
+        name[:2], "energy"
+    )
+
+
+def two(value: Fraction) -> tuple[float, float]:
+    """A number as the sum of two doubles."""
+    return float(value), float(value - Fraction(float(value)))
+
+
+def oscillators_of(spectrum: str, gamma: float, cutoff: float, n: int) -> list[tuple[float, float]]:
+    """(mass, frequency) of a discretised spectrum, as the documentation of Spectrum defines it."""
+    found = []
+    for j in range(n):
+        x = (j + 0.5) / n
+        if spectrum == "drude":
+            w, k = cutoff * math.tan(0.5 * math.pi * x), gamma * cutoff / n
+        elif spectrum == "ohmic":
+            w, k = -2.0 * cutoff * math.log1p(-x), 4.0 / math.pi * gamma * cutoff * (1.0 - x) / n
+        else:
+            w, k = cutoff * x, 2.0 / math.pi * gamma * cutoff / n
+        found.append((k / w**2, w))
+    return found
+
+
+def terms_of(table: dict[str, Any], factor: float = 1.0) -> list[list[float]]:
+    """The terms of a potential, each as set_terms() of the C source reads it."""
+    kind, mode = table["potential"], 0
+    cutoff, start = float(table.get("cutoff", 0.0)), 0.0
+    if kind in ("sum", "scaled"):
+        parts = table["of"] if kind == "sum" else [table["of"]]
+        cut = {key: table[key] for key in ("cutoff", "at_cutoff", "switch_from") if key in table}
+        if cut and any("cutoff" in part for part in parts):
+            raise NotImplementedError("a cutoff of a sum of potentials with cutoffs")
+        factor *= table.get("factor", 1.0)
+        return [term for part in parts for term in terms_of(part | cut, factor)]
+    if kind not in POTENTIALS:
+        raise NotImplementedError(f"the potential {kind!r}")
+    if cutoff:
+        mode = CUTOFFS.index(table.get("at_cutoff", "switch"))
+        start = float(table.get("switch_from", 0.9 * cutoff))
+    numbers = [float(table[name]) for name in POTENTIALS[kind]] + [0.0] * 4
+    index = float(list(POTENTIALS).index(kind))
+    head = [index, float(mode), float(kind in CHARGED)]
+    return [[*head, *numbers[:4], factor, cutoff, start, 0.0]]
+
+
+class Tables:
+    """A scene as the arrays that the C source describes."""
+
+    def __init__(self, scene: dict[str, Any]) -> None:
+        self.scene, recorded = scene, recorded_times(scene)
+        self.t = np.union1d(recorded, np.linspace(0.0, recorded[-1], SCALE_TIMES))
+        self.recorded = np.searchsorted(self.t, recorded)
+        self.names: list[str] = []
+        self.counts: list[int] = []
+        self.species: list[list[str]] = []
+        self.fields_on: list[str] = []
+        self.reservoirs: list[str] = []
+        self.rows: dict[str, list[list[float]]] = {name: [] for name in Arrays.TABLES}
+        for index, table in enumerate(scene["surface"]):
+            self._surface(table, index)
+        interactions = scene.get("interaction", [])
+        for table in [interactions] if isinstance(interactions, dict) else interactions:
+            self._interaction(table)
+        for table in scene.get("field", []):
+            self._field(table)
+
+    def _surface(self, table: dict[str, Any], index: int) -> None:
         bobs = self._bobs(table)
-        self.n = n = len(bobs)
-        self.z = bobs[:, 2]
+        n, first = len(bobs), sum(self.counts)
+        down = table.get("facing", "down") == "down"
+        clamped = table.get("bars", "clamped")
+        if clamped not in ("clamped", "free"):
+            raise NotImplementedError("forces of a user's own on the ends of bars")
 
-        def each(value: Any) -> np.ndarray:
-            return np.broadcast_to(np.asarray(value, float), (n,)).copy()
+        def each(value: Any) -> list[float]:
+            return [float(v) for v in np.broadcast_to(np.asarray(value, float), (n,))]
 
         given = table.get("asperite", {})
-        self.parameters = {key: each(given.get(key, PARAMETERS[key])) for key in PARAMETERS}
-        m1, m2, length = (self.parameters[key] for key in ("m1", "m2", "length"))
-        self.bobs = bobs[:, :2].T
-        self.r_cm = self.bobs + np.array([np.zeros(n), self.sign * length * m2 / (m1 + m2)])
-        self.r2_rest = self.bobs + np.array([np.zeros(n), self.sign * length])
-
-        self.velocity = np.asarray(table.get("velocity", (0.0, 0.0)), float)
+        parameters = [each(given.get(key, PARAMETERS[key])) for key in PARAMETERS]
         initial = table.get("initial", {})
-        self.theta = each(initial.get("theta", self.rest))
-        self.phi, self.omega, self.nu = (each(initial.get(k, 0.0)) for k in ("phi", "omega", "nu"))
-
-        drive = table.get("drive", "forced")
-        drive = {"kind": drive} if isinstance(drive, str) else drive
-        self.kind = drive.get("kind", "forced")
-        if self.kind not in ("forced", "free", "pulled"):
-            raise ValueError(f"the reference has no drive {self.kind!r}")
-        self.rigid = self.kind == "free" and drive.get("rigid", False)
-        self.load = drive.get("load")
-        self.stiffness, self.speed = drive.get("stiffness", 0.0), drive.get("speed", 0.0)
-
+        phi, omega, nu = (each(initial.get(key, 0.0)) for key in ("phi", "omega", "nu"))
+        swings = [Fraction(x) for x in each(initial.get("swing", phi))]
+        if "theta" in initial:
+            rest = Fraction(0.0 if down else math.pi)
+            swings = [Fraction(x) - rest for x in each(initial["theta"])]
+        for i, bob in enumerate(bobs):
+            places = [part for x in (*bob, swings[i]) for part in two(x)]
+            row = [values[i] for values in parameters]
+            row += [1.0 if down else -1.0, float(clamped == "clamped"), float(index)]
+            self.rows["asperites"].append([*row, *places, phi[i], omega[i], nu[i], 0.0])
+        self.names.append(table.get("name", f"surface{index}"))
+        self.counts.append(n)
         species = table.get("species", "")
-        self.species = [species] * n if isinstance(species, str) else list(species)
+        self.species.append([species] * n if isinstance(species, str) else list(species))
+        self._drive(table)
+        self._springs(table, n, first)
+        self._bath(table, n, first)
 
-        self.bars = table.get("bars", "clamped")
-        if self.bars not in ("clamped", "free"):
-            raise ValueError(f"the reference has no bars {self.bars!r}")
-        springs = table.get("springs", {})
-        self.spring, self.wrap = springs.get("stiffness", 0.0), springs.get("wrap", False)
-        self.turned = springs.get("turned", 0.0)
-        if self.spring and self.shape is None:
-            raise ValueError("springs need a shape, not positions")
-        bath = table.get("bath", {})
-        if "spectrum" in bath or bath.get("temperature", 0.0):
-            raise ValueError("the reference has baths of listed oscillators at temperature 0 alone")
-        self.oscillators = [(o["mass"], o["frequency"]) for o in bath.get("oscillators", [])]
-
-    def _bobs(self, table: dict) -> np.ndarray:
-        """Resting bobs, one row (x, y, z) per asperite; x runs fastest."""
+    def _bobs(self, table: dict[str, Any]) -> list[tuple[Fraction, Fraction, Fraction]]:
         if "positions" in table:
-            bobs = np.array(table["positions"], float)
+            bobs = [tuple(Fraction(float(x)) for x in row) for row in table["positions"]]
         else:
-            (x, y), (nx, nz) = table.get("bob", (0.0, 0.0)), self.shape
-            dx, dz = table.get("spacing", (0.0, 0.0))
-            z = table.get("depth", 0.0)
-            bobs = np.array(
-                [(x + i * dx, y, z + k * dz) for k in range(nz) for i in range(nx)], float
-            )
+            numbers = (*table.get("bob", (0.0, 0.0)), *table.get("spacing", (0.0, 0.0)))
+            x, y, dx, dz = (Fraction(float(v)) for v in numbers)
+            z, (nx, nz) = Fraction(float(table.get("depth", 0.0))), table.get("shape", (1, 1))
+            bobs = [(x + i * dx, y, z + k * dz) for k in range(nz) for i in range(nx)]
         heights = table.get("heights", 0.0)
         if isinstance(heights, dict):
-            raise ValueError("the reference has listed heights alone")
-        bobs[:, 1] += np.asarray(heights, float)
-        return bobs
+            raise NotImplementedError("drawn heights")
+        heights = np.broadcast_to(np.asarray(heights, float), (len(bobs),))
+        return [(b[0], b[1] + Fraction(float(h)), b[2]) for b, h in zip(bobs, heights, strict=True)]
 
-    def neighbours(self, wrap_x: bool, wrap_z: bool) -> list[tuple[int, int]]:
-        """Pairs of this surface's asperites that a lattice spring joins."""
-        if not self.spring:
-            return []
-        nx, nz = self.shape
-        pairs = []
-        for k in range(nz):
-            for i in range(nx):
-                if i + 1 < nx or (wrap_x and nx > 1):
-                    pairs.append((k * nx + i, k * nx + (i + 1) % nx))
-                if k + 1 < nz or (wrap_z and nz > 1):
-                    pairs.append((k * nx + i, (k + 1) % nz * nx + i))
-        return pairs
+    def _drive(self, table: dict[str, Any]) -> None:
+        drive = table.get("drive", "forced")
+        drive = {"kind": drive} if isinstance(drive, str) else drive
+        kind = "rigid" if drive.get("rigid") else drive["kind"]
+        if kind not in DRIVES:
+            raise NotImplementedError(f"the drive {kind!r}")
+        velocity = [float(v) for v in table.get("velocity", (0.0, 0.0))]
+        langevin = table.get("langevin", {"gamma": 0.0})
+        if langevin.get("temperature", 0.0):
+            raise NotImplementedError("noise")
+        on_bar = langevin.get("on", "bar") == "bar"
+        if langevin["gamma"] > 0.0:
+            self.reservoirs.append(self.names[-1])
+        load = drive.get("load")
+        row = [*velocity, float(DRIVES.index(kind)), drive.get("stiffness", 0.0)]
+        row += [drive.get("speed", 0.0), float(load is not None), load or 0.0]
+        row += [langevin["gamma"] * on_bar, *langevin.get("velocity", velocity)]
+        row += [self.counts[-1], langevin["gamma"] * (not on_bar)]
+        self.rows["surface"].append([float(v) for v in row])
 
+    def _springs(self, table: dict[str, Any], n: int, first: int) -> None:
+        springs = table.get("springs", {})
+        stiffness = springs.get("stiffness", 0.0)
+        along = stiffness if isinstance(stiffness, (list, tuple)) else (stiffness, stiffness)
+        pairs = [(i, j, along[0]) for i, j in springs.get("pairs", [])]
+        if "pairs" not in springs and any(along):
+            box, (nx, nz) = self.scene.get("periodic", {}), table.get("shape", (1, 1))
+            wrap = [springs.get("wrap", False) and (not box or axis in box) for axis in "xz"]
+            for k in range(nz):
+                for i in range(nx):
+                    if i + 1 < nx or (wrap[0] and nx > 1):
+                        pairs.append((k * nx + i, k * nx + (i + 1) % nx, along[0]))
+                    if k + 1 < nz or (wrap[1] and nz > 1):
+                        pairs.append((k * nx + i, (k + 1) % nz * nx + i, along[1]))
+        turned = float(springs.get("turned", 0.0))
+        rows = [[float(first + i), float(first + j), float(k), turned] for i, j, k in pairs if k]
+        self.rows["spring"] += rows
 
-class Contact:
-    """One interaction: its formula, its cutoff and the pairs of bobs that it acts on.
+    def _bath(self, table: dict[str, Any], n: int, first: int) -> None:
+        bath = table.get("bath", {})
+        if bath.get("temperature", 0.0):
+            raise NotImplementedError("a bath at a temperature")
+        oscillators = [(o["mass"], o["frequency"]) for o in bath.get("oscillators", [])]
+        if "spectrum" in bath:
+            spectrum = [bath[key] for key in ("spectrum", "gamma", "cutoff", "n")]
+            oscillators = oscillators_of(*spectrum)
+        torsional = [(o["inertia"], o["frequency"]) for o in bath.get("torsional", [])]
+        for name, listed in (("oscillator", oscillators), ("torsional", torsional)):
+            rows = [[float(first + i), float(m), float(w)] for i in range(n) for m, w in listed]
+            self.rows[name] += rows
 
-    `breaks` are the distances at which the formula changes; `region` says, pair by pair, between
-    which of them the pair is. The integration stops at each change, so that between stops
-    everything is smooth.
-    """
-
-    def __init__(self, table: dict, surfaces: list[Surface], starts: list[int], n: int) -> None:
-        self.kind = table["potential"]
-        self.p = table
-        if self.kind not in ("coulomb", "morse", "lennard-jones"):
-            raise ValueError(f"the reference has no potential {self.kind!r}")
+    def _interaction(self, table: dict[str, Any]) -> None:
+        terms, first = terms_of(table), len(self.rows["term"])
+        self.rows["term"] += terms
         names = sorted(table["between"]) if "between" in table else None
-        self.pairs: list[tuple[int, int, bool]] = []
-
-        def met(table: dict, one: str, other: str) -> bool:
-            return "species" not in table or sorted(table["species"]) == sorted((one, other))
-
-        for a, A in enumerate(surfaces):
-            for b, B in enumerate(surfaces[a:], a):
-                if a == b if names is None else names != sorted((A.name, B.name)):
+        kinds = sorted(table["species"]) if "species" in table else None
+        starts = np.cumsum([0, *self.counts])
+        for a, one in enumerate(self.names):
+            for b, other in enumerate(self.names[a:], a):
+                if a == b if names is None else names != sorted((one, other)):
                     continue
-                self.pairs += [
-                    (starts[a] + i, starts[b] + j, a == b)
-                    for i in range(A.n)
-                    for j in range(B.n)
-                    if (a != b or i < j) and met(table, A.species[i], B.species[j])
-                ]
-        first, second = [p[0] for p in self.pairs], [p[1] for p in self.pairs]
-        self.within = np.array([p[2] for p in self.pairs], bool)
-        self.D = differences(n, first, second)
-        charge = np.concatenate([s.parameters["charge"] for s in surfaces])
-        charged = self.kind == "coulomb"
-        self.qq = charge[first] * charge[second] if charged else np.ones(len(first))
-        self.mix = self.D.T * ~self.within[:, None], self.D.T * self.within[:, None]
-        self.any_within = bool(self.within.any())
+                for i in range(self.counts[a]):
+                    for j in range(i + 1 if a == b else 0, self.counts[b]):
+                        pair = sorted((self.species[a][i], self.species[b][j]))
+                        if kinds is None or kinds == pair:
+                            row = [starts[a] + i, starts[b] + j, first, first + len(terms), a == b]
+                            self.rows["pair"].append([float(v) for v in row])
 
-        self.cutoff = table.get("cutoff")
-        self.mode = table.get("at_cutoff", "switch")
-        self.breaks = np.array([])
-        if self.cutoff is not None:
-            self.start = table.get("switch_from", 0.9 * self.cutoff)
-            switched = self.mode == "switch"
-            self.breaks = np.array([self.start, self.cutoff] if switched else [self.cutoff])
-            self.at_cutoff = self._plain(np.array([self.cutoff]))
-        self.region = np.zeros(len(first), int)
+    def _field(self, table: dict[str, Any]) -> None:
+        if table["kind"] != "corrugation":
+            raise NotImplementedError(f"the field {table['kind']!r}")
+        for name in table["on"]:
+            self.fields_on.append(name)
+            row = [table["amplitude"], table["period"], table.get("origin", (0.0, 0.0))[0]]
+            row += [table.get("velocity", (0.0, 0.0))[0], self.names.index(name)]
+            self.rows["field"].append([float(v) for v in row])
 
-    def _plain(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """U and dU/dr without charges and without a cutoff."""
-        p = self.p
-        if self.kind == "coulomb":
-            return p["strength"] / r, -p["strength"] / r**2
-        if self.kind == "morse":
-            e = np.exp(-p["alpha"] * (r - p["r0"]))
-            return p["D"] * (e * e - 2.0 * e), -2.0 * p["alpha"] * p["D"] * (e * e - e)
-        s6 = (p["sigma"] / r) ** 6
-        return 4.0 * p["epsilon"] * (s6 * s6 - s6), -24.0 * p["epsilon"] * (2.0 * s6 * s6 - s6) / r
-
-    def energy_and_slope(self, r: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """U and dU/dr of each pair, with its charges and its cutoff."""
-        U, dU = self._plain(r)
-        if self.cutoff is not None:
-            Uc, dUc = self.at_cutoff
-            if self.mode == "switch":
-                width = self.cutoff - self.start
-                u = np.where(region == 1, (r - self.start) / width, 0.0)
-                S = 1.0 - 10.0 * u**3 + 15.0 * u**4 - 6.0 * u**5
-                dS = (-30.0 * u**2 + 60.0 * u**3 - 30.0 * u**4) / width
-                U, dU = U * S, dU * S + U * dS
-            elif self.mode == "shift":
-                U = U - Uc
-            elif self.mode == "force-shift":
-                U, dU = U - Uc - (r - self.cutoff) * dUc, dU - dUc
-            elif self.mode != "truncate":
-                raise ValueError(f"the reference has no at_cutoff {self.mode!r}")
-            inside = region < len(self.breaks)
-            U, dU = np.where(inside, U, 0.0), np.where(inside, dU, 0.0)
-        return self.qq * U, self.qq * dU
-
-    def lengths(self) -> list[float]:
-        """The distances over which this interaction changes."""
-        found = [] if self.cutoff is None else [self.cutoff]
-        if self.mode == "switch" and self.cutoff is not None:
-            found.append(self.cutoff - self.start)
-        if self.kind == "morse":
-            found.append(1.0 / self.p["alpha"])
-        if self.kind == "lennard-jones":
-            found.append(self.p["sigma"])
-        return found
-
-
-class Model:
-    """The scene as arrays over all asperites, and the right-hand side of its equations."""
-
-    def __init__(self, scene: dict) -> None:
-        self.duration = float(scene["duration"])
-        self.surfaces = [Surface(table, i) for i, table in enumerate(scene["surface"])]
-        ends = np.cumsum([s.n for s in self.surfaces])
-        self.n = n = int(ends[-1])
-        starts = [int(e) - s.n for e, s in zip(ends, self.surfaces, strict=True)]
-        self.slices = [slice(a, a + s.n) for a, s in zip(starts, self.surfaces, strict=True)]
-
-        def join(values: list) -> np.ndarray:
-            return np.concatenate(values, axis=-1)
-
-        get = {key: join([s.parameters[key] for s in self.surfaces]) for key in PARAMETERS}
-        m1, m2 = get["m1"], get["m2"]
-        self.M, self.length = m1 + m2, get["length"]
-        self.l1, self.l2 = self.length * m2 / self.M, self.length * m1 / self.M
-        self.inertia = m1 * self.l1**2 + m2 * self.l2**2
-        self.kappa, self.bar_length, self.i2 = get["kappa"], get["bar_length"], get["i2"]
-        self.clamped = join([np.full(s.n, s.bars == "clamped") for s in self.surfaces])
-        self.z = join([s.z for s in self.surfaces])
-        self.theta0 = join([s.theta for s in self.surfaces])
-        self.phi0 = join([s.phi for s in self.surfaces])
-        self.omega0 = join([s.omega for s in self.surfaces])
-        self.nu0 = join([s.nu for s in self.surfaces])
-        rest = join([np.full(s.n, s.rest) for s in self.surfaces])
-        self.twist0 = self.theta0 - self.phi0 - rest
-        self.r0 = join([s.r_cm for s in self.surfaces])
-        self.v0 = join([np.tile(s.velocity[:, None], s.n) for s in self.surfaces])
-        # member[i, s] is 1 where asperite i belongs to surface s: x @ member sums by surface
-        self.member = np.zeros((n, len(self.surfaces)))
-        for s, part in enumerate(self.slices):
-            self.member[part, s] = 1.0
-
-        self._contacts_and_fields(scene, starts)
-        self._springs(starts)
-        self._bath()
-        self.M_tot = self.M @ self.member + self.bath_m @ self.bath_member
-        self.V0 = np.array([s.velocity for s in self.surfaces]).T
-        self.max_step = self._max_step()
-
-    def _contacts_and_fields(self, scene: dict, starts: list[int]) -> None:
-        tables = scene.get("interaction", [])
-        tables = [tables] if isinstance(tables, dict) else tables
-        self.contacts = [Contact(table, self.surfaces, starts, self.n) for table in tables]
-        self.box = scene.get("periodic", {})
-        if self.box and any(c.cutoff is None for c in self.contacts):
-            raise ValueError("a periodic scene needs a cutoff of at most half the box")
-        self.fields = []  # (wavenumber, amplitude of each asperite)
-        self.has_field = [False] * len(self.surfaces)
-        for table in scene.get("field", []):
-            if table["kind"] != "corrugation":
-                raise ValueError(f"the reference has no field {table['kind']!r}")
-            on = [s.name in table["on"] for s in self.surfaces]
-            self.has_field = [a or b for a, b in zip(self.has_field, on, strict=True)]
-            amplitude = table["amplitude"] * (self.member @ np.array(on, float))
-            self.fields.append((2.0 * np.pi / table["period"], amplitude))
-
-    def _springs(self, starts: list[int]) -> None:
-        first, second, k, owner = [], [], [], []
-        for s, (surface, start) in enumerate(zip(self.surfaces, starts, strict=True)):
-            wrap_x = surface.wrap and (not self.box or "x" in self.box)
-            wrap_z = surface.wrap and (not self.box or "z" in self.box)
-            for i, j in surface.neighbours(wrap_x, wrap_z):
-                first.append(start + i)
-                second.append(start + j)
-                k.append(surface.spring)
-                owner.append(s)
-        self.spring_k = np.array(k)
-        self.spring_D = differences(self.n, first, second)
-        r2_rest = np.concatenate([s.r2_rest for s in self.surfaces], axis=1)
-        turned = np.array([self.surfaces[s].turned for s in owner])
-        x, y = r2_rest @ self.spring_D
-        cos, sin = np.cos(turned), np.sin(turned)
-        self.spring_rest = np.array([cos * x - sin * y, sin * x + cos * y])
-        self.spring_member = np.eye(len(self.surfaces))[owner].reshape(-1, len(self.surfaces))
-
-    def _bath(self) -> None:
-        owner, m, w = [], [], []
-        for surface, part in zip(self.surfaces, self.slices, strict=True):
-            for i in range(part.start, part.stop):
-                for mass, frequency in surface.oscillators:
-                    owner.append(i)
-                    m.append(mass)
-                    w.append(frequency)
-        self.owner, self.bath_m = np.array(owner, int), np.array(m)
-        self.bath_k = self.bath_m * np.array(w) ** 2
-        self.bath_bar = np.eye(self.n)[self.owner].reshape(-1, self.n)  # f @ bath_bar: sum by bar
-        self.bath_member = self.bath_bar @ self.member
-        lever = np.array([-np.sin(self.theta0), np.cos(self.theta0)])
-        self.bath_r0 = (self.r0 + self.l2 * lever)[:, self.owner]
-        self.bath_v0 = self.v0[:, self.owner]
-
-    def _max_step(self) -> float:
-        """At most 1/200 of the run, and a quarter of the shortest length at the initial speeds."""
-        lengths = [float(self.length.min())]
-        lengths += [x for contact in self.contacts for x in contact.lengths()]
-        lengths += [2.0 * np.pi / wavenumber for wavenumber, _ in self.fields]
-        moving = list(self.V0.T)
-        moving += [np.array([s.speed, 0.0]) for s in self.surfaces if s.kind == "pulled"]
-        moving += [np.zeros(2)] if self.fields else []
-        speed = max(np.hypot(*(a - b)) for a in moving for b in moving)
-        speed += 2.0 * float(np.abs(self.omega0 * self.length).max())
-        return min(self.duration / 200.0, 0.25 * min(lengths) / max(speed, 1e-300))
-
-    # --- the state -------------------------------------------------------------------------
-
-    def sizes(self) -> list[int]:
-        """angles, centres of mass and bath; their rates; accounts."""
-        n, b = self.n, len(self.bath_m)
-        return [2 * n, 2 * n + 2 * b, 2 * n, 2 * n + 2 * b, 12 * n + 2 * len(self.surfaces) + 1]
-
-    def start(self) -> np.ndarray:
-        """The initial state: no departure, the initial rates, empty accounts."""
-        parts = [np.zeros(size) for size in self.sizes()]
-        parts[2] = np.concatenate([self.omega0, self.nu0])
-        return np.concatenate(parts)
-
-    def split(self, y: np.ndarray) -> list[np.ndarray]:
-        """d_theta, d_phi, d_r, d_s (bath), omega, nu, d_v, d_u (bath), accounts."""
-        n, b = self.n, 2 * len(self.bath_m)
-        c = 4 * n + b
-        return [
-            y[:n],
-            y[n : 2 * n],
-            y[2 * n : 4 * n].reshape(2, n),
-            y[4 * n : c].reshape(2, -1),
-            y[c : c + n],
-            y[c + n : c + 2 * n],
-            y[c + 2 * n : c + 4 * n].reshape(2, n),
-            y[c + 4 * n : 2 * c].reshape(2, -1),
-            y[2 * c :],
-        ]
-
-    def motion(self, t: float, y: np.ndarray) -> SimpleNamespace:
-        """Positions and velocities of every named point, in the lab frame."""
-        m = SimpleNamespace()
-        m.d_theta, m.d_phi, d_r, d_s, m.omega, m.nu, m.d_v, m.d_u, m.accounts = self.split(y)
-        m.theta, m.phi = self.theta0 + m.d_theta, self.phi0 + m.d_phi
-        m.twist = self.twist0 + (m.d_theta - m.d_phi)
-        m.r, m.v = self.r0 + self.v0 * t + d_r, self.v0 + m.d_v
-        down = np.array([np.sin(m.theta), -np.cos(m.theta)])
-        m.arm1, m.arm2 = self.l1 * down, -self.l2 * down
-        m.r1, m.v1 = m.r + m.arm1, m.v + speed_of_turning(m.omega, m.arm1)
-        m.r2, m.v2 = m.r + m.arm2, m.v + speed_of_turning(m.omega, m.arm2)
-        m.s, m.u = self.bath_r0 + self.bath_v0 * t + d_s, self.bath_v0 + m.d_u
-        return m
-
-    def separation(self, contact: Contact, m: SimpleNamespace) -> tuple[np.ndarray, np.ndarray]:
-        """The vectors (x, y, z) from second to first bob, nearest image, and their lengths."""
-        d = np.vstack([m.r1, self.z]) @ contact.D
-        for row, axis in ((0, "x"), (2, "z")):
-            if axis in self.box:
-                d[row] -= self.box[axis] * np.round(d[row] / self.box[axis])
-        return d, np.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
-
-    # --- forces ----------------------------------------------------------------------------
-
-    def forces(self, t: float, m: SimpleNamespace) -> SimpleNamespace:
-        """Every force on every asperite: f1, within, field (bob); f2, f_int (bar); fL, fR."""
-        f = SimpleNamespace()
-        f.f1, f.within, f.field = (np.zeros((2, self.n)) for _ in range(3))
-        for contact in self.contacts:
-            d, r = self.separation(contact, m)
-            _, slope = contact.energy_and_slope(r, contact.region)
-            pull = d[:2] * (-slope / r)
-            across, inside = contact.mix
-            f.f1 += pull @ across
-            if contact.any_within:
-                f.within += pull @ inside
-        for wavenumber, amplitude in self.fields:
-            f.field[0] -= amplitude * wavenumber * np.sin(wavenumber * m.r1[0])
-
-        f.f2 = -f.f1
-        for surface, part in zip(self.surfaces, self.slices, strict=True):
-            if surface.kind == "free":
-                f.f2[0, part] = 0.0
-                if surface.rigid:
-                    M, f1_x = self.M[part], f.f1[0, part]
-                    f.f2[0, part] = -f1_x + M / M.sum() * f1_x.sum()
-            elif surface.kind == "pulled":
-                anchor = surface.r2_rest[0] + surface.speed * t
-                f.f2[0, part] = surface.stiffness * (anchor - m.r2[0, part])
-            if surface.load is not None:
-                f.f2[1, part] = -surface.sign * surface.load
-
-        m.rR = 0.5 * self.bar_length * np.array([np.cos(m.phi), np.sin(m.phi)])
-        m.rL = -m.rR
-        f.torsion = self.kappa * m.twist
-        across_bar = np.array([-np.sin(m.phi), np.cos(m.phi)])
-        f.fL = np.where(self.clamped, f.torsion / self.bar_length, 0.0) * across_bar
-        f.fR = -f.fL
-
-        f.f_int = -(self.spring_k * (m.r2 @ self.spring_D - self.spring_rest)) @ self.spring_D.T
-        f.on_bath = self.bath_k * (m.r2[:, self.owner] - m.s)
-        f.f_int = f.f_int - f.on_bath @ self.bath_bar
-        return f
-
-    def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Time derivative of the state: equations of motion, and every power and pseudopower."""
-        m = self.motion(t, y)
-        f = self.forces(t, m)
-        on_bob, on_bar = f.f1 + f.field + f.within, f.f2 + (f.fL + f.fR) + f.f_int
-
-        a = (f.f1 + f.f2 + (f.fL + f.fR) + f.f_int + f.within + f.field) / self.M
-        alpha = (cross(m.arm1, on_bob) + cross(m.arm2, on_bar) - f.torsion) / self.inertia
-        beta = (f.torsion + cross(m.rR, f.fR) + cross(m.rL, f.fL)) / self.i2
-
-        vL, vR = m.v2 + speed_of_turning(m.nu, m.rL), m.v2 + speed_of_turning(m.nu, m.rR)
-        p1, p2, pL, pR = dot(f.f1, m.v1), dot(f.f2, m.v2), dot(f.fL, vL), dot(f.fR, vR)
-        p_int = dot(f.f_int, m.v2) + dot(f.within, m.v1)
-        p_field = dot(f.field, m.v1)
-        pseudo = [dot(g, m.v) for g in (f.f1, f.f2, f.fL, f.fR, f.f_int + f.within, f.field)]
-
-        F_ext = (f.f1 + f.f2 + (f.fL + f.fR) + f.field) @ self.member
-        W = (p1 + p2 + pL + pR + p_field) @ self.member
-        W_ps = dot(F_ext, self.V0 + self.departure_of_v(m))
-        applied = np.sum(p2 + pL + pR)
-
-        rates = [m.omega, m.nu, m.d_v[0], m.d_v[1], m.d_u[0], m.d_u[1]]
-        kicks = [alpha, beta, a[0], a[1], *(f.on_bath / self.bath_m)]
-        powers = [p1, p2, pL, pR, p_int, p_field, *pseudo, W, W_ps, [applied]]
-        return np.concatenate(rates + kicks + powers)
-
-    def departure_of_v(self, m: SimpleNamespace) -> np.ndarray:
-        """V - V0 of each surface: asperites and bath masses together."""
-        total = (self.M * m.d_v) @ self.member + (self.bath_m * m.d_u) @ self.bath_member
-        return total / self.M_tot
-
-    # --- energies --------------------------------------------------------------------------
-
-    def potentials(self, m: SimpleNamespace) -> SimpleNamespace:
-        """Contact between surfaces, field; by surface: springs, bath springs, contact within."""
-        e = SimpleNamespace(contact=0.0, field=0.0, stored=np.zeros(len(self.surfaces)))
-        for contact in self.contacts:
-            _, r = self.separation(contact, m)
-            U, _ = contact.energy_and_slope(r, np.searchsorted(contact.breaks, r, side="right"))
-            e.contact += float(U[~contact.within].sum())
-            for u, (i, _, within) in zip(U, contact.pairs, strict=True):
-                e.stored += u * self.member[i] if within else 0.0
-        for wavenumber, amplitude in self.fields:
-            e.field -= float(np.sum(amplitude * np.cos(wavenumber * m.r1[0])))
-        stretch = m.r2 @ self.spring_D - self.spring_rest
-        e.stored += (0.5 * self.spring_k * dot(stretch, stretch)) @ self.spring_member
-        stretch = m.r2[:, self.owner] - m.s
-        e.stored += (0.5 * self.bath_k * dot(stretch, stretch)) @ self.bath_member
-        return e
-
-    def delta_k_trans(self, d_v: np.ndarray) -> np.ndarray:
-        """1/2 M (v^2 - v0^2), from v - v0."""
-        return self.M * (dot(self.v0, d_v) + 0.5 * dot(d_v, d_v))
-
-    def delta_e_int(self, omega: Any, nu: Any, d_twist: Any) -> np.ndarray:
-        """e_int now less e_int at the start."""
-        spin = self.inertia * (omega**2 - self.omega0**2) + self.i2 * (nu**2 - self.nu0**2)
-        return 0.5 * (spin + self.kappa * d_twist * (2.0 * self.twist0 + d_twist))
-
-    # --- changes of formula at a cutoff ------------------------------------------------------
-
-    def set_regions(self, t: float, y: np.ndarray) -> None:
-        """Fix each pair's region; a pair just at a break belongs to the side that it moves to."""
-        m = self.motion(t, y)
-        for contact in self.contacts:
-            if len(contact.breaks):
-                d, r = self.separation(contact, m)
-                drift = dot(d[:2], m.v1 @ contact.D) / r
-                ahead = r.copy()
-                for x in contact.breaks:
-                    at = np.abs(r - x) < 1e-11 * x
-                    ahead[at] = x * (1.0 + 1e-11 * np.sign(drift[at]))
-                contact.region = np.searchsorted(contact.breaks, ahead, side="right")
-
-    def gap(self, c: int, pair: int, x: float, t: float, y: np.ndarray) -> tuple[float, float]:
-        """How far a pair of contact c is beyond the distance x, and how fast that grows."""
-        m = self.motion(t, y)
-        d, r = self.separation(self.contacts[c], m)
-        drift = dot(d[:2], m.v1 @ self.contacts[c].D) / r
-        return float(r[pair] - x), float(drift[pair])
-
-    def changed(self, t: float, y: np.ndarray) -> list[tuple[int, int, float]]:
-        """(contact, pair, break) of all pairs that are no longer in the region set for them."""
-        m = self.motion(t, y)
-        found = []
-        for c, contact in enumerate(self.contacts):
-            if len(contact.breaks):
-                _, r = self.separation(contact, m)
-                region = np.searchsorted(contact.breaks, r, side="right")
-                for p in np.flatnonzero(region != contact.region):
-                    outward = region[p] > contact.region[p]
-                    x = contact.breaks[contact.region[p] - (0 if outward else 1)]
-                    found.append((c, int(p), float(x)))
-        return found
-
-
-def run_to(model: Model, t: float, y: np.ndarray, t_end: float, rtol: float, atol: Any) -> Any:
-    """The state at t_end (either side of t), regions kept as they are."""
-    if t_end == t:
-        return y
-    solver = DOP853(model.rhs, t, y, t_end, rtol=rtol, atol=atol, first_step=abs(t_end - t))
-    while solver.status == "running":
-        solver.step()
-    if solver.status == "failed":
-        raise RuntimeError(f"step underflow at t = {solver.t!r}")
-    return solver.y
-
-
-def first_change(model: Model, times: np.ndarray, dense: Any) -> tuple[float, Any] | None:
-    """The time in this step at which a pair first leaves its region, and which (or None)."""
-    for a, b in pairwise(times):
-        crossings = []
-        for c, p, x in model.changed(b, dense(b)):
-
-            def gap(t: float, c: int = c, p: int = p, x: float = x) -> float:
-                return model.gap(c, p, x, t, dense(t))[0]
-
-            crossed = gap(a) * gap(b) < 0.0
-            crossings.append((brentq(gap, a, b, xtol=1e-14) if crossed else b, (c, p, x)))
-        if crossings:
-            return min(crossings)
-    return None
-
-
-def integrate(model: Model, rtol: float, atol: Any, dense: int) -> tuple[np.ndarray, np.ndarray]:
-    """States from 0 to the end at every step and `dense` times inside it, rows of the result."""
-    t, y, h = 0.0, model.start(), None
-    T, ts, ys = model.duration, [0.0], [y]
-    watched = any(len(c.breaks) for c in model.contacts)
-    while t < T:
-        model.set_regions(t, y)
-        h = None if h is None else min(h, T - t)
-        solver = DOP853(
-            model.rhs, t, y, T, rtol=rtol, atol=atol, max_step=model.max_step, first_step=h
+    def solve(
+        self, precision: str, tolerance: float, rows: int, most: float
+    ) -> tuple[np.ndarray, Info]:
+        """All numbers that are recorded, a row for each time."""
+        arrays, kept = Arrays(), []
+        for count, name in zip(Arrays.COUNTS, Arrays.TABLES, strict=True):
+            table = np.ascontiguousarray(self.rows[name], float)
+            kept.append(table)
+            setattr(arrays, count, len(table))
+            setattr(arrays, name, table.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
+        box = self.scene.get("periodic", {})
+        arrays.box_x, arrays.box_z = (float(box.get(axis, 0.0)) for axis in "xz")
+        n, surfaces = sum(self.counts), len(self.counts)
+        out, info = np.zeros((self.t.size, n * WIDTH + 4 * surfaces + 3)), Info()
+        pointer = ctypes.POINTER(ctypes.c_double)
+        status = library(precision)(
+            ctypes.byref(arrays),
+            self.t.size,
+            self.t.ctypes.data_as(pointer),
+            tolerance,
+            rows,
+            most,
+            out.ctypes.data_as(pointer),
+            ctypes.byref(info),
         )
-        while solver.status == "running":
-            y_old = solver.y
-            solver.step()
-            if solver.status == "failed":
-                raise RuntimeError(f"step underflow at t = {solver.t!r}")
-            t_old, t, y, h = solver.t_old, solver.t, solver.y, solver.step_size
-            inner = solver.dense_output() if watched or dense else None
-            times = np.linspace(t_old, t, 2 + max(dense, 4 if watched else 0))
-            change = first_change(model, times, inner) if watched else None
-            if change:
-                t, (c, p, x) = change
-                y = run_to(model, t_old, y_old, t, rtol, atol)
-                for _ in range(2):  # polish the time of the crossing
-                    gap, drift = model.gap(c, p, x, t, y)
-                    if 0.0 < abs(gap) < 1e-3 * h * abs(drift):
-                        y = run_to(model, t, y, t - gap / drift, rtol, atol)
-                        t -= gap / drift
-            if dense:
-                times = times[(times > t_old) & (times < t)]
-                ts += list(times)
-                ys += list(inner(times).T) if len(times) else []
-            ts.append(t)
-            ys.append(y)
-            if change:
-                break
-    return np.array(ts), np.array(ys)
+        if status:
+            raise UnsolvedError(STATUSES[status], info)
+        return out, info
 
+    def named(self, out: np.ndarray) -> tuple[dict, dict, dict]:
+        """Rows of numbers by surface and quantity."""
+        n = sum(self.counts)
+        each = self._of_asperites(out)
+        surfaces, blocks, start = {}, {}, 0
+        for k, (name, count) in enumerate(zip(self.names, self.counts, strict=True)):
+            absent = () if name in self.fields_on else ("w_field", "w_field_ps")
+            absent += () if name in self.reservoirs else ("w_T", "w_T_ps", "heat")
+            surfaces[name] = {
+                q: each[:, start : start + count, i]
+                for i, q in enumerate(QUANTITIES)
+                if q not in absent
+            }
+            first = n * WIDTH + 4 * k
+            blocks[name] = {q: out[:, first + i] for i, q in enumerate(BLOCK)}
+            start += count
+        system = {q: out[:, i - 3] for i, q in enumerate(SYSTEM)}
+        return surfaces, blocks, system
 
-def scales_of_state(model: Model, ys: np.ndarray) -> list[float]:
-    """What displacements, velocities and accounts reach: the scales for absolute tolerances."""
-    angles, places, rates, speeds, accounts = (
-        float(np.abs(part).max()) for part in np.split(ys, np.cumsum(model.sizes())[:-1], axis=1)
-    )
-    rod = float(model.length.max())
-    displacement, velocity = max(places, rod * angles), max(speeds, rod * rates)
-    kinds = [displacement / rod, displacement, velocity / rod, velocity, accounts]
-    return [kind or 1.0 for kind in kinds]
+    def beside(self, out: np.ndarray) -> dict[str, np.ndarray]:
+        """The velocities of bobs and the forces, (times, asperites), all surfaces together."""
+        each = self._of_asperites(out)[:, :, len(QUANTITIES) :]
+        return {name: each[:, :, i] for i, name in enumerate(BESIDE)}
 
+    def _of_asperites(self, out: np.ndarray) -> np.ndarray:
+        n = sum(self.counts)
+        return out[:, : n * WIDTH].reshape(-1, n, WIDTH)
 
-def tolerances(model: Model, kinds: list[float], factor: float) -> np.ndarray:
-    """One absolute tolerance per component of the state."""
-    return factor * np.repeat(kinds, model.sizes())
+    def internal(self, surfaces: dict[str, dict[str, np.ndarray]]) -> float:
+        """The largest internal energy of an asperite."""
+        highest, rows = 0.0, np.array(self.rows["asperites"])[:, : len(PARAMETERS) + 1]
+        for table in surfaces.values():
+            own, rows = rows[: table["theta"].shape[1]].T, rows[table["theta"].shape[1] :]
+            a = dict(zip((*PARAMETERS, "down"), own, strict=True))
+            reduced = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
+            twist = table["theta"] - np.where(a["down"] > 0.0, 0.0, np.pi) - table["phi"]
+            soft = np.where(np.isfinite(a["kappa"]), a["kappa"], 0.0)
+            doubled = reduced * a["length"] ** 2 * table["omega"] ** 2 + soft * twist**2
+            doubled += np.where(np.isfinite(a["i2"]), a["i2"], 0.0) * table["nu"] ** 2
+            highest = max(highest, 0.5 * float(np.max(doubled)))
+        return highest
 
+    def scales(self, out: np.ndarray) -> dict[str, float]:
+        """One scale for each kind of quantity, the largest over asperites and the run."""
+        surfaces, blocks, system = self.named(out)
 
-def accuracy_scales(model: Model, ys: np.ndarray) -> dict[str, float]:
-    """One scale per kind of quantity, the largest over all asperites and the run."""
-    mean = model.V0.mean(axis=1)[:, None]
-    rate = velocity = energy = 0.0
-    for y in ys:
-        m = model.motion(0.0, y)
-        rate = max(rate, np.abs(m.omega).max(), np.abs(m.nu).max())
-        velocity = max(velocity, np.hypot(*(m.v1 - mean)).max())
-        w = accounts_of(model, m.accounts)
-        d_e = model.delta_e_int(m.omega, m.nu, m.d_theta - m.d_phi)
-        w["k"], w["e"] = model.delta_k_trans(m.d_v), d_e
-        del w["wL_ps"], w["wR_ps"]
-        energy = max(energy, max(np.abs(values).max() for values in w.values()))
-    return {
-        "angle": 1.0,
-        "rate": float(rate),
-        "length": float(model.length.max()),
-        "velocity": float(velocity),
-        "energy": float(energy),
-        "total": float(energy),  # at least
-    }
+        def top(tables: list[dict[str, np.ndarray]], kind: str) -> float:
+            values = [v for table in tables for q, v in table.items() if kind_of(q) == kind]
+            return max(float(np.max(np.abs(v))) for v in values)
 
-
-def accounts_of(model: Model, accounts: np.ndarray) -> dict[str, np.ndarray]:
-    """Every work and pseudowork of every asperite, and their sums w and w_ps."""
-    names = [f"w{k}" for k in FORCES] + [f"w{k}_ps" for k in FORCES]
-    table = accounts[: 12 * model.n].reshape(12, model.n)
-    w = dict(zip(names, table, strict=True))
-    w["w"], w["w_ps"] = table[:6].sum(axis=0), table[6:].sum(axis=0)
-    return w
-
-
-def solve(scene: dict, rtol: float = 1e-12, atol_factor: float = 1e-13) -> dict:
-    """The end state of a scene, as `tribo run --json` names it, and the scales of its accuracy.
-
-    scene: what tomllib gives for a scene file. atol_factor: the absolute tolerance of each kind of
-    component, relative to what that kind reaches in the run (found by a run at lower accuracy).
-    """
-    model = Model(scene)
-    m0 = model.motion(0.0, model.start())
-    for contact in model.contacts:
-        if len(contact.pairs) and model.separation(contact, m0)[1].min() == 0.0:
-            raise ValueError("two bobs coincide at the start")
-
-    kinds, wanted = [1.0] * 5, 1e-7
-    for _ in range(4):
-        atol = tolerances(model, kinds, wanted)
-        _, ys = integrate(model, 1e-6, atol, dense=0)
-        tried, kinds = kinds, scales_of_state(model, ys)
-        if all(wanted * a <= 1e-3 * b for a, b in zip(tried, kinds, strict=True)):
-            break
-    atol = tolerances(model, kinds, atol_factor)
-    _, ys = integrate(model, rtol, atol, dense=4)
-    return report(model, m0, ys)
-
-
-def report(model: Model, m0: SimpleNamespace, ys: np.ndarray) -> dict:
-    """The end state under the names of the scene-file page."""
-    m = model.motion(model.duration, ys[-1])
-    w = accounts_of(model, m.accounts)
-    d_k = model.delta_k_trans(m.d_v)
-    d_e = model.delta_e_int(m.omega, m.nu, m.d_theta - m.d_phi)
-    values = {
-        **{name: getattr(m, name) for name in ("theta", "phi", "omega", "nu")},
-        **dict(zip(("x_cm", "y_cm", "vx_cm", "vy_cm"), (*m.r, *m.v), strict=True)),
-        **dict(zip(("x_bob", "y_bob", "x_bar", "y_bar"), (*m.r1, *m.r2), strict=True)),
-        **{name: w[name] for name in ("w1", "w2", "wL", "wR", "w_int", "w")},
-        **{name: w[name] for name in (*REPORTED_PS, "w_ps")},
-        "delta_k_trans": d_k,
-        "delta_e_int": d_e,
-    }
-    field = {name: w[name] for name in ("w_field", "w_field_ps")}
-
-    before, after = model.potentials(m0), model.potentials(m)
-    d_V = model.departure_of_v(m)
-    d_K = model.M_tot * (dot(model.V0, d_V) + 0.5 * dot(d_V, d_V))
-    bath = model.bath_m * (dot(model.bath_v0, m.d_u) + 0.5 * dot(m.d_u, m.d_u))
-    d_E = (d_k + d_e) @ model.member + bath @ model.bath_member + after.stored - before.stored
-    d_E_int = d_E - d_K
-
-    end: dict[str, Any] = {"surfaces": {}, "blocks": {}}
-    S = len(model.surfaces)
-    W, W_ps = m.accounts[12 * model.n :][:S], m.accounts[12 * model.n + S :][:S]
-    for s, (surface, part) in enumerate(zip(model.surfaces, model.slices, strict=True)):
-        shown = values | field if model.has_field[s] else values
-        end["surfaces"][surface.name] = {k: [float(x) for x in v[part]] for k, v in shown.items()}
-        end["blocks"][surface.name] = {
-            "W": float(W[s]),
-            "W_ps": float(W_ps[s]),
-            "delta_K": float(d_K[s]),
-            "delta_E_int": float(d_E_int[s]),
+        beside = self.beside(out)
+        velocity = np.stack([beside["vx_bob"], beside["vy_bob"]], axis=2)
+        mean = np.mean([row[:2] for row in self.rows["surface"]], axis=0)
+        energy = top(list(surfaces.values()), "energy")
+        totals = [*blocks.values(), {q: system[q] for q in SYSTEM[1:]}]
+        return {
+            "internal": self.internal(surfaces),
+            "angle": 1.0,
+            "rate": top(list(surfaces.values()), "rate"),
+            "length": max(row[3] for row in self.rows["asperites"]),
+            "velocity": float(np.max(np.hypot(*np.moveaxis(velocity - mean, 2, 0)))),
+            "energy": energy,
+            "total": max(energy, top(totals, "total")),
         }
-    change = d_E.sum() + after.contact - before.contact + after.field - before.field
-    end["system"] = {
-        "contact_energy": after.contact,
-        "total_energy_change": float(change),
-        "applied_work": float(m.accounts[-1]),
-    }
-    end["scales"] = accuracy_scales(model, ys)
-    return end

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import tribo
-from support.reference_precise import SMALL, Solution, Tables, UnsolvedError, kind_of, solve
+from support.reference import SMALL, Solution, Tables, UnsolvedError, kind_of, solve
 from tribo.accuracy.weak_works import LOST
 from tribo.model.scene_file import scene_from
 

@@ -5,22 +5,26 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
-from tribo import atlas
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, answer, report_by
+
+if TYPE_CHECKING:
+    from tribo.atlas import Row
 
 
 def run_atlas(options: argparse.Namespace) -> int:
     """Run the scenes and print the table; the exit status."""
+    from tribo import atlas
+
     entries = atlas.chosen(options.names)
     # With --json, the lines show the progress on a terminal.
     lines = sys.stderr if options.json else sys.stdout
     shown = not options.json or lines.isatty()
-    rows: list[atlas.Row] = []
+    rows: list[Row] = []
 
-    def report() -> None:
-        """Print what was reached where an interrupt ends the program."""
+    def report() -> None:  # what was reached where an interrupt ends the program
         print(f"tribo: interrupted after {len(rows)} of {len(entries)} scenes", file=sys.stderr)
         _print(options, rows, len(entries))
 
@@ -39,7 +43,7 @@ def run_atlas(options: argparse.Namespace) -> int:
     return _print(options, rows, len(entries))
 
 
-def _print(options: argparse.Namespace, rows: list[atlas.Row], count: int) -> int:
+def _print(options: argparse.Namespace, rows: list[Row], count: int) -> int:
     """Print the rows of `count` scenes, or how many ended as declared; the exit status."""
     declared = sum(one.as_declared for one in rows)
     if options.json:

@@ -33,9 +33,8 @@ def add_bundle(bundle: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo bundle`."""
     files = "a scene file, whose plug-ins and data are added, a result, or any other file"
     bundle.add_argument("files", nargs="+", type=Path, metavar="FILE", help=files)
-    bundle.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help="the archive to write"
-    )
+    out = "the archive to write"
+    bundle.add_argument("-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help=out)
     bundle.set_defaults(command=_bundle)
 
 
@@ -50,12 +49,21 @@ def _bundle(options: argparse.Namespace) -> int:
             if contents.setdefault(name, content) != content or name in (MANIFEST, SUMS):
                 raise InputError(str(path), f"would be a second {name} in the archive; rename it")
             described[name] = _about(name, content)
-    _refuse_names_that_differ_in_case(contents)
+    seen: dict[str, str] = {}
+    for name in contents:  # some file systems would unpack one file only
+        if (other := seen.setdefault(name.lower(), name)) != name:
+            raise InputError(name, f"differs from {other} in case alone; rename one of them")
     manifest = {"made_with": versions(), "files": described}
     contents[MANIFEST] = (strict_json(manifest) + "\n").encode()
     sums = [f"{_sha256(content)}  {name}\n" for name, content in contents.items()]
     contents[SUMS] = "".join(sums).encode()
-    replace_file(options.out, _archive(contents))
+    image = io.BytesIO()
+    with zipfile.ZipFile(image, "w") as archive:
+        for name, content in contents.items():
+            entry = zipfile.ZipInfo(name, NO_DATE)
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
+    replace_file(options.out, image.getvalue())
     print(options.out)
     return COMPLETED
 
@@ -64,7 +72,7 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
     """A file under its name in the archive, then the files that its scene names."""
     content = _read(path)
     yield path.name, content
-    text = _scene_in(path, content)
+    _, text = _attributes_and_scene(path.name, content)
     if text is None:
         return
     if path.suffix.lower() == NETCDF:
@@ -82,36 +90,31 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
             yield named.as_posix() if inside else named.name, _read(found)
 
 
-def _scene_in(path: Path, content: bytes) -> str | None:
-    """The text of the scene in a scene file or a result; None if there is none."""
-    if path.suffix.lower() == ".toml":
-        return content.decode("utf-8")
-    scene = _attributes(path.name, content).get("scene")
-    return scene if isinstance(scene, str) else None
-
-
-def _attributes(name: str, content: bytes) -> dict[str, Any]:
-    """The attributes of a NetCDF file, {} of others."""
+def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], str | None]:
+    """The attributes of a NetCDF file, {} of others; the text of the scene in the file, if any."""
+    if name.lower().endswith(".toml"):
+        return {}, content.decode("utf-8")
     if not name.lower().endswith(NETCDF):
-        return {}
+        return {}, None
     import h5py
 
     try:
         with h5py.File(io.BytesIO(content)) as file:
-            return dict(file.attrs)
+            attributes = dict(file.attrs)
     except OSError as error:
         raise InputError(name, f"is no NetCDF file that tribo has written ({error})") from None
+    scene = attributes.get("scene")
+    return attributes, scene if isinstance(scene, str) else None
 
 
 def _about(name: str, content: bytes) -> dict[str, Any]:
     """The entry of a file in the manifest."""
-    attributes = _attributes(name, content)
+    attributes, scene = _attributes_and_scene(name, content)
     about: dict[str, Any] = {"bytes": len(content), "sha256": _sha256(content)}
     about |= {key: str(attributes[key]) for key in ATTRIBUTES if key in attributes}
     about |= {key: json.loads(attributes[key]) for key in ATTRIBUTES_IN_JSON if key in attributes}
-    text = content.decode("utf-8") if name.endswith(".toml") else attributes.get("scene")
-    if isinstance(text, str):
-        about["seed"] = tomllib.loads(text).get("seed", 0)
+    if scene is not None:
+        about["seed"] = tomllib.loads(scene).get("seed", 0)
     return about
 
 
@@ -119,11 +122,8 @@ def _strings(value: object) -> Iterator[str]:
     """All texts in a table."""
     if isinstance(value, str):
         yield value
-    elif isinstance(value, dict):
-        for item in value.values():
-            yield from _strings(item)
-    elif isinstance(value, list):
-        for item in value:
+    elif isinstance(value, (dict, list)):
+        for item in value.values() if isinstance(value, dict) else value:
             yield from _strings(item)
 
 
@@ -134,25 +134,5 @@ def _read(path: Path) -> bytes:
         raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
 
 
-def _refuse_names_that_differ_in_case(names: dict[str, bytes]) -> None:
-    """Raise InputError: some file systems would unpack one file only."""
-    seen: dict[str, str] = {}
-    for name in names:
-        other = seen.setdefault(name.lower(), name)
-        if other != name:
-            raise InputError(name, f"differs from {other} in case alone; rename one of them")
-
-
 def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _archive(contents: dict[str, bytes]) -> bytes:
-    """The bytes of a ZIP file."""
-    image = io.BytesIO()
-    with zipfile.ZipFile(image, "w") as archive:
-        for name, content in contents.items():
-            entry = zipfile.ZipInfo(name, NO_DATE)
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
-    return image.getvalue()

@@ -9,29 +9,36 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from tribo import __version__
+from tribo.interrupts import COMPLETED, STOPPED
 from tribo.system import available_cores
 
 # Libraries whose versions matter for results and speed.
 LIBRARIES = ("numpy", "numba", "llvmlite", "scipy", "xarray", "h5py", "matplotlib", "ase")
-
 # Work on the upper asperite at the end of the paper's case A [energy].
 KNOWN_WORK = 0.519665
-
 # Accuracy of the run that is compared with it.
 ACCURACY = 1e-8
-
 # Largest difference from the known work: a unit of its last digit.
 TOLERANCE = 1e-6
 
 
-def run_doctor(options: argparse.Namespace) -> int:
-    """Print versions, the machine and a known run; the exit status."""
-    del options
+def run_doctor(_: argparse.Namespace) -> int:
+    """Print versions, the machine, and whether the paper's case A gives its known work."""
+    from tribo.paper import scene
+    from tribo.simulation import simulate
+
     for name, value in (*versions().items(), *_machine().items()):
         print(f"{name:<12} {value}")
-    healthy, report = _known_run()
-    print(f"{'known run':<12} {report}")
-    return 0 if healthy else 1
+    result = simulate(scene("A"), accuracy=ACCURACY)
+    work, cost = float(result.end["surfaces"]["upper"]["w"][0]), result.cost
+    healthy = abs(work - KNOWN_WORK) < TOLERANCE
+    agrees = "agrees with" if healthy else "DIFFERS from"
+    print(
+        f"{'known run':<12} case A in {1e3 * cost.wall_seconds:.3g} ms, "
+        f"{cost.compile_seconds:.2g} s to compile or load; "
+        f"its work {work:.6f} {agrees} {KNOWN_WORK}"
+    )
+    return COMPLETED if healthy else STOPPED
 
 
 def versions() -> dict[str, str]:
@@ -57,19 +64,3 @@ def _machine() -> dict[str, str]:
         place = os.path.commonpath(folders)
         found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
     return {"cores": str(available_cores()), "cache": found}
-
-
-def _known_run() -> tuple[bool, str]:
-    """Whether the paper's case A gives its known work, and its times in words."""
-    from tribo.paper import scene
-    from tribo.simulation import simulate
-
-    result = simulate(scene("A"), accuracy=ACCURACY)
-    work = float(result.end["surfaces"]["upper"]["w"][0])
-    healthy = abs(work - KNOWN_WORK) < TOLERANCE
-    agrees = "agrees with" if healthy else "DIFFERS from"
-    cost = result.cost
-    return healthy, (
-        f"case A in {1e3 * cost.wall_seconds:.3g} ms, {cost.compile_seconds:.2g} s to compile or "
-        f"load; its work {work:.6f} {agrees} {KNOWN_WORK}"
-    )

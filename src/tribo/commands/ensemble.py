@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +22,7 @@ from tribo.commands.scene_options import (
     split,
 )
 from tribo.ensembles.engines import Engine
-from tribo.ensembles.members import Distribution, Source, draws_of
-from tribo.ensembles.sampling import Sampler
+from tribo.ensembles.members import Distribution, Sampler, Source, draws_of
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
@@ -33,9 +32,6 @@ from tribo.validation import InputError, inside, integer, must_be
 
 if TYPE_CHECKING:
     import xarray
-
-# What a summary has of each quantity that is kept.
-COLUMNS = ("mean", "deviation")
 
 # The form of an argument of --vary.
 VARIED = re.compile(r"\s*(?P<key>[^=\s]+)\s*=\s*(?P<name>\w+)\((?P<numbers>[^()]*)\)\s*")
@@ -48,42 +44,7 @@ FORM = (
 )
 
 
-def _normal(mean: float, deviation: float) -> Distribution:
-    from scipy import stats
-
-    _check(deviation > 0.0)
-    return stats.norm(mean, deviation)
-
-
-def _uniform(low: float, high: float) -> Distribution:
-    from scipy import stats
-
-    _check(low < high)
-    return stats.uniform(low, high - low)
-
-
-def _grid(first: float, last: float, points: float) -> np.ndarray:
-    _check(points >= 1 and points == int(points))
-    return np.linspace(first, last, int(points))
-
-
-def _check(right: bool) -> None:
-    if not right:
-        raise ValueError
-
-
-# What can be given for a key, by name.
-SOURCES: dict[str, Callable[..., Distribution | SwingStates | np.ndarray]] = {
-    "normal": _normal,
-    "uniform": _uniform,
-    "grid": _grid,
-    "canonical": Canonical,
-    "microcanonical": Microcanonical,
-    "energy_ball": EnergyBall,
-}
-
-
-def varied(texts: Sequence[str]) -> dict[str, Source]:
+def _all_varied(texts: Sequence[str]) -> dict[str, Source]:
     """Keys and their distributions, from texts as "upper.theta=normal(0,0.1)", or points of a grid.
 
     Raises InputError.
@@ -100,15 +61,33 @@ def varied(texts: Sequence[str]) -> dict[str, Source]:
 
 def _varied(text: str) -> tuple[str, Distribution | SwingStates | np.ndarray]:
     found = VARIED.fullmatch(text)
-    try:
-        assert found is not None
-        source = SOURCES[found["name"]](*map(float, found["numbers"].split(",")))
-    except (AssertionError, ValueError, KeyError, TypeError):
-        raise must_be("--vary", FORM, text) from None
-    return found["key"], source
+    if found is not None:
+        with suppress(ValueError):
+            return found["key"], _source(found["name"], *map(float, found["numbers"].split(",")))
+    raise must_be("--vary", FORM, text)
 
 
-def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int) -> Sampler:
+def _source(name: str, *numbers: float) -> Distribution | SwingStates | np.ndarray:
+    """What a name with numbers stands for.  Raises ValueError."""
+    from scipy import stats
+
+    match name, numbers:
+        case "normal", (mean, deviation) if deviation > 0.0:
+            return stats.norm(mean, deviation)
+        case "uniform", (low, high) if low < high:
+            return stats.uniform(low, high - low)
+        case "grid", (first, last, points) if points >= 1 and points == int(points):
+            return np.linspace(first, last, int(points))
+        case "canonical", (temperature,):
+            return Canonical(temperature)
+        case "microcanonical", (energy,):
+            return Microcanonical(energy)
+        case "energy_ball", (energy,):
+            return EnergyBall(energy)
+    raise ValueError
+
+
+def _sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int) -> Sampler:
     """A sampler of scipy.stats.qmc by the name that the command line has for it.
 
     Raises InputError if there is nothing to draw.
@@ -119,19 +98,17 @@ def sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int
         numbers = sum(draw.dimensions for draw in draws_of(scene, vary).values())
     if numbers == 0:
         raise InputError("--sampler", "needs distributions in --vary, as normal(0,0.1)")
-    kinds: dict[str, Callable[..., Sampler]] = {
-        "sobol": qmc.Sobol,
-        "latin-hypercube": qmc.LatinHypercube,
-    }
-    return kinds[name](numbers, rng=np.random.default_rng(seed))
+    kinds = {"sobol": qmc.Sobol, "latin-hypercube": qmc.LatinHypercube}
+    sampler: Sampler = kinds[name](numbers, rng=np.random.default_rng(seed))
+    return sampler
 
 
 def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
     """The arguments of ensembles and sweeps that the options give.  Raises InputError."""
     check_files(options)
-    vary, sampler = varied(options.vary), None
+    vary, sampler = _all_varied(options.vary), None
     if options.sampler is not None:
-        sampler = sampler_named(options.sampler, scene, vary, options.seed)
+        sampler = _sampler_named(options.sampler, scene, vary, options.seed)
     names = ("members", "at", "statistics", "out", "resume", "threads", "seed")
     widths = (split("--half-width", text) for text in options.half_width)
     half_width = {name: as_number(f"--half-width {name}", size) for name, size in widths}
@@ -164,8 +141,8 @@ def run_ensemble(options: argparse.Namespace) -> int:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
     if options.figure is not None:
         _draw(data, settings["keep"], options.figure)
-    found = summary(data, options.out)
-    print(strict_json(found) if options.json else in_words(found))
+    found = _summary(data, options.out)
+    print(strict_json(found) if options.json else _in_words(found))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 
@@ -175,7 +152,7 @@ def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
 
     known = [str(name) for name in data.data_vars if "member" in data[name].dims]
     works = [name for name in known if name.endswith(".W")]
-    name = next(name for name in (keep or works or known))
+    name = next(iter(keep or works or known))
     values = data[name if name in data else f"{name}_end"]
     values = values.isel(time=-1) if "time" in values.dims else values
     if values.size != data.sizes["member"]:
@@ -186,7 +163,7 @@ def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
         save(histogram(values.values.ravel(), f"{name} at the end"), path)
 
 
-def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
+def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
     """What a command prints: the members by status, and means at the end.
 
     After an interrupt they are those of the finished members, unless these are in a file.
@@ -206,13 +183,13 @@ def summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
         counts = json.loads(attributes["members"])
         # To read all members of an ensemble that was interrupted from a file takes long.
         names = json.loads(attributes["keep"]) if finished or out is None else []
-        table = {name: dict(zip(COLUMNS, _moments(data, name), strict=True)) for name in names}
+        table = {name: _moments(data, name) for name in names}
     status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
     head = {"status": status, "n": wanted, "members": counts, "quantities": table}
     return {**head, "notes": notes, **rest}
 
 
-def in_words(found: Mapping[str, Any]) -> str:
+def _in_words(found: Mapping[str, Any]) -> str:
     """A summary as lines."""
     members, table = found["members"], found["quantities"]
     lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
@@ -227,7 +204,7 @@ def in_words(found: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _moments(data: xarray.Dataset, name: str) -> tuple[float, float]:
+def _moments(data: xarray.Dataset, name: str) -> dict[str, float]:
     """Mean and standard deviation of a quantity at the end, over members and asperites.
 
     Members are a sample, of n with n - 1 degrees of freedom; a surface has no other asperites.
@@ -238,7 +215,8 @@ def _moments(data: xarray.Dataset, name: str) -> tuple[float, float]:
     else:
         values = data[name if name in data.data_vars else f"{name}_end"].isel(end)
         means, variances = values.mean("member"), values.var("member", ddof=1)
-    return float(means.mean()), float(np.sqrt(variances.mean() + means.var()))
+    deviation = np.sqrt(variances.mean() + means.var())
+    return {"mean": float(means.mean()), "deviation": float(deviation)}
 
 
 def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:
@@ -246,6 +224,5 @@ def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:
     table = {}
     for name in map(str, data.data_vars):
         if name.endswith("_half_width") and f"{(of := name[:-11])}_mean" in data:
-            numbers = {what: float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width")}
-            table[of] = numbers
+            table[of] = {what: float(data[f"{of}_{what}"][-1]) for what in ("mean", "half_width")}
     return table

@@ -44,19 +44,15 @@ def add_completion(
     commands: Iterable[argparse.ArgumentParser],
 ) -> None:
     """Add the arguments of `tribo completion`, for a parser and its commands."""
-    completion.add_argument("shell", choices=SHELLS, help="the shell that reads the script")
-    completion.set_defaults(command=lambda options: _print_script(options.shell, parser, commands))
 
+    def print_script(options: argparse.Namespace) -> int:
+        import shtab
 
-def _print_script(
-    shell: str, parser: argparse.ArgumentParser, commands: Iterable[argparse.ArgumentParser]
-) -> int:
-    """Print the script for a shell; options that take paths complete names of files."""
-    import shtab
-
-    for command in commands:
-        for action in command._actions:
-            if action.type is Path:
+        for action in (action for command in commands for action in command._actions):
+            if action.type is Path:  # completes names of files
                 action.complete = shtab.FILE  # type: ignore[attr-defined]
-    print(shtab.complete(parser, shell))
-    return 0
+        print(shtab.complete(parser, options.shell))
+        return 0
+
+    completion.add_argument("shell", choices=SHELLS, help="the shell that reads the script")
+    completion.set_defaults(command=print_script)

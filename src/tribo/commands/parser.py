@@ -5,28 +5,33 @@ from __future__ import annotations
 import argparse
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
+from tribo.commands.accuracy import run_accuracy
+from tribo.commands.atlas import run_atlas
 from tribo.commands.bundle import add_bundle
 from tribo.commands.doctor import run_doctor
 from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.scene_options import (
-    add_figure,
-    add_json,
     add_many_runs,
+    add_output,
     add_scene,
-    add_set,
     check_figure,
     load_with_values,
     parsed,
     split,
 )
+from tribo.commands.sweep import run_sweep
 from tribo.commands.view import add_play, add_view
 from tribo.files import checked_target, strict_json
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
+
+# Adds a command: its name, its purpose, and the function that runs it, unless its own file adds it.
+Add = Callable[..., argparse.ArgumentParser]
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -50,122 +55,93 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"tribo {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def command(name: str, purpose: str) -> argparse.ArgumentParser:
+    def add(
+        name: str, purpose: str, run: Callable[[argparse.Namespace], int] | None = None
+    ) -> argparse.ArgumentParser:
         sentence = f"{purpose[0].upper()}{purpose[1:]}."
-        return commands.add_parser(name, help=purpose, description=sentence)
+        command = commands.add_parser(name, help=purpose, description=sentence)
+        command.set_defaults(command=run)
+        return command
 
-    add_run(command("run", "simulate a scene file, or repeat the run of a file"))
-    _add_sweep(command("sweep", "run a scene with every combination of values"))
-    _add_ensemble(command("ensemble", "run a scene from many starts"))
-    _add_paper(command("paper", "compare the paper's cases with its numbers"))
-    _add_explain(command("explain", "say what a run will do and cost"))
-    _add_accuracy(command("accuracy", "measure the error of each method against its time"))
-    _add_check(command("check", "check a potential and print a report card"))
-    _add_atlas(command("atlas", "run hard scenes and compare with references"))
-    add_view(command("view", "write a page that plays runs in a browser"))
-    add_play(command("play", "change values of a scene in a browser and simulate it again"))
-    _add_plot(command("plot", "draw the file of a run in one figure"))
-    _add_export_lammps(command("export-lammps", "write a scene as input files of LAMMPS"))
-    add_bundle(command("bundle", "pack scenes and results in one archive with checksums"))
-    add_new(command("new", "print or write a commented scene file to start from"))
-    doctor = command("doctor", "print versions, cores, cache and speed")
-    doctor.set_defaults(command=run_doctor)
-    completion = command("completion", "print a script that completes commands")
+    _add_runs(add)
+    _add_others(add)
+    completion = add("completion", "print a script that completes commands")
     add_completion(completion, parser, commands.choices.values())
     return parser
 
 
-def _add_sweep(sweep: argparse.ArgumentParser) -> None:
-    add_scene(sweep)
-    sweep.add_argument(
-        "--set",
-        action="append",
-        required=True,
-        metavar="KEY=VALUES",
-        help="values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
-        "combination is run",
-    )
+def _add_runs(add: Add) -> None:
+    """Add the commands that run scenes and tell what runs take."""
+    add_run(add("run", "simulate a scene file, or repeat the run of a file"))
+
+    sweep = add("sweep", "run a scene with every combination of values", run_sweep)
+    add_scene(sweep, with_set=False)
+    values = "values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
+    values += "combination is run"
+    sweep.add_argument("--set", action="append", required=True, metavar="KEY=VALUES", help=values)
     add_many_runs(sweep, "number of runs at each point (default: one run of the scene itself)")
-    add_figure(sweep, "draw the first quantity against the first key of --set")
-    sweep.set_defaults(command=_sweep)
+    add_output(sweep, figure="draw the first quantity against the first key of --set")
 
-
-def _add_ensemble(ensemble: argparse.ArgumentParser) -> None:
+    ensemble = add("ensemble", "run a scene from many starts", _ensemble)
     add_scene(ensemble)
-    add_set(ensemble)
     add_many_runs(ensemble, "number of members; with grids, by default that of their points")
-    add_figure(
-        ensemble, "draw a histogram of the first name of --keep at the end (default: upper.W)"
-    )
-    ensemble.set_defaults(command=_ensemble)
+    figure = "draw a histogram of the first name of --keep at the end (default: upper.W)"
+    add_output(ensemble, figure=figure)
 
-
-def _add_paper(paper: argparse.ArgumentParser) -> None:
+    paper = add("paper", "compare the paper's cases with its numbers", _paper)
     cases = "case of the paper (default: all)"
     paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
-    add_json(paper, "the comparison")
+    add_output(paper, "the comparison")
     figures = "write the paper's figures to this folder"
     paper.add_argument("--figures", type=Path, metavar="DIR", help=figures)
-    paper.set_defaults(command=_paper)
 
-
-def _add_explain(explain: argparse.ArgumentParser) -> None:
+    explain = add("explain", "say what a run will do and cost", _explain)
     add_scene(explain)
-    add_set(explain)
-    add_json(explain, "the explanation")
-    explain.set_defaults(command=_explain)
+    add_output(explain, "the explanation")
 
-
-def _add_accuracy(accuracy: argparse.ArgumentParser) -> None:
+    accuracy = add("accuracy", "measure the error of each method against its time", run_accuracy)
     add_scene(accuracy)
-    add_set(accuracy)
-    add_json(accuracy, "the rows")
-    add_figure(accuracy, "write a figure of error against time and evaluations")
+    figure = "write a figure of error against time and evaluations"
+    add_output(accuracy, "the rows", figure)
     methods = "methods to compare (default: all)"
     accuracy.add_argument("--methods", nargs="+", metavar="NAME", help=methods)
     observables = 'observables whose errors count, as "upper.W" (default: all)'
     accuracy.add_argument("--observables", nargs="+", metavar="NAME", help=observables)
     seconds = "limit of the time of all runs together (default: 30)"
     accuracy.add_argument("--seconds", type=float, default=30.0, help=seconds)
-    accuracy.set_defaults(command=_accuracy)
 
 
-def _add_plot(plot: argparse.ArgumentParser) -> None:
-    plot.add_argument("file", type=Path, metavar="FILE.nc", help="the file of a run")
-    figure = "the figure to write (default: FILE.png)"
-    plot.add_argument("-o", "--out", type=Path, metavar="FIGURE", help=figure)
-    plot.set_defaults(command=_plot)
-
-
-def _add_check(check: argparse.ArgumentParser) -> None:
+def _add_others(add: Add) -> None:
+    """Add the commands for potentials, hard scenes, pages, figures and files."""
+    check = add("check", "check a potential and print a report card", _check)
     potential = "name of a built-in potential, file.py:Class, or an expression in r"
     check.add_argument("potential", metavar="POTENTIAL", help=potential)
     parameters = "parameters, and cutoff, at_cutoff and switch_from as in [interaction]"
     check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help=parameters)
-    add_json(check, "the report card")
-    add_figure(check, "write a figure of energy, force, and the error of the force")
-    check.set_defaults(command=_check)
+    figure = "write a figure of energy, force, and the error of the force"
+    add_output(check, "the report card", figure)
 
-
-def _add_atlas(atlas: argparse.ArgumentParser) -> None:
+    atlas = add("atlas", "run hard scenes and compare with references", run_atlas)
     scenes = "scenes of the atlas (default: all)"
     atlas.add_argument("names", nargs="*", metavar="NAME", help=scenes)
-    add_json(atlas, "the table")
-    atlas.set_defaults(command=_atlas)
+    add_output(atlas, "the table")
 
+    add_view(add("view", "write a page that plays runs in a browser"))
+    add_play(add("play", "change values of a scene in a browser and simulate it again"))
 
-def _add_export_lammps(export: argparse.ArgumentParser) -> None:
-    add_scene(export)
-    add_set(export)
+    plot = add("plot", "draw the file of a run in one figure", _plot)
+    plot.add_argument("file", type=Path, metavar="FILE.nc", help="the file of a run")
+    figure = "the figure to write (default: FILE.png)"
+    plot.add_argument("-o", "--out", type=Path, metavar="FIGURE", help=figure)
+
+    lammps = add("export-lammps", "write a scene as input files of LAMMPS", _export_lammps)
+    add_scene(lammps)
     folder = "the folder to write to"
-    export.add_argument("-o", "--out", type=Path, required=True, metavar="DIR", help=folder)
-    export.set_defaults(command=_export_lammps)
+    lammps.add_argument("-o", "--out", type=Path, required=True, metavar="DIR", help=folder)
 
-
-def _sweep(options: argparse.Namespace) -> int:
-    from tribo.commands.sweep import run_sweep
-
-    return run_sweep(options)
+    add_bundle(add("bundle", "pack scenes and results in one archive with checksums"))
+    add_new(add("new", "print or write a commented scene file to start from"))
+    add("doctor", "print versions, cores, cache and speed", run_doctor)
 
 
 def _ensemble(options: argparse.Namespace) -> int:
@@ -220,12 +196,6 @@ def _export_lammps(options: argparse.Namespace) -> int:
     return COMPLETED
 
 
-def _accuracy(options: argparse.Namespace) -> int:
-    from tribo.commands.accuracy import run_accuracy
-
-    return run_accuracy(options)
-
-
 def _check(options: argparse.Namespace) -> int:
     from tribo.potentials.tables import from_table
     from tribo.report_card import check
@@ -238,9 +208,3 @@ def _check(options: argparse.Namespace) -> int:
         report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
     return COMPLETED if report.passed else STOPPED
-
-
-def _atlas(options: argparse.Namespace) -> int:
-    from tribo.commands.atlas import run_atlas
-
-    return run_atlas(options)

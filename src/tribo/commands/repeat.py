@@ -63,11 +63,11 @@ def differences(before: Result, after: Result) -> list[Difference]:
         return [Difference("status", np.inf)]
     one, other, none = _series(before), _series(after), np.empty(0)
     pairs = {name: (one.get(name, none), other.get(name, none)) for name in one | other}
-    found = [
-        Difference(name, _largest(*pair))
-        for name, pair in pairs.items()
-        if pair[0].tobytes() != pair[1].tobytes()
-    ]
+    found = []
+    for name, (a, b) in pairs.items():
+        if a.tobytes() != b.tobytes():
+            gap = np.abs(a - b) if a.shape == b.shape else np.inf
+            found.append(Difference(name, float(np.max(gap, initial=0.0))))
     return sorted(found, key=lambda difference: -difference.size)
 
 
@@ -75,9 +75,8 @@ def sentence(before: Result, after: Result, found: list[Difference]) -> str:
     """What differs between a run and its repetition, and why it may."""
     if not found:
         return "repeated, bit for bit"
-    worst = found[0]
-    text = f"not repeated bit for bit: {len(found)} series or values differ, {worst.name} by "
-    text += f"{worst.size:.1e}"
+    worst = f"{found[0].name} by {found[0].size:.1e}"
+    text = f"not repeated bit for bit: {len(found)} series or values differ, {worst}"
     if before.version != after.version:
         return f"{text}; the file is by tribo {before.version}, and this is {after.version}"
     return f"{text}; other versions of numpy and numba, or another CPU, may round differently"
@@ -86,10 +85,3 @@ def sentence(before: Result, after: Result, found: list[Difference]) -> str:
 def _series(result: Result) -> dict[str, np.ndarray]:
     """All series, times and error estimates of a result by name."""
     return {str(name): each.values for name, each in result.to_xarray().variables.items()}
-
-
-def _largest(one: np.ndarray, other: np.ndarray) -> float:
-    """The largest difference of two arrays; inf if they have different shapes."""
-    if one.shape != other.shape:
-        return np.inf
-    return float(np.max(np.abs(one - other), initial=0.0))

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from tribo.commands.scene_options import (
-    add_figure,
     add_files,
-    add_json,
     add_numerics,
+    add_output,
     add_scene,
-    add_set,
     check_figure,
     check_files,
     load_with_values,
     numerics_of,
     parsed,
-    with_samples,
 )
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
-from tribo.validation import InputError, integer
+from tribo.validation import LARGEST_COUNT, InputError, integer
 
 if TYPE_CHECKING:
     from tribo.result import Result
@@ -34,21 +31,14 @@ CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 def add_run(run: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo run`."""
     add_scene(run, "SCENE.toml|FILE.nc")
-    out = (
-        "write all time series as NetCDF; until the run is complete, FILE.part contains its samples"
-    )
-    add_files(run, out, "print the result if FILE is complete")
-    add_json(run, "only the end state")
+    out = "write all time series as NetCDF; until the run is complete, FILE.part contains its "
+    add_files(run, f"{out}samples", "print the result if FILE is complete")
     add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
-    run.add_argument(
-        "--threads",
-        metavar="N",
-        help="threads that share each step of a large surface; the results do not depend on it "
-        "(default: TRIBO_THREADS, or the number of cores)",
-    )
-    add_set(run)
-    add_figure(run, "write a figure of the works on the first surface")
+    threads = "threads that share each step of a large surface; the results do not depend on it "
+    threads += "(default: TRIBO_THREADS, or the number of cores)"
+    run.add_argument("--threads", metavar="N", help=threads)
+    add_output(run, "only the end state", "write a figure of the works on the first surface")
     run.set_defaults(command=_run)
 
 
@@ -60,7 +50,11 @@ def _run(options: argparse.Namespace) -> int:
     else:
         result, same = _simulated(options), True
     if options.figure is not None:
-        _draw(result, options.figure)
+        from tribo.plotting.style import save
+
+        # The works on the first surface, or the swings where works are not kept.
+        has_works = "W" in result.ledger.blocks[result.scene.surfaces[0].name]
+        save(result.plot.work() if has_works else result.plot.angles(), options.figure)
     print(result.to_json() if options.json else result)
     return COMPLETED if result.status == "completed" and same else STOPPED
 
@@ -69,17 +63,19 @@ def _simulated(options: argparse.Namespace) -> Result:
     """The result of a scene file."""
     from tribo.simulation import simulate
 
-    threads, settings = _threads(options), numerics_of(options)
-    scene = with_samples(load_with_values(options), options.samples)
-    files = {"out": options.out, "resume": options.resume}
-    return also_in_part(simulate, scene, **settings, **files, threads=threads)
+    settings: dict[str, Any] = numerics_of(options) | _of_run(options)
+    scene = load_with_values(options)
+    if options.samples is not None:
+        count = integer("--samples", parsed(options.samples), 2, LARGEST_COUNT)
+        scene = replace(scene, output=replace(scene.output, samples=count, times=None))
+    return also_in_part(simulate, scene, **settings)
 
 
-def _threads(options: argparse.Namespace) -> int | None:
-    """The number of threads, if it is given.  Raises InputError."""
-    if options.threads is None:
-        return None
-    return integer("--threads", parsed(options.threads), 1)
+def _of_run(options: argparse.Namespace) -> dict[str, Any]:
+    """The file, and the number of threads if it is given.  Raises InputError."""
+    given = options.threads
+    threads = None if given is None else integer("--threads", parsed(given), 1)
+    return {"out": options.out, "resume": options.resume, "threads": threads}
 
 
 def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
@@ -92,22 +88,7 @@ def _repeated(options: argparse.Namespace) -> tuple[Result, bool]:
             option = f"--{name.replace('_', '-')}"
             raise InputError(option, "cannot go with the file of a run; give a scene file")
     before = load_result(options.scene)
-    result = also_in_part(
-        repeat,
-        before,
-        not options.no_plugins,
-        out=options.out,
-        resume=options.resume,
-        threads=_threads(options),
-    )
+    result = also_in_part(repeat, before, not options.no_plugins, **_of_run(options))
     found = differences(before, result)
     print(f"{options.scene}: {sentence(before, result, found)}", file=sys.stderr)
     return result, not found
-
-
-def _draw(result: Result, path: Path) -> None:
-    """Draw the works on the first surface, or the swings where works are not kept."""
-    from tribo.plotting.style import save
-
-    has_works = "W" in result.ledger.blocks[result.scene.surfaces[0].name]
-    save(result.plot.work() if has_works else result.plot.angles(), path)

@@ -5,25 +5,28 @@ from __future__ import annotations
 import argparse
 import math
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.files import checked_target, netcdf_target
-from tribo.validation import LARGEST_COUNT, InputError, integer, must_be
+from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
     from tribo.model.scene import Scene
 
 
-def add_json(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the output as JSON."""
-    command.add_argument("--json", action="store_true", help=f"print {what} as JSON")
+# Of an option that may be given several times.
+REPEATED: dict[str, Any] = {"action": "append", "default": []}
 
 
-def add_figure(command: argparse.ArgumentParser, meaning: str) -> None:
-    """Add the file of a figure."""
-    command.add_argument("--figure", type=Path, metavar="FILE", help=meaning)
+def add_output(
+    command: argparse.ArgumentParser, json: str | None = None, figure: str | None = None
+) -> None:
+    """Add the output as JSON, of what `json` names, and the file of a figure."""
+    if json is not None:
+        command.add_argument("--json", action="store_true", help=f"print {json} as JSON")
+    if figure is not None:
+        command.add_argument("--figure", type=Path, metavar="FILE", help=figure)
 
 
 def add_files(command: argparse.ArgumentParser, out: str, otherwise: str) -> None:
@@ -41,24 +44,18 @@ def check_files(options: argparse.Namespace) -> None:
         netcdf_target("--out", options.out)
 
 
-def add_scene(command: argparse.ArgumentParser, files: str = "SCENE.toml") -> None:
-    """Add the scene file, and the refusal of code that it names."""
+def add_scene(
+    command: argparse.ArgumentParser, files: str = "SCENE.toml", with_set: bool = True
+) -> None:
+    """Add the scene file, the refusal of code that it names, and values that replace its own."""
     meaning = "the file; code of a plug-in that it names is executed"
     command.add_argument("scene", type=Path, metavar=files, help=meaning)
     meaning = "refuse a scene file that names code"
     command.add_argument("--no-plugins", action="store_true", help=meaning)
-
-
-def add_set(command: argparse.ArgumentParser) -> None:
-    """Add values that replace those of the scene file."""
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="replaces a value of the file, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
-        "'interaction.strength=0.3' or 'duration=20'; may be repeated",
-    )
+    meaning = "replaces a value of the file, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
+    meaning += "'interaction.strength=0.3' or 'duration=20'; may be repeated"
+    if with_set:
+        command.add_argument("--set", metavar="KEY=VALUE", help=meaning, **REPEATED)
 
 
 def add_numerics(command: argparse.ArgumentParser) -> None:
@@ -82,36 +79,24 @@ def numerics_of(options: argparse.Namespace) -> dict[str, Any]:
 def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
     """Add the options of ensembles and sweeps; `members` says what their number is."""
     command.add_argument("--members", type=int, metavar="N", help=members)
-    command.add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="KEY=DISTRIBUTION",
-        help="draw a value for each member, as 'upper.theta=normal(0,0.1)', "
-        "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated",
+    vary = "draw a value for each member, as 'upper.theta=normal(0,0.1)', "
+    vary += (
+        "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated"
     )
-    command.add_argument(
-        "--keep",
-        metavar="NAMES",
-        help="quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
-        "file's, or those of whole surfaces and of the system)",
-    )
+    command.add_argument("--vary", metavar="KEY=DISTRIBUTION", help=vary, **REPEATED)
+    keep = "quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
+    keep += "file's, or those of whole surfaces and of the system)"
+    command.add_argument("--keep", metavar="NAMES", help=keep)
     at = "keep them at the end, or at all times of the scene's output (default: end)"
     command.add_argument("--at", choices=["end", "samples"], default="end", help=at)
-    command.add_argument(
-        "--statistics",
-        action="store_true",
-        help="return means, covariances, quantiles and histograms of the kept quantities, not the "
-        "members",
+    returned = "return means, covariances, quantiles and histograms of the kept quantities, "
+    returned += "not the members"
+    command.add_argument("--statistics", action="store_true", help=returned)
+    width = "run as many members as make the half-width of the 95 %% interval of a mean, as "
+    width += (
+        "upper.W, at most SIZE, in units of the largest work or change of energy; may be repeated"
     )
-    command.add_argument(
-        "--half-width",
-        action="append",
-        default=[],
-        metavar="NAME=SIZE",
-        help="run as many members as make the half-width of the 95 %% interval of a mean, as "
-        "upper.W, at most SIZE, in units of the largest work or change of energy; may be repeated",
-    )
+    command.add_argument("--half-width", metavar="NAME=SIZE", help=width, **REPEATED)
     sampler = "draw quasi-random instead of random numbers; for sobol, N should be a power of 2"
     command.add_argument("--sampler", choices=["sobol", "latin-hypercube"], help=sampler)
     command.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
@@ -122,7 +107,7 @@ def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
     command.add_argument("--processes", type=int, default=1, metavar="N", help=processes)
     out = "write the data set as NetCDF; during the runs, FILE.part contains the finished ones"
     add_files(command, out, "read FILE if that is complete")
-    add_json(command, "a summary")
+    add_output(command, "a summary")
 
 
 def load(options: argparse.Namespace) -> Scene:
@@ -149,14 +134,6 @@ def load_with_values(options: argparse.Namespace) -> Scene:
         return with_values(scene, values) if values else scene
     except InputError as error:
         raise InputError(f"--set {error.field}", error.problem) from None
-
-
-def with_samples(scene: Scene, samples: str | None) -> Scene:
-    """The scene with so many evenly spaced samples, if a number is given.  Raises InputError."""
-    if samples is None:
-        return scene
-    count = integer("--samples", parsed(samples), 2, LARGEST_COUNT)
-    return replace(scene, output=replace(scene.output, samples=count, times=None))
 
 
 def split(option: str, text: str) -> tuple[str, str]:

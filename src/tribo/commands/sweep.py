@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.commands.scene_options import check_figure, load, parsed_list, split
-from tribo.ensembles.dataset import COUNTS
-from tribo.ensembles.kept_values import NOT_RUN
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
-from tribo.sweeps.grid import Keys
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
     import xarray
+
+    from tribo.sweeps.grid import Keys
 
 # Most points, and quantities, that a summary shows.
 LINES, COLUMNS = 20, 5
@@ -26,20 +25,32 @@ LINES, COLUMNS = 20, 5
 
 def run_sweep(options: argparse.Namespace) -> int:
     """Run the sweep and print its points; the exit status."""
+    from tribo.commands.ensemble import settings_of, workers
+    from tribo.plotting import save
+    from tribo.sweeps import sweep
+    from tribo.sweeps.figure import ends, quantities, sweep_lines
+
     check_figure(options.figure)
-    data = found_by(options)
+    values, scene = _values_of(options.set), load(options)
+    settings = settings_of(options, scene)
+    with workers(options) as engine:
+        try:
+            data = also_in_part(sweep, scene, values, engine=engine, **settings)
+        except InputError as error:
+            option, _, key = error.field.partition(".")
+            field = f"--set {key}" if option == "values" else error.field
+            raise InputError(field, error.problem) from None
     if options.figure is not None:
-        _draw(data, options.figure)
-    print(as_json(data) if options.json else summary(data, options.out))
-    return COMPLETED if set(_ends(data).values.flat) == {"completed"} else STOPPED
+        names = quantities(data)
+        if not names:
+            problem = "needs a quantity with one value at each point, as upper.W"
+            raise InputError("--figure", problem)
+        save(sweep_lines(data, names[0]), options.figure)
+    print(_as_json(data) if options.json else _summary(data, options.out))
+    return COMPLETED if set(ends(data).values.flat) == {"completed"} else STOPPED
 
 
-def _ends(data: xarray.Dataset) -> xarray.DataArray:
-    """The statuses of the runs, or else of the points."""
-    return data["status" if "status" in data else "point_status"]
-
-
-def values_of(texts: list[str]) -> dict[Keys, list[object]]:
+def _values_of(texts: list[str]) -> dict[Keys, list[object]]:
     """The values of each key, from texts as "upper.drive.load=0.1,0.2".  Raises InputError.
 
     Keys with commas between them are swept together: "upper.velocity,duration=[0.5,40],[0.25,80]".
@@ -54,35 +65,7 @@ def values_of(texts: list[str]) -> dict[Keys, list[object]]:
     return values
 
 
-def found_by(options: argparse.Namespace) -> xarray.Dataset:
-    """The data set of the sweep that the options describe.  Raises InputError."""
-    from tribo.commands.ensemble import settings_of, workers
-    from tribo.sweeps import sweep
-
-    values, scene = values_of(options.set), load(options)
-    settings = settings_of(options, scene)
-    with workers(options) as engine:
-        try:
-            return also_in_part(sweep, scene, values, engine=engine, **settings)
-        except InputError as error:
-            option, _, key = error.field.partition(".")
-            raise InputError(
-                f"--set {key}" if option == "values" else error.field, error.problem
-            ) from None
-
-
-def _draw(data: xarray.Dataset, path: Path) -> None:
-    """Draw the first quantity against the first key."""
-    from tribo.plotting import save
-    from tribo.sweeps.figure import quantities, sweep_lines
-
-    names = quantities(data)
-    if not names:
-        raise InputError("--figure", "needs a quantity with one value at each point, as upper.W")
-    save(sweep_lines(data, names[0]), path)
-
-
-def as_json(data: xarray.Dataset) -> str:
+def _as_json(data: xarray.Dataset) -> str:
     """The points as one JSON object."""
     dimensions, keys, scalars = _layout(data)
     points = []
@@ -110,6 +93,8 @@ def _layout(data: xarray.Dataset) -> tuple[list[str], list[str], list[str]]:
 
 def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
     """How many members of a point have each status; points may have different numbers of them."""
+    from tribo.ensembles.kept_values import NOT_RUN
+
     if "status" not in data:
         return {}
     names, counts = np.unique(data["status"].isel(places).values, return_counts=True)
@@ -117,10 +102,12 @@ def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
     return {name: n for name, n in found.items() if name != NOT_RUN or "point_status" not in data}
 
 
-def summary(data: xarray.Dataset, out: Path | None) -> str:
+def _summary(data: xarray.Dataset, out: Path | None) -> str:
     """The statuses of the runs, and some values of the points."""
-    ends = _ends(data)
-    statuses, counts = np.unique(ends.values, return_counts=True)
+    from tribo.ensembles.dataset import COUNTS
+    from tribo.sweeps.figure import ends
+
+    statuses, counts = np.unique(ends(data).values, return_counts=True)
     lines = [", ".join(f"{n} {status}" for status, n in zip(statuses, counts, strict=True))]
     dimensions, keys, scalars = _layout(data)
     hidden = (*COUNTS, "status", "point_status")
@@ -132,7 +119,7 @@ def summary(data: xarray.Dataset, out: Path | None) -> str:
         at = dict(zip(dimensions, point, strict=True))
         row = [f"{data[key].isel(at, missing_dims='ignore').item()!s:>18}" for key in keys]
         row += [f"{float(data[name].isel(at)):>18.6g}" for name in shown]
-        found = ", ".join(dict.fromkeys(map(str, np.atleast_1d(ends.isel(at).values))))
+        found = ", ".join(dict.fromkeys(map(str, np.atleast_1d(ends(data).isel(at).values))))
         lines.append("  ".join(row) + f"  {found}")
     if len(points) > LINES:
         lines.append(f"... and {len(points) - LINES} more points")

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.commands.scene_options import (
+    REPEATED,
     add_scene,
-    add_set,
     as_number,
     load_with_values,
     parsed_list,
     split,
 )
 from tribo.files import checked_target, replace_file
-from tribo.interrupts import COMPLETED, STOPPED, also_in_part
+from tribo.interrupts import COMPLETED, STOPPED, also_in_part, answer
 from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ def add_view(view: argparse.ArgumentParser) -> None:
     view.add_argument("-o", "--out", type=Path, metavar="PAGE.html", help=page)
     bath = 'draw bath oscillators; the file of a run must contain the series "oscillators"'
     view.add_argument("--bath", action="store_true", help=bath)
-    add_set(view)
     _add_slider(view, "the page contains the runs of 41 values, or of all combinations of 11 or 5")
     view.set_defaults(command=_view)
 
@@ -42,7 +41,6 @@ def add_view(view: argparse.ArgumentParser) -> None:
 def add_play(play: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo play`."""
     add_scene(play)
-    add_set(play)
     _add_slider(play, "each move simulates the scene again")
     quiet = "print the address, but open no browser"
     play.add_argument("--no-browser", action="store_true", help=quiet)
@@ -50,14 +48,9 @@ def add_play(play: argparse.ArgumentParser) -> None:
 
 
 def _add_slider(command: argparse.ArgumentParser, meaning: str) -> None:
-    command.add_argument(
-        "--slider",
-        action="append",
-        default=[],
-        metavar="KEY=LOW:HIGH",
-        help="a value to change, as 'upper.velocity=0.1:2' or 'upper.drive=forced,free'; may be "
-        f"repeated; {meaning}",
-    )
+    value = "a value to change, as 'upper.velocity=0.1:2' or 'upper.drive=forced,free'; may be "
+    value += f"repeated; {meaning}"
+    command.add_argument("--slider", metavar="KEY=LOW:HIGH", help=value, **REPEATED)
 
 
 def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
@@ -93,13 +86,13 @@ def _view(options: argparse.Namespace) -> int:
         scene = load_with_values(options)
         page, complete = grid_page(scene, _sliders(options, scene), options.bath), True
     else:
-        result = _result(options, options.scene)
-        source: dict[str, Any] = {"run": contents(result, options.bath), "sliders": []}
-        complete = result.status == "completed"
-        if options.beside is not None:
-            other = _result(options, options.beside)
-            complete = complete and other.status == "completed"
-            source["beside"] = {"run": contents(other, options.bath), "name": options.beside.name}
+        files = [options.scene] if options.beside is None else [options.scene, options.beside]
+        results = [_result(options, file) for file in files]
+        complete = all(result.status == "completed" for result in results)
+        run, *others = (contents(result, options.bath) for result in results)
+        source: dict[str, Any] = {"run": run, "sliders": []}
+        if others:
+            source["beside"] = {"run": others[0], "name": options.beside.name}
             source["name"] = options.scene.name
         page = document(source)
     replace_file(out, page.encode())
@@ -139,8 +132,6 @@ def _play(options: argparse.Namespace) -> int:
         try:
             server.serve_forever(poll_interval=0.1)
         except KeyboardInterrupt:
-            from tribo.interrupts import answer
-
             answer()
             print(file=sys.stderr)
     return COMPLETED

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import time
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,24 +16,36 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
-from tribo.ensembles.dataset import common_attributes, kept_attributes, members_dataset, times_of
-from tribo.ensembles.engines import Engine
-from tribo.ensembles.kept_values import KeptValues
-from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
-from tribo.ensembles.members import Source, Variation, check_members_differ, of_surfaces
-from tribo.ensembles.request import END, Request, checked_names, checked_time
-from tribo.ensembles.runner import Execution, Runs, planned
-from tribo.ensembles.sampling import Sampler, sampled
-from tribo.ensembles.statistics_store import (
-    StatisticsStore,
-    statistics_coordinates,
-    statistics_variables,
+from tribo.ensembles.checked_runs import CheckedPlan
+from tribo.ensembles.dataset import (
+    Attributes,
+    common_attributes,
+    kept_attributes,
+    members_dataset,
+    times_of,
 )
-from tribo.ensembles.stores import MemberStore
+from tribo.ensembles.engines import Engine
+from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
+from tribo.ensembles.members import (
+    Members,
+    Sampler,
+    Source,
+    Variation,
+    is_random,
+    of_surfaces,
+    sampled,
+)
+from tribo.ensembles.request import END, SAMPLES, Request, checked_names
+from tribo.ensembles.runner import Execution, Runs, planned, policy_of
+from tribo.ensembles.statistics import coordinates_of, variables_of
+from tribo.ensembles.stores import MemberStore, StatisticsStore
 from tribo.ensembles.target import Target, in_file
 from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene_file import scene_from
 from tribo.progress import Shown
-from tribo.validation import InputError, boolean, integer
+from tribo.simulation import prepare
+from tribo.validation import InputError, boolean, choice, integer, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -151,7 +164,12 @@ def ensemble(
     request = Request(names, at, False, accuracy, method, step, allow_unresolved)
     wanted = None if half_width is None else checked_half_width(scene, half_width)
     variation = Variation(scene, vary, integer("seed", seed, 0))
-    check_members_differ(scene, vary)
+    if not (is_random(scene) or vary):
+        raise InputError(
+            "vary",
+            "is empty, and nothing is random, so that all members would be the same; vary a start, "
+            "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
+        )
     most = _most_members(members, wanted, variation)
     how = Execution.checked(engine, threads)
 
@@ -161,10 +179,8 @@ def ensemble(
         if wanted is not None:
             check_series(kept, wanted)
         runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
-        if statistics:
-            return _statistics(runs, most, target, began)
         if names is not None:
-            return _members(runs, most, target, began)
+            return _collected(runs, statistics, most, target, began)
         return target.saved(mean_dataset(runs, MemberStore(target.frames), wanted, most, began))
 
     others = {"members": most, "statistics": statistics, "half_width": wanted}
@@ -183,20 +199,31 @@ def _check_together(
     for name, other in (("sampler", sampler), ("keep", keep)):
         if other is not None and half_width is not None:
             raise InputError("half_width", f"cannot go with {name}; give one or the other")
-    of_kept = {"at": checked_time(at) != END, "statistics": boolean("statistics", statistics)}
+    of_kept = {
+        "at": choice("at", at, (END, SAMPLES)) != END,
+        "statistics": boolean("statistics", statistics),
+    }
     for name, given in of_kept.items():
         if given and keep is None:
             raise InputError(name, 'needs keep, as keep=["upper.w1"]')
 
 
-def _members(runs: Runs, count: int, target: Target, began: float) -> xarray.Dataset:
-    """The data set of all members, or of those that are complete after an interrupt."""
-    attributes = kept_attributes(runs, count)
-    store = MemberStore(target.frames, float(attributes.get("level", "nan")))
+def _collected(
+    runs: Runs, statistics: bool, count: int, target: Target, began: float
+) -> xarray.Dataset:
+    """The data set of all members or of their statistics; after an interrupt, of those so far."""
+    kept, scene, attributes = runs.policy.kept, runs.policy.simulation.scene, kept_attributes(runs)
+    level = float(attributes.get("level", "nan"))
+    store: MemberStore | StatisticsStore = (
+        StatisticsStore(kept, target.frames, level)
+        if statistics
+        else MemberStore(target.frames, level)
+    )
     interrupted = runs.fill(store, count)
-    scene, tally = runs.policy.simulation.scene, store.tally
-    attributes |= common_attributes(scene, interrupted, tally.notes, began)
-    attributes["members"] = json.dumps(tally.statuses)
+    attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
+    attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
+    if isinstance(store, StatisticsStore):
+        return target.saved(_statistics(store, interrupted, kept, scene, attributes))
 
     def datasets(parts: Iterable[KeptValues]) -> Iterator[xarray.Dataset]:
         first = 0
@@ -211,28 +238,23 @@ def _members(runs: Runs, count: int, target: Target, began: float) -> xarray.Dat
     return target.saved_in_parts(datasets(store.parts()))
 
 
-def _statistics(runs: Runs, count: int, target: Target, began: float) -> xarray.Dataset:
+def _statistics(
+    store: StatisticsStore, interrupted: bool, kept: Kept, scene: Scene, attributes: Attributes
+) -> xarray.Dataset:
     """The statistics of all members so far.
 
     Raises KeyboardInterrupt or InputError if no member is complete.
     """
     import xarray
 
-    attributes = kept_attributes(runs, count)
-    kept, scene = runs.policy.kept, runs.policy.simulation.scene
-    store = StatisticsStore(kept, target.frames, float(attributes.get("level", "nan")))
-    interrupted = runs.fill(store, count)
     store.flush()
     moments = store.moments()
     if moments is None:
         if interrupted:
             raise KeyboardInterrupt
         raise InputError("scene", "is completed by no member")
-    attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
-    attributes["members"] = json.dumps(store.tally.statuses)
-    coordinates = times_of(kept, scene) | statistics_coordinates(kept)
-    data = xarray.Dataset(statistics_variables(kept, moments), coordinates, attributes)
-    return target.saved(data)
+    coordinates = times_of(kept, scene) | coordinates_of(kept)
+    return xarray.Dataset(variables_of(kept, moments), coordinates, attributes)
 
 
 def _most_members(
@@ -246,3 +268,50 @@ def _most_members(
     most = min([*largest, *lengths.values()]) if members is None else integer("members", members, 2)
     variation.check_lengths(most)
     return integer("members", most, 2)
+
+
+def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
+    """Run one member of an ensemble again, alone.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        The data set that :func:`tribo.ensemble` returns with `keep`, or that of its file.
+    number : int
+        The number of the member, from 0.
+
+    Returns
+    -------
+    xarray.Dataset
+        The quantities of this member, with the bits in `data` if version and machine are the same.
+
+    Raises
+    ------
+    InputError
+        If the data set contains no members with kept quantities, or not that member.
+    """
+    attributes = dict(data.attrs)
+    if "keep" not in attributes or "member" not in data.coords:
+        raise InputError("data", "must have members, as tribo.ensemble(..., keep=...) returns them")
+    integer("number", number, 0)
+    found = np.flatnonzero(data["member"].values == number)
+    if found.size != 1:
+        raise InputError("number", f"must be that of a member, got {short_repr(number)}")
+    keep = json.loads(attributes["keep"])
+    plan = CheckedPlan.from_attributes(attributes) if "scales" in attributes else None
+    scene = scene_from(tomllib.loads(attributes["scene"]))
+    # The method of a pair's lanes takes the place of `method`, which found the scales.
+    step = json.loads(attributes["step"])
+    simulation = prepare(
+        scene, method=attributes["method_alone"], step=step, progress=False, threads=1
+    )
+    kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
+    one = data.isel(member=found)
+    names = [str(name) for name in one.coords if "." in str(name)]
+    members = Members(
+        one["member"].values,
+        one["seed"].values,
+        {name: one[name].values.reshape(1, -1) for name in names},
+    )
+    policy = policy_of(simulation, kept, json.loads(attributes["own_numbers"]), plan)
+    return members_dataset(policy, members, policy.complete(members), attributes)

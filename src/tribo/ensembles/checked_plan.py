@@ -1,17 +1,8 @@
 """How the members of an ensemble are run: the method, its setting, and whom to check.
 
-The method and its setting are the cheapest of those with which the members of a sample agree with
-finer runs, in the quantities that are kept.  Methods are that of single runs and, of a pair whose
-ledger follows from the motion by conservation of energy, explicit ones with members in lanes.
-
-Members of a pilot are then checked in the order of their evaluations, from the most on, batch by
-batch, until a batch has none that misses its accuracy.  Members that take more evaluations than the
-rest of the pilot are checked in the whole ensemble.
-
-Few members have errors far above those of the others, and not all of them take more evaluations.
-So other members of the pilot are checked as well, and the setting is made finer until the largest
-of their errors leaves room for larger ones among all members.
-
+The cheapest setting with which a sample agrees with finer runs is tried on a pilot.  Few members
+have errors far above those of the others, and not all of them take more evaluations: the setting is
+made finer until the largest error found leaves room for larger ones among all members.
 Members with numbers of their own have scales of their own, which their evaluations do not show.
 They are run at a level below the cheapest one, and compared with rougher runs at that.
 """

@@ -1,14 +1,8 @@
 """Members that are run by one compiled loop with one setting, checked, and refined.
 
-All members are run by one method with one setting (:mod:`tribo.ensembles.checked_plan`).  The first
-members, one in so many of the others, and all that took more evaluations than the plan says, are
-run again with a finer setting.  So are members with numbers of their own that differ from a rougher
-run by more than the accuracy.
-A member that misses its accuracy is delivered from the finer run, once that agrees with a still
-finer one, or else from a run of its own with a search for its settings.
-
-What is delivered of a member depends on the plan and on the member alone, not on the members that
-are run beside it.
+docs/developers/ensembles.md has the rules.  What is delivered of a member depends on the plan
+(:mod:`tribo.ensembles.checked_plan`) and on the member alone, not on the members that are run
+beside it.
 """
 
 from __future__ import annotations
@@ -25,15 +19,16 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
-from tribo.accuracy.scales import EPSILON
+from tribo.accuracy.scales import EPSILON, KINDS
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
-from tribo.ensembles.rough_runs import rough_differences
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import EVALUATIONS, STEPS
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
@@ -96,19 +91,13 @@ class CheckedPlan(NamedTuple):
     @property
     def attributes(self) -> dict[str, str | float]:
         """The plan as attributes of a data set."""
-        return {
-            "method": self.method,
-            "level": self.level,
-            "most_evaluations": self.most_evaluations,
-            "scales": json.dumps(self.scales),
-        }
+        return self._asdict() | {"scales": json.dumps(self.scales)}
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
         """The plan in the attributes of a data set."""
         method, level, evaluations, scales = (attributes[name] for name in cls._fields)
-        numbers = tuple(json.loads(str(scales)))
-        return cls(str(method), float(level), int(evaluations), numbers)
+        return cls(str(method), float(level), int(evaluations), tuple(json.loads(str(scales))))
 
 
 class CheckedRuns(BatchRuns):
@@ -260,3 +249,48 @@ def tolerance_at(
     setting = setting_at(simulation.layout, simulation.method, scales, level, near)
     assert isinstance(setting, Tolerance)
     return setting
+
+
+def rough_differences(
+    runs: MemberRuns, rough: MemberRuns, numbers: MemberNumbers, accuracy: Mapping[str, float]
+) -> np.ndarray:
+    """The largest difference of each member from a rougher run (members,), in accuracies.
+
+    Infinite where a run did not complete.  Energies of members with numbers of their own may differ
+    by far, and so may the errors that one tolerance causes.  The scales of errors would take longer
+    to compute than both runs; lower bounds on them stand in their place, which make differences
+    larger.
+    """
+    members, scales = len(runs.counts), _least_scales(runs, numbers)
+    own, other = (assemble(each.layout, each.samples) for each in (runs, rough))
+    found = np.zeros(members)
+    for name, relative in accuracy.items():
+        scale = relative * scales[KINDS[name.rpartition(".")[2]]]
+        for one, two in zip(own.series(name), other.series(name), strict=True):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                gaps = np.abs(one - two).reshape(-1, members, *one.shape[1:2] or (1,))
+                found = np.fmax(found, gaps.max(axis=(0, 2)) / scale)
+    return np.where(runs.complete & rough.complete & ~np.isnan(found), found, np.inf)
+
+
+def _least_scales(runs: MemberRuns, numbers: MemberNumbers) -> dict[str, np.ndarray | float]:
+    """Lower bounds on the scales of each member, by kind of quantity."""
+    a, members = numbers.asperites, len(runs.counts)
+    n, asperites = runs.samples.y.shape[1] // 2, a.shape[1]
+    rows = runs.samples.y.reshape(-1, members, 2 * n)
+    rates = rows[..., n : n + asperites]
+    phi = np.where(a["dof_phi"][0] >= 0, rows[..., a["dof_phi"][0]], 0.0)
+    twists = rows[..., :asperites] - phi
+    doubled = a["inertia"] * rates**2 + a["kappa"] * twists**2
+    energy = 0.5 * np.abs(doubled - doubled[0]).max(axis=(0, 2))
+    fastest = np.abs(rates).max(axis=(0, 2))
+    moving = numbers.velocity - numbers.velocity.mean(axis=1, keepdims=True)
+    speed = np.hypot(moving[..., 0], moving[..., 1]).max(axis=1)
+    return {
+        "rate": fastest,
+        "length": (a["l1"] + a["l2"]).max(axis=1),
+        "velocity": np.maximum(speed, fastest * a["l1"].min(axis=1)),
+        "energy": energy,
+        "total": energy,
+        "angle": 1.0,
+    }

@@ -111,11 +111,10 @@ def settings_attributes(runs: Runs) -> Attributes:
     }
 
 
-def kept_attributes(runs: Runs, count: int) -> Attributes:
-    """The same, and what is kept of so many members."""
+def kept_attributes(runs: Runs) -> Attributes:
+    """The same, and what is kept of each."""
     policy = runs.policy
     return settings_attributes(runs) | {
-        "n": count,
         "keep": json.dumps(policy.kept.names),
         "own_numbers": json.dumps(runs.variation.own_numbers),
         **({} if policy.plan is None else policy.plan.attributes),

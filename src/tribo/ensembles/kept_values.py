@@ -158,11 +158,6 @@ class Kept:
         before = "half-width of the 95 % interval of: " * is_interval(name)
         return {"units": quantity.units, "long_name": of + before + meaning}
 
-    def terms(self, name: str) -> int:
-        """The number of values of asperites that a kept value is the sum of."""
-        surface, _, kind = name.rpartition(".")
-        return self.counts.get(surface, 1) if kind in SUMMED else 1
-
     def of_asperites(self, series: np.ndarray) -> np.ndarray:
         """A series as it is kept: (times,) or (times, asperites)."""
         return np.sum(series, axis=1) if self.counts and series.ndim == 2 else series
@@ -187,19 +182,17 @@ class Kept:
         found["status"][index] = MISSED if missed else str(result.status)
         found["steps"][index] = result.cost.steps
         found["force_evaluations"][index] = result.cost.force_evaluations
-        note = "\n".join(filter(None, [result.shortcoming, *result.notes]))
-        if result.shortcoming and self.with_errors:
-            note = result.shortcoming
-        set_notes(found, index, note)
+        notes = () if result.shortcoming and self.with_errors else result.notes
+        set_notes(found, index, "\n".join(filter(None, [result.shortcoming, *notes])))
         known = ended and (self.with_errors or not missed)
         values = self._values_of(result) if known else {}
         for name in self.names:
             found[name][index] = values.get(name, np.nan)
             if self.with_errors:
-                bounds = result.error_estimate if known else {}
-                bound = bounds.get(name, bounds.get(name.rpartition(".")[2]))
-                own = np.nan if bound is None else bound * self.terms(name)
-                found[f"{name}{ERROR}"][index] = own
+                bounds, (surface, _, kind) = result.error_estimate, name.rpartition(".")
+                bound = bounds.get(name, bounds.get(kind)) if known else None
+                terms = self.counts.get(surface, 1) if kind in SUMMED else 1
+                found[f"{name}{ERROR}"][index] = np.nan if bound is None else bound * terms
 
     def _values_of(self, result: Result) -> dict[str, np.ndarray | float]:
         """The kept values of a complete result."""

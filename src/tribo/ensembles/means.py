@@ -22,8 +22,8 @@ from tribo.ensembles.kept_values import (
     sum_names,
     total_names,
 )
+from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import Runs, policy_of
-from tribo.ensembles.single_runs import SingleRuns
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
@@ -42,11 +42,9 @@ if TYPE_CHECKING:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
 FIRST_STAGE = 16
 
-HalfWidths = Mapping[str, float]
-
 
 def mean_dataset(
-    runs: Runs, store: MemberStore, half_width: HalfWidths | None, most: int, began: float
+    runs: Runs, store: MemberStore, half_width: dict[str, float] | None, most: int, began: float
 ) -> xarray.Dataset:
     """The data set of means; without a half-width that is wanted, of `most` members.
 
@@ -60,20 +58,18 @@ def mean_dataset(
         first_stage = int(np.count_nonzero(completed(found)[:FIRST_STAGE]))
         if not interrupted:
             needed = _needed(runs.policy.kept, found, half_width, most)
-        while not interrupted:
-            missing = int(needed - np.count_nonzero(completed(found)))
-            if missing <= 0 or store.done >= most:
-                break
+        missing = int(needed - np.count_nonzero(completed(found)))
+        while not interrupted and missing > 0 and store.done < most:
             found, interrupted = _up_to(runs, store, min(store.done + missing, most))
+            missing = int(needed - np.count_nonzero(completed(found)))
     numbers = np.flatnonzero(completed(found))[:FIRST_STAGE]
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)
-    interrupted = interrupted or check is None
     scene = runs.policy.simulation.scene
-    attributes = common_attributes(scene, interrupted, means.notes(), began)
+    attributes = common_attributes(scene, check is None, means.notes(), began)
     attributes |= settings_attributes(runs) | {
         "confidence": CONFIDENCE,
-        "half_width": json.dumps(None if half_width is None else dict(half_width)),
+        "half_width": json.dumps(half_width),
     }
     members = runs.variation.members(np.arange(found["status"].size))
     return means.added_to(members_dataset(runs.policy, members, found, attributes))
@@ -89,11 +85,8 @@ def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[KeptValues, bool
             raise KeyboardInterrupt
         statuses = sorted({*found["status"].tolist()} - {str(Status.COMPLETED)})
         meanings = "; ".join(f"{name}: {MEANINGS.get(name, name)}" for name in statuses)
-        total = found["status"].size
-        raise InputError(
-            "scene",
-            f"is completed by {complete} of {total} members, where a mean takes two; {meanings}",
-        )
+        few = f"{complete} of {found['status'].size} members, where a mean takes two"
+        raise InputError("scene", f"is completed by {few}; {meanings}")
     return found, interrupted
 
 
@@ -113,7 +106,7 @@ def _again(runs: Runs, numbers: np.ndarray) -> KeptValues | None:
         return None
 
 
-def checked_half_width(scene: Scene, half_width: HalfWidths) -> dict[str, float]:
+def checked_half_width(scene: Scene, half_width: object) -> dict[str, float]:
     """The half-widths wanted, by quantity.  Raises InputError."""
     if not isinstance(half_width, Mapping) or not half_width:
         wanted = 'must map quantities, as {"upper.W": 1e-2}'
@@ -126,7 +119,7 @@ def checked_half_width(scene: Scene, half_width: HalfWidths) -> dict[str, float]
         return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
 
 
-def check_series(kept: Kept, half_width: HalfWidths) -> None:
+def check_series(kept: Kept, half_width: Mapping[str, float]) -> None:
     """Refuse quantities whose series members do not keep.  Raises InputError."""
     for name in half_width:
         if name not in kept.names:
@@ -136,7 +129,7 @@ def check_series(kept: Kept, half_width: HalfWidths) -> None:
             )
 
 
-def _needed(kept: Kept, found: KeptValues, half_width: HalfWidths, most: int) -> float:
+def _needed(kept: Kept, found: KeptValues, half_width: dict[str, float], most: int) -> float:
     """The members that Stein's rule requires, by the spread of the first.  Raises InputError."""
     first = np.flatnonzero(completed(found)[:FIRST_STAGE])
     totals = [name for name in kept.names if name.rpartition(".")[2] in TOTALS]
@@ -222,8 +215,8 @@ class _Means:
         step = simulation.plan.setting if simulation.accuracy is None else None
         assert step is None or isinstance(step, float)
         of_first = [line for line in str(note[0]).splitlines() if PART not in line]
-        notes = [*run_notes(simulation.layout, simulation.method, step), *of_first]
-        notes = list(dict.fromkeys(notes))
+        known = [*run_notes(simulation.layout, simulation.method, step), *of_first]
+        notes = list(dict.fromkeys(known))
         if number < total:
             stopped = ", ".join(sorted({*status[~complete].tolist()}))
             notes.append(

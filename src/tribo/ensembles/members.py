@@ -8,15 +8,16 @@ The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_
 
 from __future__ import annotations
 
+import copy
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.ensembles.swing_states import SwingStates, joint_starts
+from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
 from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
 from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
@@ -36,6 +37,15 @@ class Distribution(Protocol):
         """Random numbers."""
 
 
+class Sampler(Protocol):
+    """A sampler of scipy.stats.qmc."""
+
+    d: int
+
+    def random(self, n: int) -> np.ndarray:
+        """Points in the unit cube, (n, d)."""
+
+
 # The values of a quantity: an array with a row for each member, or a distribution.
 Source = Distribution | SwingStates | ArrayLike
 
@@ -48,10 +58,23 @@ class Members(NamedTuple):
     # "surface.theta" -> (members, asperites); velocities (members, 2), numbers (members, 1)
     values: dict[str, np.ndarray]
 
-    def member(self, index: int) -> Member:
-        """One of them, by its place among these."""
-        values = {key: rows[index] for key, rows in self.values.items()}
-        return Member(int(self.numbers[index]), int(self.seeds[index]), values)
+    def start(self, index: int) -> dict[str, float | np.ndarray]:
+        """Initial angles and rates of a member by its place, as ``Simulation.run`` takes them."""
+        return {key: _plain(rows[index]) for key, rows in values_at_start(self.values).items()}
+
+    def scene(self, index: int, scene: Scene, with_start: bool = False) -> Scene:
+        """The scene with a member's seed and values, with or without initial angles and rates."""
+        own = {
+            key: _plain(rows[index])
+            for key, rows in self.values.items()
+            if with_start or not is_start(key)
+        }
+        moved = replace(scene, seed=int(self.seeds[index]))
+        return with_values(moved, own) if own else moved
+
+
+def _plain(row: np.ndarray) -> float | np.ndarray:
+    return row if row.size > 1 else float(row[0])
 
 
 def is_start(key: str) -> bool:
@@ -65,49 +88,11 @@ def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {key: v for key, v in values.items() if is_start(key)}
 
 
-@dataclass(frozen=True, eq=False)
-class Member:
-    """One member; its values are rows of those of :class:`Members`."""
-
-    number: int
-    seed: int
-    values: dict[str, np.ndarray]
-
-    def scene(self, scene: Scene, with_start: bool = False) -> Scene:
-        """The scene with the member's seed and values, with or without initial angles and rates."""
-        own = self.values
-        if not with_start:
-            own = {key: v for key, v in own.items() if not is_start(key)}
-        moved = replace(scene, seed=self.seed)
-        return with_values(moved, _plain(own)) if own else moved
-
-    @property
-    def start(self) -> dict[str, float | np.ndarray]:
-        """Initial angles and rates, as ``Simulation.run`` takes them."""
-        return _plain(values_at_start(self.values))
-
-
-def _plain(values: Mapping[str, np.ndarray]) -> dict[str, float | np.ndarray]:
-    return {key: v if v.size > 1 else float(v[0]) for key, v in values.items()}
-
-
-class Draw(Protocol):
-    """What is drawn for whole blocks of members: the values of one or several keys."""
-
-    name: str  # its key in `vary`
-    keys: tuple[str, ...]
-    dimensions: int  # numbers that a member draws
-    block: int  # members that are drawn at once
-
-    def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
-        """Random values of a block of members, key -> (block, size)."""
-
-    def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """The values at points in the unit cube (members, dimensions)."""
-
-
 class DistributionDraw:
-    """Values of one key from a distribution; of a velocity, its x component alone is drawn."""
+    """Values of one key from a distribution; of a velocity, its x component alone is drawn.
+
+    A member draws `dimensions` numbers, and `block` members are drawn at once.
+    """
 
     def __init__(self, key: str, source: Distribution, size: int) -> None:
         self.name = key
@@ -142,6 +127,9 @@ class SeedDraw:
         """Seeds (block,)."""
         raw = rng.bit_generator.random_raw(BLOCK)  # type: ignore[attr-defined]
         return {self.name: raw >> np.uint64(1)}  # integers in files are signed
+
+
+Draw = DistributionDraw | JointStart
 
 
 def draws_of(scene: Scene, vary: Mapping[str, Source]) -> dict[str, Draw]:
@@ -198,10 +186,6 @@ class Variation:
                 problem = f"must have values for {members} members, got {length}"
                 raise InputError(f"vary.{key}", problem)
 
-    def member(self, number: int) -> Member:
-        """A member by its number, from 0 on."""
-        return self.members(np.array([number])).member(0)
-
     def members(self, numbers: np.ndarray) -> Members:
         """The members with some numbers, ascending."""
         values = {
@@ -222,10 +206,11 @@ class Variation:
 
     def identity(self) -> dict[str, str]:
         """What tells the values of each quantity from others: a digest of the first of them."""
-        some = min([BLOCK, *self.lengths.values()])
+        some = np.arange(min([BLOCK, *self.lengths.values()]))
+        first = {key: self._arrays.get(key, self.rows(key, some)) for key in self.sizes}
         return {
-            key: _digest(self._arrays.get(key, self.rows(key, np.arange(some))))
-            for key in self.sizes
+            key: hashlib.blake2b(values.tobytes(), digest_size=8).hexdigest()
+            for key, values in first.items()
         }
 
     def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
@@ -272,14 +257,34 @@ def of_surfaces(scene: Scene, vary: object) -> dict[str, Source]:
     return found
 
 
-def check_members_differ(scene: Scene, vary: Mapping[str, Source]) -> None:
-    """Refuse members that would all be the same.  Raises InputError."""
-    if not (is_random(scene) or vary):
+def sampled(
+    sampler: Sampler | None, members: int | None, scene: Scene, vary: Mapping[str, Source]
+) -> dict[str, Source]:
+    """`vary` with the points of a sampler, if there is one, in place of random numbers.
+
+    Each distribution becomes an array (members, numbers of a member): its inverse cumulative
+    function ``ppf`` of as many coordinates of the points, in the order of `vary`.  The sampler is
+    copied, so that it draws the same points in a later call.  Raises InputError.
+    """
+    if sampler is None:
+        return dict(vary)
+    if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
+        raise must_be("sampler", "one of scipy.stats.qmc", sampler)
+    if members is None:
+        raise InputError("members", "is missing; a sampler needs the number of members")
+    with inside("vary"):
+        draws = draws_of(scene, vary)
+    numbers = sum(draw.dimensions for draw in draws.values())
+    if sampler.d != numbers:
         raise InputError(
-            "vary",
-            "is empty, and nothing is random, so that all members would be the same; vary a start, "
-            "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
+            "sampler", f"has {sampler.d} dimensions, and members have {numbers} numbers to draw"
         )
+    found = {key: source for key, source in vary.items() if key not in draws}
+    points, first = copy.deepcopy(sampler).random(members), 0
+    for draw in draws.values():
+        found |= draw.at_points(points[:, first : first + draw.dimensions])
+        first += draw.dimensions
+    return found
 
 
 def is_random(scene: Scene) -> bool:
@@ -291,33 +296,24 @@ def is_random(scene: Scene) -> bool:
 
 def size_of(scene: Scene, key: str) -> int:
     """The length of a quantity's rows: one number for each asperite, or two of a velocity."""
-    name, _, quantity = str(key).rpartition(".")
-    known = name in [s.name for s in scene.surfaces]
-    if known and quantity == VELOCITY:
-        return 2
-    if known and quantity in UNITS:
-        return scene.initial_value(key)[0].count
-    if _is_of_scene(scene, str(key)):
-        with_values(scene, {str(key): 0.0})
-        surface = next(s for s in scene.surfaces if s.name == name)
-        return 1 if quantity == "temperature" else surface.count
-    if is_parameter(scene, str(key)):
+    key = str(key)
+    name, _, quantity = key.rpartition(".")
+    count = {surface.name: surface.count for surface in scene.surfaces}.get(name)
+    if count is not None:
+        if quantity == VELOCITY:
+            return 2
+        if quantity in UNITS:
+            return scene.initial_value(key)[0].count
+        if quantity in (*UNITS_OF_DISPLACEMENTS, "temperature"):  # these need a scene of their own
+            with_values(scene, {key: 0.0})
+            return 1 if quantity == "temperature" else count
+    if is_parameter(scene, key):
         return 1
     raise InputError(
-        str(key),
+        key,
         'must be "surface.theta", or another initial value or the velocity of a surface, or a '
         'number of the scene, as "surface.asperite.kappa" or "interaction.strength"',
     )
-
-
-def _is_of_scene(scene: Scene, key: str) -> bool:
-    """Whether a key is of an initial displacement, its rate, or the temperature of a start.
-
-    These need a scene of their own.
-    """
-    name, _, quantity = key.rpartition(".")
-    known = name in [surface.name for surface in scene.surfaces]
-    return known and quantity in (*UNITS_OF_DISPLACEMENTS, "temperature")
 
 
 def _rows(key: str, source: Source, size: int) -> np.ndarray:
@@ -331,10 +327,6 @@ def _rows(key: str, source: Source, size: int) -> np.ndarray:
     if table.ndim != 2 or table.shape[1] not in (1, size):
         raise must_be(key, f"of shape (members,) or (members, {size})", np.shape(table))
     return table
-
-
-def _digest(values: np.ndarray) -> str:
-    return hashlib.blake2b(np.ascontiguousarray(values).tobytes(), digest_size=8).hexdigest()
 
 
 def _numbers(key: str, value: object) -> np.ndarray:

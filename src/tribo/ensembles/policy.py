@@ -1,4 +1,4 @@
-"""How members of a scene are run: what all policies have in common."""
+"""How members of a scene are run: what all policies share, and each member as a run of its own."""
 
 from __future__ import annotations
 
@@ -9,25 +9,22 @@ from typing import Any
 
 import numpy as np
 
+from tribo.accuracy.choose_method import check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues, set_notes
-from tribo.ensembles.members import Members
+from tribo.ensembles.members import Members, is_random
+from tribo.kernels.status import Status
 from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
+from tribo.result import Result
 from tribo.simulation import from_settings, prepare
 from tribo.validation import InputError
 
 
 class Policy(ABC):
-    """Runs members of an ensemble; it can be pickled, with the scene as text.
+    """Runs members of an ensemble, and keeps `kept` of each; it can be pickled.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        The scene, with the settings of all members.
-    kept : Kept
-        What is kept of each.
-    own_numbers : sequence of str
-        The keys of what members differ in beside initial angles and rates.
+    The simulation has the settings of all members.  The keys `own_numbers` are of what they differ
+    in beside initial angles and rates.
     """
 
     chunk: int  # members that are run in one call
@@ -58,7 +55,7 @@ class Policy(ABC):
         """
         simulation, kept = self.simulation, self.kept
         for index in np.flatnonzero(found["status"] == UNKNOWN).tolist():
-            scene = members.member(index).scene(simulation.scene, with_start=True)
+            scene = members.scene(index, simulation.scene, with_start=True)
             found["level"][index] = found["error"][index] = np.nan
             try:
                 if simulation.accuracy is None:
@@ -81,3 +78,36 @@ def _restored(
     runs = kind(from_settings(scene_from(tomllib.loads(scene)), settings), kept, own_numbers)
     runs.plan = plan
     return runs
+
+
+class SingleRuns(Policy):
+    """Runs members of any scene one by one, first by the settings of its simulation."""
+
+    chunk = 1
+
+    def compute(self, members: Members) -> KeptValues:
+        """Run some members by the settings of all.
+
+        Those that miss their accuracy have the status UNKNOWN, unless errors are kept too.
+        """
+        found = self.kept.without_runs(members.numbers.size)
+        for index in range(members.numbers.size):
+            result = self._run(members, index)
+            missed = result.status == Status.COMPLETED and result.met is False
+            if not missed or self.kept.with_errors:
+                self.kept.fill_in(found, index, result)
+        return found
+
+    def _run(self, members: Members, index: int) -> Result:
+        simulation = self.simulation
+        if not members.values and members.seeds[index] == simulation.scene.seed:
+            return simulation.compute_first()
+        if self.own_numbers or is_random(simulation.scene):
+            scene = members.scene(index, simulation.scene)
+            simulation = from_settings(scene, simulation.settings)
+            step, method = simulation.plan.setting, simulation.method
+            if simulation.plan.tuned is None and isinstance(step, float) and method.splits:
+                check_resolved(simulation.layout, method, step)
+        # The errors of sums are those of some members, which are run again.
+        estimate = self.kept.with_errors or not self.kept.counts
+        return simulation.compute(members.start(index), estimate=estimate)

@@ -22,7 +22,7 @@ from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, choice, inside, is_list, number, short_repr
+from tribo.validation import POSITIVE, InputError, inside, is_list, number, short_repr
 
 # When quantities are kept.
 END, SAMPLES = "end", "samples"
@@ -48,7 +48,7 @@ class Request(NamedTuple):
             accuracy, step = given.accuracy, given.step
         numerics = replace(
             given,
-            accuracy=_plain(accuracy),
+            accuracy=dict(accuracy) if isinstance(accuracy, Mapping) else accuracy,
             method=self.method or given.method,
             step=step,
             allow_unresolved=unresolved,
@@ -128,17 +128,8 @@ class Request(NamedTuple):
         return float(intervals[0] / count_of_steps(intervals[0], step))
 
 
-def _plain(accuracy: Accuracy | None) -> float | dict[str, float] | None:
-    return dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
-
-
 def checked_names(keep: object) -> tuple[str, ...]:
     """The names of kept quantities, each once.  Raises InputError."""
     if not is_list(keep) or len(keep) == 0:
         raise InputError("keep", f'must list quantities, as ["upper.w1"], got {short_repr(keep)}')
     return tuple(dict.fromkeys(map(str, keep)))
-
-
-def checked_time(at: object) -> str:
-    """When quantities are kept.  Raises InputError."""
-    return choice("at", at, (END, SAMPLES))

@@ -23,8 +23,7 @@ from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
-from tribo.ensembles.policy import Policy
-from tribo.ensembles.single_runs import SingleRuns
+from tribo.ensembles.policy import Policy, SingleRuns
 from tribo.ensembles.stores import Store
 from tribo.layout.own_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
@@ -54,9 +53,8 @@ class Execution(NamedTuple):
         """What runs members, with a thread for each core by default.  Raises InputError."""
         if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
             raise must_be("engine", "an executor, with submit or map", engine)
-        return cls(
-            engine, os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
-        )
+        threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
+        return cls(engine, threads)
 
     def collect(self, chunks: Iterable[KeptValues], store: Store) -> bool:
         """Take in the next members, in order, and tell how many the store has.
@@ -126,9 +124,8 @@ def policy_of(
         return SingleRuns(simulation, kept, own_numbers)
     if simulation.accuracy is None:
         return StepRuns(simulation, kept, own_numbers)
-    policy = CheckedRuns(simulation, kept, own_numbers)
-    if plan is not None:
-        policy.plan = plan
+    policy: Policy = CheckedRuns(simulation, kept, own_numbers)
+    policy.plan = plan
     return policy
 
 
@@ -151,12 +148,10 @@ def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     return found and work(layout, simulation.finest) <= MOST_WORK
 
 
+_ready = lru_cache(MOST_READY)(pickle.loads)
+
+
 def _run_task(task: tuple[bytes, Members]) -> KeptValues:
     """Run some members, in a process that may not have the scene yet."""
-    return _ready(task[0]).complete(task[1])
-
-
-@lru_cache(MOST_READY)
-def _ready(content: bytes) -> Policy:
-    policy: Policy = pickle.loads(content)
-    return policy
+    policy: Policy = _ready(task[0])
+    return policy.complete(task[1])

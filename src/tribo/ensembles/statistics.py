@@ -21,6 +21,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo.ensembles.kept_values import Kept
+from tribo.results.dataset import Variable
+from tribo.results.intervals import student
+
 # Bins for a unit of asinh: a bin near the centre is 1/256 of a standard deviation wide.
 FINE = 256
 # Fine bins in one of a histogram: 1/16 of a standard deviation.
@@ -126,3 +130,67 @@ class Moments:
         found = np.clip(found.reshape(shape), self.lowest, self.highest)
         found[0], found[-1] = self.lowest, self.highest
         return found
+
+
+def coordinates_of(kept: Kept) -> dict[str, Variable]:
+    """The probabilities of quantiles, and the names of values in covariances."""
+    labels = []
+    for name in kept.names:  # "upper.w1[0]" for one asperite
+        one_each = f"{name.rpartition('.')[0]}_asperite" in kept.dimensions(name)
+        labels += [f"{name}[{k}]" if one_each else name for k in range(kept.columns(name))]
+    return {
+        "probability": (("probability",), PROBABILITIES, {"long_name": "probability"}),
+        "value": (("value",), np.array(labels), {"long_name": "kept value"}),
+    }
+
+
+def variables_of(kept: Kept, moments: Moments) -> dict[str, Variable]:
+    """The statistics of every quantity."""
+    times = ("time",) * kept.at_samples
+    covariance = moments.covariance if kept.at_samples else moments.covariance[0]
+    about = {"long_name": "covariance of the kept values, over members"}
+    variables: dict[str, Variable] = {
+        "covariance": ((*times, "value", "other_value"), covariance, about),
+        "complete_members": ((), int(moments.count), {"long_name": "members that completed"}),
+    }
+    variance = np.diagonal(moments.covariance, axis1=1, axis2=2)
+    half_width = np.full_like(variance, np.nan)
+    if moments.count > 1:
+        half_width = student(int(moments.count) - 1) * np.sqrt(variance / moments.count)
+    of_columns = {
+        "mean": (moments.mean, "mean of: "),
+        "half_width": (half_width, "half-width of the 95 % interval of the mean of: "),
+        "variance": (variance, "variance of: "),
+    }
+    quantiles, first = moments.quantiles(), 0
+    for name, shape in kept.shapes.items():
+        columns = slice(first, first + kept.columns(name))
+        first, dimensions = columns.stop, kept.dimensions(name)
+        for kind, (values, of) in of_columns.items():
+            about = kept.about(name, of)
+            if kind == "variance":
+                about["units"] = f"({about['units']})^2"
+            variables[f"{name}_{kind}"] = dimensions, values[:, columns].reshape(shape), about
+        found = quantiles[:, :, columns].reshape(-1, *shape)
+        about = kept.about(name, "quantile of: ")
+        variables[f"{name}_quantile"] = ("probability", *dimensions), found, about
+        counts, edges = _histogram(moments, columns)
+        about = {"long_name": kept.about(name, "members in each bin of: ")["long_name"]}
+        variables[f"{name}_count"] = (*dimensions, f"{name}_bin"), counts.reshape(*shape, -1), about
+        about = kept.about(name, "edges of the bins of: ")
+        bounds = (*dimensions, f"{name}_bin_edge")
+        variables[f"{name}_edge"] = bounds, edges.reshape(*shape, -1), about
+    return variables
+
+
+def _histogram(moments: Moments, columns: slice) -> tuple[np.ndarray, np.ndarray]:
+    """Counts and edges of some columns' bins, which are the same multiples of each one's unit."""
+    places = np.arange(moments.mean.size).reshape(moments.mean.shape)[:, columns].ravel().tolist()
+    found = [moments.bins_of(place) for place in places]
+    first = min(int(bins[0]) for bins, _ in found) // COARSE
+    last = max(int(bins[-1]) for bins, _ in found) // COARSE
+    counts = np.zeros((len(places), last - first + 1), np.int64)
+    for row, (bins, each) in zip(counts, found, strict=True):
+        np.add.at(row, bins // COARSE - first, each)
+    bounds = COARSE * np.arange(first, last + 2)
+    return counts, np.array([moments.edges(bounds, place) for place in places])

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from dataclasses import fields
 
 import numpy as np
 
-from tribo.ensembles.kept_values import KeptValues, Tally, joined
-from tribo.loops.frames import Frames
+from tribo.ensembles.kept_values import Kept, KeptValues, Tally, completed, joined
+from tribo.ensembles.statistics import Moments
+from tribo.loops.frames import Frames, as_bytes
+from tribo.validation import InputError
 
-# A frame of members, by the number of the first.
-CHUNK = "members"
+# A frame of members, by the number of the first, and that of all sums.
+CHUNK, SUMS = "members", "sums"
+# Bytes of all covariances, above which statistics are refused: their sums and those of a block are
+# in memory together.
+MOST_BYTES = 2**29
+# Members that are merged at once, at least: the merge of one costs as much as that of some 1000.
+BLOCK = 1024
 
 
 class Store(ABC):
@@ -85,3 +94,54 @@ class MemberStore(Store):
         if self.done == 0:
             raise KeyboardInterrupt
         return joined(list(self.parts()))
+
+
+class StatisticsStore(Store):
+    """Accumulates statistics, no members.  Raises InputError if covariances are too many."""
+
+    def __init__(self, kept: Kept, frames: Frames | None, common_level: float = np.nan) -> None:
+        self._kept = kept
+        self._merged: Moments | None = None
+        self._waiting: list[np.ndarray] = []  # (members, times, columns), for the next block
+        columns = sum(map(kept.columns, kept.names))
+        if 8 * kept.times * columns**2 > MOST_BYTES:
+            raise InputError(
+                "statistics",
+                f"would keep covariances of {columns} values at {kept.times} times, more "
+                "than memory holds; keep fewer quantities or times",
+            )
+        super().__init__(frames, common_level)
+
+    def _take(self, found: KeptValues) -> None:
+        complete = completed(found)
+        shape = (np.count_nonzero(complete), self._kept.times, -1)
+        parts = [found[name][complete].reshape(shape) for name in self._kept.names]
+        self._waiting.append(np.concatenate(parts, axis=2))
+        if sum(map(len, self._waiting)) >= BLOCK:
+            self._merged, self._waiting = self.moments(), []
+
+    def _take_back(self, arrays: KeptValues) -> None:
+        known = json.loads(arrays["known"].tobytes())
+        self.done, self.tally = known["done"], Tally(known["tally"])
+        self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
+        if "mean" in arrays:
+            self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
+
+    def flush(self) -> None:
+        """Write all sums, if there is a file."""
+        if self._frames is None:
+            return
+        arrays = {"known": as_bytes(json.dumps({"done": self.done, "tally": self.tally}))}
+        if self._waiting:
+            arrays["waiting"] = np.concatenate(self._waiting)
+        if self._merged is not None:
+            arrays |= {each.name: getattr(self._merged, each.name) for each in fields(Moments)}
+        self._frames.append(SUMS, arrays)
+
+    def moments(self) -> Moments | None:
+        """Those of all complete members so far; None without any."""
+        values = np.concatenate(self._waiting) if self._waiting else np.empty(0)
+        if not len(values):
+            return self._merged
+        block = Moments.of(values, self._merged)
+        return block if self._merged is None else self._merged.merged(block)

@@ -24,8 +24,10 @@ from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, number, short_r
 SWING_STATE = "swing_state"
 EVERY = "*"
 # Keys of a surface that cannot differ between members whose starts are drawn in these energies.
-FIXED = ("swing", "theta", "phi", "omega", "temperature")
-FIXED_OF_ASPERITE = ("kappa", "m1", "m2", "length")
+FIXED = (
+    *("swing", "theta", "phi", "omega", "temperature"),
+    *("asperite.kappa", "asperite.m1", "asperite.m2", "asperite.length"),
+)
 # Uniform numbers that are drawn at once, at least those of one member.
 BLOCK = 16_384
 
@@ -33,9 +35,9 @@ BLOCK = 16_384
 class SwingStates(ABC):
     """A distribution of the energies of pendulums."""
 
-    @abstractmethod
     def uniforms(self, count: int) -> int:
         """The uniform numbers from which the energies of `count` pendulums are drawn."""
+        return count
 
     @abstractmethod
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
@@ -63,26 +65,20 @@ class Canonical(SwingStates):
         given = number("temperature", self.temperature, NOT_NEGATIVE, "energy")
         object.__setattr__(self, "temperature", given)
 
-    def uniforms(self, count: int) -> int:
-        """One for each energy."""
-        return count
-
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
         """Exponential deviates."""
         return -self.temperature * np.log1p(-uniforms)
 
 
 @dataclass(frozen=True)
-class TotalEnergy(SwingStates):
-    """Pendulums that share a total energy, or less than that."""
-
+class _TotalEnergy(SwingStates):
     energy: float
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
 
 
-class Microcanonical(TotalEnergy):
+class Microcanonical(_TotalEnergy):
     """Pendulums with a given total energy, which is shared uniformly.
 
     Attributes
@@ -105,7 +101,7 @@ class Microcanonical(TotalEnergy):
         return self.energy * _shares(uniforms)
 
 
-class EnergyBall(TotalEnergy):
+class EnergyBall(_TotalEnergy):
     """Pendulums whose total energy has an upper limit, uniform in the space of angles and rates.
 
     For N pendulums, the probability of a total energy of at most e is (e / energy)^N.
@@ -120,10 +116,6 @@ class EnergyBall(TotalEnergy):
     InputError
         It is not positive.
     """
-
-    def uniforms(self, count: int) -> int:
-        """The sum and the shares of it."""
-        return count
 
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
         """Shares of a sum."""
@@ -151,7 +143,7 @@ class JointStart:
         self._states = states
         self._stops = np.cumsum([surface.count for surface in surfaces])
         self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
-        self._inertia = np.concatenate([swing_inertia(surface) for surface in surfaces])
+        self._inertia = np.concatenate([_swing_inertia(surface) for surface in surfaces])
         phi = [surface.initial.for_each(surface.count)["phi"] for surface in surfaces]
         zero = [np.zeros(surface.count) for surface in surfaces]
         self._phi = np.concatenate([z if p is None else p for p, z in zip(phi, zero, strict=True)])
@@ -176,7 +168,7 @@ class JointStart:
         return dict(zip(self.keys, both, strict=True))
 
 
-def swing_inertia(surface: Surface) -> np.ndarray:
+def _swing_inertia(surface: Surface) -> np.ndarray:
     """The inertia J in the energy that belongs to the drive, of each asperite."""
     each = surface.each
     if isinstance(surface.drive, DrivenBars):
@@ -215,9 +207,7 @@ def _swinging(scene: Scene, key: str, vary: Mapping[str, Any]) -> list[Surface]:
             raise InputError(key, f"needs a finite {surface.name}.asperite.kappa > 0")
         if surface.initial.temperature:
             raise InputError(key, f"cannot go with {surface.name}.initial.temperature")
-        others = [f"{surface.name}.{own}" for own in FIXED]
-        others += [f"{surface.name}.asperite.{own}" for own in FIXED_OF_ASPERITE]
-        for other in others:
-            if other in vary:
-                raise InputError(key, f"cannot go with {other} in vary")
+        for own in FIXED:
+            if f"{surface.name}.{own}" in vary:
+                raise InputError(key, f"cannot go with {surface.name}.{own} in vary")
     return surfaces

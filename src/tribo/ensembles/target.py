@@ -73,15 +73,12 @@ def _append(path: Path, data: xarray.Dataset) -> None:
         for name, variable in data.variables.items():
             if variable.dims[:1] == ("member",):
                 array = file[str(name)]
+                values, letters = variable.values, array.shape[1:]
+                if values.dtype.kind == "U":
+                    values = np.char.encode(values, "utf-8").astype(f"S{letters[0]}").view("S1")
+                    values = values.reshape(-1, *letters)
                 array.resize(first + len(variable), axis=0)
-                array[first:] = _letters(variable.values, array.shape[1:])
-
-
-def _letters(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """Values as a file has them: text as letters."""
-    if values.dtype.kind != "U":
-        return values
-    return np.char.encode(values, "utf-8").astype(f"S{shape[0]}").view("S1").reshape(-1, *shape)
+                array[first:] = values
 
 
 def in_file(

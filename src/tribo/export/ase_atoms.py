@@ -39,6 +39,7 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
         name: np.concatenate([result[s.name][name] for s in surfaces], axis=1)
         for name in ("theta", "phi")
     }
+    cell = (result.scene.periodic.x or 0.0, 0.0, result.scene.periodic.z or 0.0)
     images = []
     for k, t in enumerate(result.t):
         atoms = Atoms(
@@ -48,8 +49,8 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
             masses=masses,
             charges=np.concatenate([charges, np.zeros(len(tags))]),
             tags=np.tile(tags, 2),
-            cell=_cell(result),
-            pbc=np.array(_cell(result)) > 0.0,
+            cell=cell,
+            pbc=np.array(cell) > 0.0,
             info={"time": float(t)} | {name: float(v[k]) for name, v in result.system.items()},
         )
         atoms.set_array("is_bar", np.repeat([False, True], len(tags)))
@@ -104,9 +105,3 @@ def _contact_forces(result: RunResult, bobs: np.ndarray) -> tuple[np.ndarray, np
         _, found = probe(places, np.tile(probe.charges, (len(bobs), 1)))
         forces[:, : bobs.shape[1], :2] = found
     return forces, np.array(probe.charges)
-
-
-def _cell(result: RunResult) -> tuple[float, float, float]:
-    """Lengths of the cell: the periods of the scene, and zero where there is none."""
-    periodic = result.scene.periodic
-    return (periodic.x or 0.0, 0.0, periodic.z or 0.0) if periodic else (0.0, 0.0, 0.0)

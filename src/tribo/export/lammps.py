@@ -74,13 +74,19 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     if (count := len(scene.surfaces)) > MOST_SURFACES:
         raise must_be("surface", f"at most {MOST_SURFACES} for LAMMPS's groups", count)
     atoms = atoms_of(scene)
-    farthest = _farthest(scene, atoms)
+    # A distance that no pair reaches as long as surfaces keep their velocities.
+    extent = float(np.linalg.norm(np.ptp(atoms.positions, axis=0)))
+    farthest = 2.0 * (extent + atoms.largest_speed * scene.duration) + 1.0
     reach = longest_cutoff(scene, farthest)
     pairs, omitted = pair_lines(scene, atoms.kinds, farthest)
     omitted += omitted_fields(scene)
     for surface in scene.surfaces:
         omitted += [f'surface "{surface.name}": {text}' for text in omitted_effects(scene, surface)]
-    folder = _made(directory)
+    folder = as_path(directory)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
     files = LammpsFiles(folder / DATA, folder / FORCES, folder / RUN, tuple(omitted))
     replace_file(files.data, data_file(scene, atoms, max(reach, 1.0)).encode())
     replace_file(files.forces, _text(_forces(scene, atoms, pairs, reach)))
@@ -88,25 +94,8 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     return files
 
 
-def _made(directory: str | os.PathLike[str]) -> Path:
-    """The folder, which is made.  Raises InputError."""
-    folder = as_path(directory)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
-    return folder
-
-
 def _text(lines: list[str]) -> bytes:
     return ("\n".join(lines) + "\n").encode()
-
-
-def _farthest(scene: Scene, atoms: Atoms) -> float:
-    """A distance that no pair reaches as long as surfaces keep their velocities [length]."""
-    extent = float(np.linalg.norm(np.ptp(atoms.positions, axis=0)))
-    speed = float(np.max(np.linalg.norm(atoms.velocities, axis=1)))
-    return 2.0 * (extent + speed * scene.duration) + 1.0
 
 
 def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[str]:
@@ -114,8 +103,7 @@ def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[
     along_x, along_z = ("m" if p is None else "p" for p in (scene.periodic.x, scene.periodic.z))
     lines = ["# Units of the scene; k_B = 1", "units lj", "atom_style full"]
     lines.append(f"boundary {along_x} m {along_z}")
-    skin = SKIN * reach
-    read = f"read_data {DATA}"
+    skin, read = SKIN * reach, f"read_data {DATA}"
     if np.any(atoms.constant_forces):
         lines.append("fix constant all property/atom d_constant_x d_constant_y")
         read += f" fix constant NULL {CONSTANT_FORCES}"
@@ -166,8 +154,7 @@ def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
 
 def _step(scene: Scene, atoms: Atoms) -> float:
     """A step [time] that resolves a pass and an oscillation in the sharpest contact."""
-    lightest = min(kind.mass for kind in atoms.kinds)
-    speed = float(np.max(np.linalg.norm(atoms.velocities, axis=1)))
+    lightest, speed = min(kind.mass for kind in atoms.kinds), atoms.largest_speed
     times = [scene.duration / 50.0]
     for interaction in scene.interactions:
         length = interaction.potential.feature()[0]

@@ -37,6 +37,11 @@ class Atoms:
     stiffness: np.ndarray  # (m,) [force / length]
     constant_forces: np.ndarray  # (n, 2) along x and y
 
+    @property
+    def largest_speed(self) -> float:
+        """That of any atom [length / time]."""
+        return float(np.max(np.linalg.norm(self.velocities, axis=1)))
+
     def types_of(self, surface: int) -> list[int]:
         """The numbers of a surface's types, from 1."""
         return [i for i, kind in enumerate(self.kinds, 1) if kind.surface == surface]
@@ -46,15 +51,17 @@ def atoms_of(scene: Scene) -> Atoms:
     """The asperites of a scene as atoms.  Raises InputError if too many have their own mass."""
     kinds: list[Kind] = []
     kind_of_each, positions, velocities, charges = [], [], [], []
-    bonds, stiffness, constant = [], [], []
-    first = 0
+    bonds, stiffness, constant, first = [], [], [], 0
+    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     for index, surface in enumerate(scene.surfaces):
         each = surface.each
         numbers, own = _kinds(surface, index, each["mass"])
         kind_of_each.append(len(kinds) + numbers)
         kinds += own
         bobs, bars = _start(scene, index)
-        ends, strengths = _springs(scene, surface)
+        ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
+        if surface.springs.turned:  # no bond has their force
+            ends, strengths = ends[:0], strengths[:0]
         positions.append(bobs)
         velocities.append(np.zeros((surface.count, 3)))
         velocities[-1][:, :2] = surface.velocity + _given(surface, "vx", "vy")
@@ -106,13 +113,6 @@ def _given(surface: Surface, *names: str) -> np.ndarray:
     )
 
 
-def _springs(scene: Scene, surface: Surface) -> tuple[np.ndarray, np.ndarray]:
-    """Ends and stiffness of every spring of a surface that becomes a bond."""
-    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-    return (ends[:0], stiffness[:0]) if surface.springs.turned else (ends, stiffness)
-
-
 def _constant_forces(
     scene: Scene,
     surface: Surface,
@@ -131,10 +131,8 @@ def _constant_forces(
     rest = stiffness[:, None] * (distance - (bars[i] - bars[j]))
     np.add.at(forces, i, rest)
     np.subtract.at(forces, j, rest)
-    forces[np.abs(forces) < 1e-14 * np.max(np.abs(rest), initial=0.0)] = (
-        0.0  # of springs on both sides
-    )
-    return forces
+    cancelled = 1e-14 * np.max(np.abs(rest), initial=0.0)  # of springs on both sides
+    return np.where(np.abs(forces) < cancelled, 0.0, forces)
 
 
 def data_file(scene: Scene, atoms: Atoms, margin: float) -> str:
@@ -157,22 +155,15 @@ def data_file(scene: Scene, atoms: Atoms, margin: float) -> str:
     lines += [f"{i} {kind.mass!r}" for i, kind in enumerate(atoms.kinds, 1)]
     surfaces = np.array([kind.surface for kind in atoms.kinds])[atoms.kind_of_each]
     lines += ["", "Atoms # full", ""]
-    numbers = zip(surfaces + 1, atoms.kind_of_each + 1, strict=True)
     values = np.column_stack([atoms.charges, atoms.positions]).tolist()
-    lines += [
-        f"{i} {surface} {kind} {_words(row)}"
-        for i, ((surface, kind), row) in enumerate(zip(numbers, values, strict=True), 1)
-    ]
+    rows = zip(surfaces + 1, atoms.kind_of_each + 1, values, strict=True)
+    lines += [f"{i} {one} {kind} {_words(row)}" for i, (one, kind, row) in enumerate(rows, 1)]
     lines += ["", "Velocities", "", *_numbered(atoms.velocities)]
     if strengths:
         lines += ["", "Bonds", ""]
         types = [strengths.index(value) + 1 for value in atoms.stiffness.tolist()]
-        lines += [
-            f"{b} {kind} {i} {j}"
-            for b, (kind, (i, j)) in enumerate(
-                zip(types, (atoms.bonds + 1).tolist(), strict=True), 1
-            )
-        ]
+        bonds = zip(types, (atoms.bonds + 1).tolist(), strict=True)
+        lines += [f"{b} {kind} {i} {j}" for b, (kind, (i, j)) in enumerate(bonds, 1)]
     if np.any(atoms.constant_forces):
         lines += ["", CONSTANT_FORCES, "", *_numbered(atoms.constant_forces)]
     return "\n".join(lines) + "\n"

@@ -37,7 +37,9 @@ def motion_lines(scene: Scene, atoms: Atoms) -> list[str]:
             lines.append(f"fix {group}_motion {group} nve")
             lines += _cancelled(surface, group)
             lines += _drive(surface, group)
-            lines += _constant(atoms, index, group)
+            mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
+            if np.any(atoms.constant_forces[mine]):  # of springs and stages
+                lines += _added(group, "constant", "atom", ["d_constant_x", "d_constant_y"])
             lines += _reservoir(surface, group, atoms, index, scene.seed)
             lines += _fields(scene, surface, group)
             lines.append(f"fix {group}_plane {group} setforce NULL NULL 0")
@@ -94,8 +96,7 @@ def _cancelled_axes(surface: Surface) -> list[str]:
 
 def _cancelled(surface: Surface, group: str) -> list[str]:
     """Contact that the drive cancels, or shares among all asperites."""
-    axes = _cancelled_axes(surface)
-    lines = []
+    axes, lines = _cancelled_axes(surface), []
     if axes:
         zeros = " ".join("0" if axis in axes else "NULL" for axis in "xy")
         lines.append(f"fix {group}_cancelled {group} setforce {zeros} NULL")
@@ -106,8 +107,7 @@ def _cancelled(surface: Surface, group: str) -> list[str]:
 
 def _drive(surface: Surface, group: str) -> list[str]:
     """The forces of the drive, beyond those that it cancels."""
-    drive, lines = surface.drive, []
-    forces = ["0", "0"]
+    drive, lines, forces = surface.drive, [], ["0", "0"]
     if isinstance(drive, Pulled):
         forces[0] = f"{drive.stiffness * drive.speed!r}*time"
         lines.append(f"fix {group}_spring {group} spring/self {drive.stiffness!r} x")
@@ -123,20 +123,9 @@ def _added(group: str, name: str, style: str, forces: Sequence[str]) -> list[str
     """Commands that add a force to each atom of a group, from formulas of x and y."""
     if all(force == "0" for force in forces):
         return []
-    lines = [
-        f'variable {group}_{name}_{axis} {style} "{force}"'
-        for axis, force in zip("xy", forces, strict=True)
-    ]
-    lines.append(f"fix {group}_{name} {group} addforce v_{group}_{name}_x v_{group}_{name}_y 0")
-    return lines
-
-
-def _constant(atoms: Atoms, index: int, group: str) -> list[str]:
-    """The constant forces of springs and stages."""
-    mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
-    if not np.any(atoms.constant_forces[mine]):
-        return []
-    return _added(group, "constant", "atom", ["d_constant_x", "d_constant_y"])
+    both = [f"{group}_{name}_{axis}" for axis in "xy"]
+    lines = [f'variable {v} {style} "{f}"' for v, f in zip(both, forces, strict=True)]
+    return [*lines, f"fix {group}_{name} {group} addforce v_{both[0]} v_{both[1]} 0"]
 
 
 def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> list[str]:
@@ -144,8 +133,7 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
     reservoir = surface.bar_reservoir
     if reservoir is None or reservoir.gamma == 0.0:
         return []
-    gamma, temperature = reservoir.gamma, reservoir.temperature
-    types = atoms.types_of(index)
+    gamma, temperature, types = reservoir.gamma, reservoir.temperature, atoms.types_of(index)
     masses = [atoms.kinds[i - 1].mass for i in types]
     line = f"fix {group}_friction {group} viscous {gamma!r}"
     if temperature > 0.0:

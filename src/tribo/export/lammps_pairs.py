@@ -57,7 +57,9 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
 
     `farthest` is a distance of no pair, the cutoff of potentials without one [length].
     """
-    strengths = {p.strength for p in map(_uncut, scene.interactions) if type(p) is Coulomb}
+    potentials = [interaction.potential for interaction in scene.interactions]
+    uncut = [p.potential if type(p) is Truncated else p for p in potentials]
+    strengths = {p.strength for p in uncut if type(p) is Coulomb}
     strength = strengths.pop() if len(strengths) == 1 else 0.0
     pairs: dict[tuple[int, int], Pair] = {}
     omitted = []
@@ -75,11 +77,6 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
 def longest_cutoff(scene: Scene, farthest: float) -> float:
     """The longest cutoff of any interaction [length]."""
     return max((min(i.potential.range(), farthest) for i in scene.interactions), default=0.0)
-
-
-def _uncut(interaction: Interaction) -> Any:
-    potential = interaction.potential
-    return potential.potential if type(potential) is Truncated else potential
 
 
 def _pair(potential: Any, farthest: float, strength: float) -> Pair:
@@ -118,27 +115,22 @@ def _commands(pairs: dict[tuple[int, int], Pair], count: int, strength: float) -
     if not pairs:
         return ["pair_style zero 1.0", "pair_coeff * *"]
     variants = sorted({(pair.style, pair.shifted) for pair in pairs.values()})
-    longest = {
-        v: max(p.cutoff for p in pairs.values() if (p.style, p.shifted) == v) for v in variants
-    }
-    names = {}
+    names, styles = {}, ""
     for style, shifted in variants:
         both = [v for v in variants if v[0] == style]
         number = f" {both.index((style, shifted)) + 1}" if len(both) == 2 else ""
         names[style, shifted] = style + number
-    lines = ["pair_style hybrid " + " ".join(f"{v[0]} {longest[v]!r}" for v in variants)]
+        own = (p.cutoff for p in pairs.values() if (p.style, p.shifted) == (style, shifted))
+        styles += f" {style} {max(own)!r}"
+    lines = [f"pair_style hybrid{styles}"]
     if any(pair.style == "coul/cut" for pair in pairs.values()):
-        lines.insert(
-            0, f"dielectric {1.0 / strength!r}  # the strength of Coulomb is 1 / dielectric"
-        )
+        comment = "  # the strength of Coulomb is 1 / dielectric"
+        lines.insert(0, f"dielectric {1.0 / strength!r}{comment}")
     for j in range(1, count + 1):
         for i in range(1, j + 1):
-            pair = pairs.get((i, j))
-            if pair is None:
-                lines.append(f"pair_coeff {i} {j} none")
-            else:
-                name = names[pair.style, pair.shifted]
-                words = (f"pair_coeff {i} {j} {name}", pair.coefficients, repr(pair.cutoff))
-                lines.append(" ".join(filter(None, words)))
+            words = ["none"]
+            if (pair := pairs.get((i, j))) is not None:
+                words = [names[pair.style, pair.shifted], pair.coefficients, repr(pair.cutoff)]
+            lines.append(" ".join(filter(None, [f"pair_coeff {i} {j}", *words])))
     lines += [f"pair_modify pair {names[v]} shift yes" for v in variants if v[1]]
     return lines

@@ -22,10 +22,14 @@ from tribo.validation import InputError, must_be, number, vector
 # Number of functions; the last one has half as many periods.  More would reach the frequency of
 # ten slips, fewer leave few degrees of freedom.
 FUNCTIONS = 12
-# Spectra that are flat, fall as that of exponential correlation with a time in units of the
-# series, or rise with the frequency of so many functions, as beside a periodic motion.
-CORRELATION_TIMES = (0.0, *np.geomspace(0.01, 0.64, 7).tolist())
-RISES = (16.0, 8.0, 4.0, 2.0)
+ORDERS = np.arange(1, FUNCTIONS + 1)
+# Spectral densities at the frequencies of the functions, relative, (spectra, functions): flat,
+# falling as those of exponential correlation with a time in units of the series, or rising with the
+# frequency of so many functions, as beside a periodic motion.
+SPECTRA = np.array(
+    [1.0 / (1.0 + (np.pi * ORDERS * time) ** 2) for time in (0.0, *np.geomspace(0.01, 0.64, 7))]
+    + [(1.0 + (ORDERS / rise) ** 2) ** 2 for rise in (16.0, 8.0, 4.0, 2.0)]
+)
 # The time in which the autocorrelation falls to 1/e, in units of the series, above which there is
 # no interval: at a correlation time of 1/5 that leaves 4 % of the series one.
 LONGEST_CORRELATION = 0.035
@@ -115,8 +119,10 @@ def time_average(
     t, values = vector("t", t, unit="time"), vector("values", values, size=len(t))
     if np.any(np.diff(t) <= 0.0):
         raise InputError("t", "must increase")
-    if after != "auto":
-        return _average(t, values, _first(t, after))
+    if isinstance(after, str) and after != "auto":
+        raise must_be("after", 'a time or "auto"', after)
+    if not isinstance(after, str):
+        return _average(t, values, int(np.searchsorted(t, number("after", after, unit="time"))))
     whole, later = _average(t, values, 0), _average(t, values, _run_in(t, values))
     return later if abs(whole.mean - later.mean) > later.half_width else whole
 
@@ -157,13 +163,6 @@ def _average(t: np.ndarray, values: np.ndarray, first: int) -> Average:
     return Average(*found, begin, note)
 
 
-def _first(t: np.ndarray, after: float | str) -> int:
-    """The place of the first time that is not before `after`."""
-    if isinstance(after, str):
-        raise must_be("after", 'a time or "auto"', after)
-    return int(np.searchsorted(t, number("after", after, unit="time")))
-
-
 def _run_in(t: np.ndarray, values: np.ndarray) -> int:
     """The place in the first half that is twice as late as the one of the smallest error.
 
@@ -191,24 +190,16 @@ def _low_frequencies(s: np.ndarray, weights: np.ndarray) -> np.ndarray:
     The mean square of the product of each with noise is the noise's spectral density.
     """
     root = np.sqrt(weights)[:, None]
-    orders = np.arange(1, FUNCTIONS + 1)
-    functions = np.sin(np.pi * s)[:, None] * np.sin(np.pi * np.outer(s, orders))
+    functions = np.sin(np.pi * s)[:, None] * np.sin(np.pi * np.outer(s, ORDERS))
     return np.asarray(root * np.linalg.qr(root * functions)[0])
-
-
-def _spectra() -> np.ndarray:
-    """Spectral densities at the frequencies of the functions, relative, (spectra, functions)."""
-    orders = np.arange(1, FUNCTIONS + 1)
-    falls = [1.0 / (1.0 + (np.pi * orders * time) ** 2) for time in CORRELATION_TIMES]
-    rises = [(1.0 + (orders / rise) ** 2) ** 2 for rise in RISES]
-    return np.array([*falls, *rises])
 
 
 def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) -> _Estimate:
     """How many times `of_unit` is in the products, averaged over the spectra."""
+    from scipy.optimize import brentq
     from scipy.special import stdtr
 
-    spectra, degrees = _spectra(), FUNCTIONS - 1
+    spectra, degrees = SPECTRA, FUNCTIONS - 1
     information = np.sum(of_unit**2 / spectra, axis=1)
     value = np.sum(products * of_unit / spectra, axis=1) / information
     squares = np.sum((products - np.outer(value, of_unit)) ** 2 / spectra, axis=1)
@@ -223,8 +214,6 @@ def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) ->
     def excess(half_width: float) -> float:
         ends = [(mean + side * half_width - value) / errors for side in (-1.0, 1.0)]
         return float(likelihood @ (stdtr(degrees, ends[1]) - stdtr(degrees, ends[0]))) - confidence
-
-    from scipy.optimize import brentq
 
     far = 1e3 * float(np.max(errors) + np.ptp(value))
     density = float(np.exp(likelihood @ np.log(squares / degrees)))

@@ -43,8 +43,9 @@ def citations(scene: Scene, method: str, style: str) -> str:
     for interaction in scene.interactions:
         found |= _of_potential(interaction.potential)
     found |= {name: OF_EFFECTS[name] for name in map(str, scene.effects) if name in OF_EFFECTS}
-    write = _line if style == "text" else _bibtex
-    return "\n".join(write(key, text) for key, text in found.items())
+    if style == "text":
+        return "\n".join(f"{key}: {text}." for key, text in found.items())
+    return "\n".join(_bibtex(key, text) for key, text in found.items())
 
 
 def _of_potential(potential: object) -> dict[str, str]:
@@ -57,10 +58,6 @@ def _of_potential(potential: object) -> dict[str, str]:
     for part in potential if isinstance(potential, tuple) else ():
         found |= _of_potential(part) if isinstance(part, tuple) else {}
     return found
-
-
-def _line(key: str, text: str) -> str:
-    return f"{key}: {text}."
 
 
 def _bibtex(key: str, text: str) -> str:

@@ -47,7 +47,12 @@ def dataset(result: RunResult) -> xarray.Dataset:
         variables |= _series(table, result.error_estimate, name, (times, f"{name}_asperite"))
         variables |= _series(result.ledger.blocks[name], result.error_estimate, name, ("time",))
         if name in result.ledger.oscillators:
-            variables[f"{name}{OSCILLATORS}"] = _oscillators(result, name, times)
+            displacement = "displacement of the bath oscillator from its bar"
+            variables[f"{name}{OSCILLATORS}"] = (
+                (times, f"{name}_asperite", f"{name}_oscillator", "axis"),
+                result.ledger.oscillators[name],
+                {"units": UNITS["length"], "long_name": displacement},
+            )
     variables |= _series(result.system, result.error_estimate, "", ("time",))
     return xarray.Dataset(variables, coords=_coordinates(result), attrs=_attributes(result))
 
@@ -68,16 +73,6 @@ def _series(
             about = about | {"long_name": f"bound on the error of: {quantity.long_name}"}
             variables[f"{name}_error"] = ((), bound, about)
     return variables
-
-
-def _oscillators(result: RunResult, surface: str, times: str) -> Variable:
-    """The displacements of the bath oscillators of a surface."""
-    dimensions = (times, f"{surface}_asperite", f"{surface}_oscillator", "axis")
-    about = {
-        "units": UNITS["length"],
-        "long_name": "displacement of the bath oscillator from its bar",
-    }
-    return dimensions, result.ledger.oscillators[surface], about
 
 
 def _has_ends_alone(result: RunResult) -> bool:
@@ -126,12 +121,7 @@ def _attributes(result: RunResult) -> dict[str, str]:
 
 
 def save(result: RunResult, path: Path) -> None:
-    """Write a NetCDF file, which appears complete or not at all.  Raises InputError."""
-    replace_file(path, content(result))
-
-
-def content(result: RunResult) -> bytes:
-    """The bytes of the NetCDF file of a result, with its state and a hash of the whole."""
+    """Write a NetCDF file with the state, complete or not at all.  Raises InputError."""
     state: dict[str, Variable] = {}
     for name, array in result.state().arrays().items():
         dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
@@ -142,7 +132,7 @@ def content(result: RunResult) -> bytes:
     data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
     image = bytes(data.to_netcdf(engine="h5netcdf"))
-    return image.replace(HASH + NO_DIGEST, HASH + _digest(image))
+    replace_file(path, image.replace(HASH + NO_DIGEST, HASH + _digest(image)))
 
 
 def _digest(image: bytes) -> bytes:
@@ -174,7 +164,8 @@ def load(path: Path) -> xarray.Dataset:
     try:
         image = path.read_bytes()
     except (OSError, ValueError) as error:
-        raise InputError(str(path), f"cannot be read ({_reason(error)})") from None
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(str(path), f"cannot be read ({reason})") from None
     if _is_intact(image):
         return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
     try:
@@ -214,10 +205,6 @@ def _is_intact(image: bytes) -> bool:
     )
 
 
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error)
-
-
 def state_in(data: xarray.Dataset, scene: Scene) -> State:
     """The state in a data set."""
     arrays = {
@@ -233,10 +220,7 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     names = [str(name) for name in data.data_vars if not str(name).startswith(STATE)]
     series = {n: data[n].values for n in names if n.rpartition(".")[2] in EVERY_QUANTITY}
     surfaces = [surface.name for surface in scene.surfaces]
-    oscillators = {
-        name: data[f"{name}{OSCILLATORS}"].values
-        for name in surfaces
-        if f"{name}{OSCILLATORS}" in data
-    }
+    names = [name for name in surfaces if f"{name}{OSCILLATORS}" in data]
+    oscillators = {name: data[f"{name}{OSCILLATORS}"].values for name in names}
     kept = tuple(scene.output.keep or ())
     return Ledger.of_flat(data["time"].values, series, surfaces, kept, oscillators)

@@ -24,33 +24,14 @@ NOTED_DRAG = 0.1
 def friction_force(
     result: RunResult, surface: str, after: float | str | None = None, part: str | None = None
 ) -> Average:
-    """The average of the friction force on a surface, or of a part of it."""
-    name = _friction_series(result.scene, surface, part)
+    """The average of the friction force on a surface, or of a part of it.  Raises InputError."""
+    name = "friction_force"
+    if part is not None:
+        has_field = any(surface in item.on for item in result.scene.fields)
+        if choice("part", part, PARTS) == "field" and not has_field:
+            raise InputError("part", f'must be "contact": no field acts on "{surface}"')
+        name = f"{part}_force" if has_field else name
     return force_average(result, f"{surface}.{name}", after)
-
-
-def friction_coefficient(
-    result: RunResult, surface: str, after: float | str | None = None
-) -> Average:
-    """The average of the friction force on a surface over the load on it."""
-    found = friction_force(result, surface, after)
-    load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
-    if load == 0.0:
-        raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
-    mean, half_width, spread = abs(found.mean), found.half_width, found.spread
-    return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
-
-
-def _friction_series(scene: Scene, surface: str, part: str | None) -> str:
-    """The name of the series of the friction force or of a part of it.  Raises InputError."""
-    if part is None:
-        return "friction_force"
-    name = f"{choice('part', part, PARTS)}_force"
-    if any(surface in item.on for item in scene.fields):
-        return name
-    if part == "field":
-        raise InputError("part", f'must be "contact": no field acts on "{surface}"')
-    return "friction_force"
 
 
 def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:

@@ -15,6 +15,7 @@ from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.closest_bobs import asperite_names, closest_bobs
 from tribo.ledger.ledger import Ledger
+from tribo.ledger.watched import Watched, levers
 from tribo.loops.guards import reach_of
 from tribo.loops.integrate import Integration
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
@@ -23,6 +24,7 @@ from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
+from tribo.results.intervals import interval
 from tribo.validation import short_repr
 
 # Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
@@ -35,6 +37,9 @@ NOTED_CUT = 0.95
 # Part of the work of the other drives that a surface at rest may receive without a note: below it,
 # the work of the other drives is the dissipated energy to its first digit.
 NOTED_WORK = 0.1
+# Blocks of equal length whose rates give the interval of a pumped heat: with fewer, Student's
+# interval is wide.
+BLOCKS = 10
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
 MOST_LOOKS = 256
 
@@ -47,19 +52,16 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
-def calculator_notes(run: Integration) -> tuple[str, ...]:
-    """Notes on errors that ASE calculators raised in a run."""
-    return tuple(f"the calculator raised {failure}" for failure in run.failures)
-
-
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
     """A note where the energy budget does not close with potentials or fields of the user's own.
 
     The change of the total energy is then not the work applied, within the bounds on their errors:
     a force is not minus the gradient of its energy.
     """
-    own = _own_potentials(layout.scene)
-    system = ledger.system
+    scene, system = layout.scene, ledger.system
+    potentials = [each.potential for each in scene.interactions]
+    potentials += [each.potential for each in scene.fields]
+    own = dict.fromkeys(name for each in potentials for name in _own_classes(each))
     if not own or "applied_work" not in system:
         return ()
     change, work = system["total_energy_change"], system["applied_work"]
@@ -72,13 +74,6 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
         f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
         "conservative, or less smooth than it declares; tribo check tells which",
     )
-
-
-def _own_potentials(scene: Scene) -> list[str]:
-    """The names of the potentials and fields whose class is the user's own."""
-    items = [item.potential for item in scene.interactions]
-    items += [item.potential for item in scene.fields]
-    return list(dict.fromkeys(name for item in items for name in _own_classes(item)))
 
 
 def _own_classes(potential: object) -> Iterator[str]:
@@ -95,11 +90,11 @@ def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     count, *bobs = run.passages
     if count == 0:
         return ()
+    both = asperite_names(layout, bobs)
     return (
-        f"in {count} steps bobs passed one another within the step, {asperite_names(layout, bobs)} "
-        "last; "
-        f"their potential energy is below {NEGLIGIBLE:g} k_B T there and does not affect the "
-        "motion, but works of their contact are inaccurate; a smaller step resolves them",
+        f"in {count} steps bobs passed one another within the step, {both} last; their potential "
+        f"energy is below {NEGLIGIBLE:g} k_B T there and does not affect the motion, but works of "
+        "their contact are inaccurate; a smaller step resolves them",
     )
 
 
@@ -120,6 +115,39 @@ def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
     )
 
 
+def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
+    """A note where forced drives do more work than surfaces that all receive heat could take up.
+
+    With f2 = -f1 the work of contact at the bobs, about the centres of mass, is the part lambda =
+    m2 / (m1 + m2) of the energy A that an asperite receives, and the drive's work is the rest:
+
+        work of the drives = sum of A + change of U
+        friction times distance = sum of lambda A + change of U
+
+    Where every A is positive the first is at most the second over the smallest lambda, apart from
+    U.  At a temperature, with unlike lambda, A may be negative on average, without bound: the
+    drives then heat one surface with energy of the reservoir of another.
+    """
+    scene, t = layout.scene, watched.t
+    later = t >= scene.output.run_in
+    if np.count_nonzero(later) <= 2 * BLOCKS:
+        return ()
+    t, (work, friction) = t[later], watched.works[later].T
+    smallest = float(np.min(levers(scene)))
+    edges = np.linspace(t[0], t[-1], BLOCKS + 1)
+    excess = np.diff(np.interp(edges, t, work - friction / smallest))
+    mean, half_width = interval(excess)
+    if not mean > half_width:
+        return ()
+    return (
+        f"the drives do {work[-1] - work[0]:.4g} of work, which exceeds friction times distance, "
+        f"{friction[-1] - friction[0]:.4g}, over the smallest m2 / (m1 + m2), {smallest:.3g}, by "
+        f"{np.sum(excess):.4g} +- {BLOCKS * half_width:.2g}: at a temperature, forced drives pump "
+        "heat out of a surface where m2 / (m1 + m2) differs between asperites; "
+        'drive = "bars" does not',
+    )
+
+
 def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     """Where a run stopped: the time, the last step, and the closest bobs that interact.
 
@@ -128,10 +156,9 @@ def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return ()
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
-    taken = clock["last_step"]
+    taken, cure = clock["last_step"], ""
     step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
     t, near = _closest_at_end(layout, run)
-    cure = ""
     if run.status == Status.ENCOUNTER_JUMPED and clock["encounter_rate"] > 0.0:
         cure = f"; a step below {1.0 / clock['encounter_rate']:.2g} resolves this encounter"
     stop, done = f"stopped at t = {t:.9g}, {step}{near}{cure}", t - layout.beginning
@@ -141,12 +168,12 @@ def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
 
 
-def halving_notes(layout: Layout, run: Integration, step: float, shorter: float) -> tuple[str, ...]:
+def halving_notes(layout: Layout, run: Integration, step: float) -> tuple[str, ...]:
     """A note on an automatic step that was too long for an encounter."""
     t, near = _closest_at_end(layout, run)
     return (
         f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
-        f"repeated with steps of {shorter:.3g}",
+        f"repeated with steps of {0.5 * step:.3g}",
     )
 
 

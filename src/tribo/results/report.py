@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import html as markup
 import io
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from tribo.results.force_averages import (
     recorded_averages,
     shares_without_contact,
 )
-from tribo.results.run_result import Cost, RunResult
+from tribo.results.run_result import RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
 WORKS = (
@@ -76,10 +75,13 @@ def text(result: RunResult) -> str:
     cost = result.cost
     worst = [value for value in result.error_estimate.values() if value is not None]
     error = f"errors up to {max(worst):.1e}" if worst else "errors not estimated"
+    digits = ""
+    if cost.digit_more is not None and cost.digit_fewer is not None:
+        digits = f" (one digit more {cost.digit_more:.2g} s, one fewer {cost.digit_fewer:.2g} s)"
     lines = [
         f"{result.scene.title or 'scene'}: {result.status} at t = {result.t[-1]:g}; "
         f"{result.method}, {cost.steps} steps, {cost.force_evaluations} force evaluations, "
-        f"{cost.wall_seconds:.3g} s{_digits(cost)}; {error}"
+        f"{cost.wall_seconds:.3g} s{digits}; {error}"
     ]
     if result.status != Status.COMPLETED:
         lines.append(f"  {MEANINGS[result.status]}")
@@ -132,14 +134,11 @@ def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
 
 def _energies(result: RunResult) -> list[str]:
     """The heat given to reservoirs and baths, and how well the energy budget closes."""
-    lines = []
-    end = result.ledger.at_end()
+    lines, end = [], result.ledger.at_end()
     for name, block in end.blocks.items():
-        tables = {**end.surfaces.get(name, {}), **block}
-        heats = {"reservoir": "heat", "bath": "heat_bath"}
-        parts = [
-            f"{np.sum(tables[h][-1]):.6g} to the {to}" for to, h in heats.items() if h in tables
-        ]
+        table = {**end.surfaces.get(name, {}), **block}
+        heats = {"reservoir": table.get("heat"), "bath": table.get("heat_bath")}
+        parts = [f"{np.sum(h[-1]):.6g} to the {to}" for to, h in heats.items() if h is not None]
         if parts:
             lines.append(f"  {name:>10}: heat {', '.join(parts)}")
     if "applied_work" in end.system and "total_energy_change" in end.system:
@@ -149,13 +148,6 @@ def _energies(result: RunResult) -> list[str]:
             f"difference {work - change:.1e}"
         )
     return lines
-
-
-def _digits(cost: Cost) -> str:
-    """The cost of a digit more or fewer."""
-    if cost.digit_more is None or cost.digit_fewer is None:
-        return ""
-    return f" (one digit more {cost.digit_more:.2g} s, one fewer {cost.digit_fewer:.2g} s)"
 
 
 def html(result: RunResult) -> str:
@@ -181,24 +173,18 @@ def _row(cells: list[str], tag: str = "td") -> str:
 
 def save_csv(result: RunResult, path: Path) -> None:
     """Write all series as a table with a row for each time.  Raises InputError."""
-    columns = dict(_columns(result))
+    columns = {"time": result.t}
+    for surface in result.ledger.surfaces:
+        for name, values in result[surface].items():
+            if len(values) == result.t.size:  # else only the first and the last sample are kept
+                table = values.reshape(len(values), -1)
+                numbers = [f"[{k}]" for k in range(table.shape[1])] if table.shape[1] > 1 else [""]
+                columns |= {
+                    f"{surface}.{name}{k}": c for k, c in zip(numbers, table.T, strict=True)
+                }
+    columns |= result.system
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
     replace_file(path, text.getvalue().encode())
-
-
-def _columns(result: RunResult) -> Iterator[tuple[str, np.ndarray]]:
-    """The columns of the table; series of which only both ends are kept are left out."""
-    yield "time", result.t
-    for surface in result.ledger.surfaces:
-        for name, values in result[surface].items():
-            if len(values) != result.t.size:
-                continue
-            if values.ndim == 1 or values.shape[1] == 1:
-                yield f"{surface}.{name}", values.reshape(-1)
-                continue
-            for index, column in enumerate(values.T):
-                yield f"{surface}.{name}[{index}]", column
-    yield from result.system.items()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -10,23 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles import ensemble
+from tribo.ensembles.dataset import common_attributes
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
-from tribo.ensembles.members import Source, Variation, of_surfaces
-from tribo.ensembles.request import END, Request, checked_names, checked_time
+from tribo.ensembles.members import Sampler, Source, Variation, of_surfaces, sampled
+from tribo.ensembles.request import END, SAMPLES, Request, checked_names
 from tribo.ensembles.runner import Execution
-from tribo.ensembles.sampling import Sampler, sampled
 from tribo.ensembles.stores import MemberStore
 from tribo.ensembles.target import Target, in_file
 from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
 from tribo.model.scene import Scene, checked_scene
 from tribo.progress import Shown
-from tribo.sweeps.dataset import Table, attributes_of, coordinates_of
+from tribo.sweeps.dataset import Table, coordinates_of
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
-from tribo.validation import InputError, boolean, integer
+from tribo.validation import InputError, boolean, choice, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -100,20 +101,25 @@ def sweep(
     each = _members(grid, members, vary, seed, sampler, half_width)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
-    settings = accuracy, method, step, allow_unresolved
-    request = Request(names, checked_time(at), each.number is None, *settings)
+    at = choice("at", at, (END, SAMPLES))
+    settings: dict[str, Any] = {"at": at, "accuracy": accuracy, "method": method, "step": step}
+    settings["allow_unresolved"] = allow_unresolved
+    request = Request(names, with_errors=each.number is None, **settings)
     if at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
     how = Execution.checked(engine, threads)
-    wanted = {"statistics": boolean("statistics", statistics), "half_width": half_width}
+    statistics = boolean("statistics", statistics)
+    wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         if statistics or half_width is not None:
-            ensemble_at = _ensemble_at(request, each, how, wanted)
+            own: dict[str, Any] = {"members": each.number, "vary": each.vary, "seed": each.seed}
+            own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
+            ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
             data = point_by_point(grid, ensemble_at, target.frames, progress, began)
         else:
-            own = how._replace(progress=progress)
-            data = _together(grid, request, each, MemberStore(target.frames), own, began)
+            by, store = how._replace(progress=progress), MemberStore(target.frames)
+            data = _together(grid, request, each, store, by, began)
         return target.saved(data)
 
     others: dict[str, object] = {"values": grid.identity(), "members": each.number, **wanted}
@@ -144,28 +150,6 @@ def _members(
     return PointMembers(number, sources, seed)
 
 
-def _ensemble_at(
-    request: Request, each: PointMembers, how: Execution, wanted: Mapping[str, Any]
-) -> Callable[[Scene], xarray.Dataset]:
-    """The ensemble of one point, as a function of its scene."""
-    return partial(
-        ensemble,
-        members=each.number,
-        vary=each.vary,
-        keep=None if wanted["half_width"] is not None else request.keep,
-        at=request.at,
-        engine=how.engine,
-        accuracy=request.accuracy,
-        method=request.method,
-        step=request.step,
-        threads=how.threads,
-        progress=False,
-        allow_unresolved=request.allow_unresolved,
-        seed=each.seed,
-        **wanted,
-    )
-
-
 def _together(
     grid: Grid,
     request: Request,
@@ -191,5 +175,6 @@ def _together(
     return xarray.Dataset(
         table.variables(),
         coordinates_of(grid, kept, grid.scene, None if each.number is None else sets[0]),
-        attributes_of(grid.scene, kept.names, interrupted, table.notes(), began),
+        {"keep": json.dumps(kept.names)}
+        | common_attributes(grid.scene, interrupted, table.notes(), began),
     )

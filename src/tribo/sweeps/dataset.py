@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import (
-    COUNTS,
-    Attributes,
-    common_attributes,
-    times_of,
-    varied_coordinates,
-)
+from tribo.ensembles.dataset import COUNTS, times_of, varied_coordinates
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
@@ -72,14 +64,10 @@ class Table:
         variables: dict[str, Variable] = {label: ((*self.dimensions, *own), values, about)}
         if self._members:
             rest = values.shape[len(self.dimensions) :]
-            points = zip(
-                values.reshape(self._grid.size, *self._members, *rest),
-                self.status.reshape(self._grid.size, *self._members),
-                strict=True,
-            )
-            pairs = [_mean_and_half_width(*each) for each in points]
-            for k, word in enumerate(("mean", "half_width")):
-                table = np.array([pair[k] for pair in pairs]).reshape(*self._grid.shape, *rest)
+            points = values.reshape(self._grid.size, *self._members, *rest)
+            pairs = map(_mean_and_half_width, points, self.status.reshape(self._grid.size, -1))
+            tables = np.array(list(pairs)).swapaxes(0, 1).reshape(2, *self._grid.shape, *rest)
+            for table, word in zip(tables, ("mean", "half_width"), strict=True):
                 what = about | {"long_name": f"{word.replace('_', '-')} of: {about['long_name']}"}
                 variables[f"{name}_{word}"] = (*self._grid.names, *own), table, what
         bounds = self._found.get(f"{name}{ERROR}")
@@ -90,13 +78,9 @@ class Table:
 
     def notes(self) -> list[str]:
         """What to know of single points."""
-        notes = []
-        per_point = zip(
-            self.status.reshape(self._grid.size, -1),
-            self.note.reshape(self._grid.size, -1),
-            strict=True,
-        )
-        for index, (statuses, own) in enumerate(per_point):
+        notes, points = [], self._grid.size
+        of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
+        for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
             note = str(own[0]).replace("\n", "; ")
             if self._members and without:
@@ -137,14 +121,6 @@ def coordinates_of(
         coordinates[name] = ("member",), members.seeds, {"long_name": "seed of the member"}
         coordinates |= varied_coordinates(members.vary)
     return coordinates
-
-
-def attributes_of(
-    scene: Scene, names: Sequence[str], interrupted: bool, notes: list[str], began: float
-) -> Attributes:
-    """Properties of the whole sweep; text is JSON where it is no word."""
-    keep: Attributes = {"keep": json.dumps(list(names))}
-    return keep | common_attributes(scene, interrupted, notes, began)
 
 
 def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, Any]:

@@ -92,10 +92,14 @@ def _points(
     return (drawn, None, "") if ending is None else (drawn, data[f"{name}{ending}"], BARS[ending])
 
 
+def ends(data: xarray.Dataset) -> xarray.DataArray:
+    """The statuses of the runs, or else of the points."""
+    return data["status" if "status" in data else "point_status"]
+
+
 def keys_of(data: xarray.Dataset) -> list[str]:
     """The dimensions of the points."""
-    of_runs = data["status" if "status" in data else "point_status"].dims
-    return [str(key) for key in of_runs if key != "member"]
+    return [str(key) for key in ends(data).dims if key != "member"]
 
 
 def quantities(data: xarray.Dataset) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, SupportsIndex
+from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 
@@ -79,25 +79,20 @@ class Grid:
 
 def _axis(key: object, values: object) -> Axis:
     """The values of one key, or of a tuple of keys.  Raises InputError."""
+    together = isinstance(key, tuple)
     keys = tuple(map(str, key)) if isinstance(key, tuple) else (str(key),)
-    name = ",".join(keys)
+    name, rows = ",".join(keys), []
     if not is_list(values) or len(values) == 0:
         raise must_be(name, "a list of numbers or words", values)
-    rows = [_row(name, keys, item, isinstance(key, tuple)) for item in values]
+    for item in values:
+        if together and not (is_list(item) and len(item) == len(keys)):
+            raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
+        given = item if together else [item]
+        row = tuple(each.item() if isinstance(each, np.generic) else each for each in given)
+        for each in row:
+            if not isinstance(each, (float, int, str)):
+                raise must_be(name, "a list of numbers or words", each)
+        rows.append(row)
     if len(set(rows)) < len(rows):
         raise InputError(name, "has a value twice; give each value once")
     return Axis(name, keys, rows)
-
-
-def _row(name: str, keys: tuple[str, ...], item: object, together: bool) -> tuple[Value, ...]:
-    """A value of each key.  Raises InputError."""
-    if together and not (is_list(item) and len(item) == len(keys)):
-        raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
-    given: list[Any] = [
-        each.item() if isinstance(each, np.generic) else each
-        for each in (item if together and is_list(item) else [item])
-    ]
-    for each in given:
-        if not isinstance(each, (float, int, str)):
-            raise must_be(name, "a list of numbers or words", each)
-    return tuple(given)

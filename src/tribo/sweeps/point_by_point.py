@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.ensembles.dataset import common_attributes
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED
 from tribo.interrupts import answer
 from tribo.loops.frames import Arrays, Frames, as_bytes
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
-from tribo.sweeps.dataset import attributes_of, key_coordinates
+from tribo.sweeps.dataset import key_coordinates
 from tribo.sweeps.grid import Grid
 from tribo.validation import InputError, inside
 
@@ -37,7 +39,11 @@ def point_by_point(
     interrupted = False
     try:
         for index in range(len(points), grid.size):
-            points.append(_point(ensemble_at, with_values(grid.scene, grid.point(index))))
+            try:
+                data = ensemble_at(with_values(grid.scene, grid.point(index)))
+                points.append({"data": as_bytes(bytes(data.to_netcdf(engine="h5netcdf")))})
+            except InputError as error:
+                points.append({"note": as_bytes(str(error))})
             if frames is not None:
                 frames.append(index, points[-1])
             if report is not None:
@@ -63,16 +69,9 @@ def point_by_point(
     about = {"long_name": "end of the ensemble"}
     variables["point_status"] = tuple(grid.names), np.reshape(statuses, grid.shape), about
     names = [str(name) for name in found[min(found)].data_vars]
-    attributes = attributes_of(grid.scene, names, interrupted, notes, began)
+    attributes = common_attributes(grid.scene, interrupted, notes, began)
+    attributes["keep"] = json.dumps(names)
     return xarray.Dataset(variables, coordinates | key_coordinates(grid), attributes)
-
-
-def _point(ensemble_at: Callable[[Scene], xarray.Dataset], scene: Scene) -> Arrays:
-    """The data set of a point, or a note, as a frame has them."""
-    try:
-        return {"data": as_bytes(bytes(ensemble_at(scene).to_netcdf(engine="h5netcdf")))}
-    except InputError as error:
-        return {"note": as_bytes(str(error))}
 
 
 def _side_by_side(

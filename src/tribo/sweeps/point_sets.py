@@ -71,11 +71,6 @@ class PointSet(NamedTuple):
         own = {key: float(values[point]) for key, values in self.swept.items()}
         return with_values(self.scene, own) if own else self.scene
 
-    def split(self) -> Iterator[PointSet]:
-        """Each point as a set of its own."""
-        for point in range(self.points):
-            yield self._replace(scene=self.scene_at(point), swept={}, points=1)
-
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the scene as text, from which plug-ins are loaded."""
         return _unpickled, (self.scene.to_toml(), *self[1:])
@@ -114,9 +109,7 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMem
         for k, name in enumerate(axis.keys)
         for key in _of_surfaces(scene, [name])
     }
-    variation = Variation(scene, members.vary, members.seed)
-    numbers = np.arange(members.each)
-    drawn = variation.members(numbers)
+    drawn = Variation(scene, members.vary, members.seed).members(np.arange(members.each))
     seeds = np.array([scene.seed]) if members.number is None else drawn.seeds
     return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, members.seed)
 
@@ -147,8 +140,8 @@ def _served_by_one_plan(
     inner = [axis for axis in candidates if differ(axis)]
     varied = Variation(scene, members.vary, members.seed).own_numbers
     keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
-    keys = [key for key in keys if not is_start(key)]
-    if not inner or not in_batches(simulation, [*varied, *keys]):
+    numbers = [*varied, *(key for key in keys if not is_start(key))]
+    if not inner or not in_batches(simulation, numbers):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
 
@@ -212,7 +205,8 @@ def _runs_of_set(
             kept = request.kept(lay_out(request.recorded(points.scene)))
             yield kept.without_runs(points.runs - done, REFUSED, str(error))
             return
-        for point in points.split():
+        for place in range(points.points):
+            point = points._replace(scene=points.scene_at(place), swept={}, points=1)
             if done < point.runs:
                 yield from _runs_of_set(point, max(0, done), how, None)
             done -= point.runs

@@ -1,5 +1,5 @@
 /* The equations of motion of a scene and their solution by extrapolation, in long double or, with
-   -DQUAD, in __float128.  reference_precise.py describes the arrays, fills them and reads them.
+   -DQUAD, in __float128.  reference.py describes the arrays, fills them and reads them.
 
    The state holds departures from free flight: every angle and place less its uniform motion, so
    that weak forces keep all their digits.  Positions enter as differences of the initial ones. */
@@ -31,7 +31,7 @@ enum { DONE, TOO_COSTLY, UNDERFLOW_OF_STEP, NOT_FINITE, COINCIDENT };
 enum { ANGLES, PLACES, RATES, SPEEDS, ENERGIES, KINDS };
 #define ROWS 16
 #define NODES (2 * ROWS)
-#define QUANTITIES 31 /* of an asperite, in the order of report() */
+#define QUANTITIES 45 /* of an asperite, in the order of report() */
 
 typedef struct {
     int n, surfaces, pairs, terms, fields, springs, oscillators, torsionals;
@@ -48,6 +48,7 @@ typedef struct {
     real swing, phi, dx, dy, omega, nu, dvx, dvy, twist, vx, vy;
     real a1x, a1y, a2x, a2y, v1x, v1y, v2x, v2y, rx, ry;
     real f1x, f1y, f2x, f2y, inx, iny, wix, wiy, fdx, fdy, ftx, fty, turn, torque_T;
+    real flx, fly; /* of the left end; that of the right end is opposite */
 } Asperite;
 typedef struct {
     real vx, vy, stiffness, speed, load, gamma, ux, uy, mass, total_mass, damping;
@@ -383,9 +384,9 @@ static real asperite_rates(Asperite *a, const Surface *s, real *d, real *externa
     real torque = a->a1x * bob_y - a->a1y * bob_x + a->a2x * bar_y - a->a2y * bar_x + a->torque_T;
     real torsion = a->stiff ? torque : a->kappa * a->twist;
     real end = a->clamped ? torsion / a->bar_length : 0;
-    real ex = -end * a->ry / (a->bar_length / 2), ey = end * a->rx / (a->bar_length / 2); /* f_L */
-    real fx[] = {a->f1x, a->f2x, ex, -ex, a->inx, a->fdx, a->ftx};
-    real fy[] = {a->f1y, a->f2y, ey, -ey, a->iny, a->fdy, a->fty};
+    a->flx = -end * a->ry / (a->bar_length / 2), a->fly = end * a->rx / (a->bar_length / 2);
+    real fx[] = {a->f1x, a->f2x, a->flx, -a->flx, a->inx, a->fdx, a->ftx};
+    real fy[] = {a->f1y, a->f2y, a->fly, -a->fly, a->iny, a->fdy, a->fty};
     d[SWING] = a->omega - a->omega0, d[PHI] = a->nu - a->nu0, d[X] = a->dvx, d[Y] = a->dvy;
     d[OMEGA] = a->driven ? alpha : (torque - torsion) / a->I;
     d[NU] = a->clamped ? 0 : (torsion + a->turn) / a->i2;
@@ -444,20 +445,22 @@ static void rates(Model *m, real t, const real *y, real *dy)
 static void report(Model *m, real t, const real *y, real *out)
 {
     real stored[m->surfaces], dvx[m->surfaces], dvy[m->surfaces], contact = 0, drifting;
-    real change[m->surfaces];
+    real change[m->surfaces], rates[WIDTH] = {0}, external[2];
     memset(stored, 0, sizeof stored);
     move(m, t, y);
     clear_forces(m);
     contact_forces(m, t, &contact, stored);
     real field = field_forces(m, t, &drifting);
+    drive_forces(m, t);
     inner_forces(m, y, NULL, stored);
     departures_of_velocity(m, y, dvx, dvy);
     memcpy(change, stored, sizeof stored);
     for (int i = 0; i < m->n; i++) {
-        const Asperite *a = m->a + i;
+        Asperite *a = m->a + i;
         const real *q = y + i * WIDTH, *w = q + WORK, *ps = q + PSEUDO;
         real dw = q[OMEGA], dn = q[NU], dt = a->twist - a->twist0, x = a->x0 + a->vx0 * t + a->dx;
         real yc = a->y0 + a->vy0 * t + a->dy, rest = a->facing > 0 ? 0.0 : 3.141592653589793116;
+        asperite_rates(a, m->s + a->surface, rates, external);
         real trans = a->M * (a->vx0 * a->dvx + a->vy0 * a->dvy);
         trans += a->M * (a->dvx * a->dvx + a->dvy * a->dvy) / 2;
         real e = a->I * dw * (2 * a->omega0 + dw) + a->i2 * dn * (2 * a->nu0 + dn);
@@ -466,7 +469,8 @@ static void report(Model *m, real t, const real *y, real *out)
             a->swing + rest, a->phi, a->omega, a->nu, x, yc, a->vx, a->vy, x + a->a1x, yc + a->a1y,
             x + a->a2x, yc + a->a2y, w[F1], w[F2], w[FL], w[FR], w[INT], 0, ps[F1], ps[F2], ps[INT],
             0, trans, e, w[FIELD], ps[FIELD], w[THERMAL], ps[THERMAL], q[HEAT],
-            a->v1x, a->v1y};
+            a->v1x, a->v1y, a->f1x, a->f1y, a->f2x, a->f2y, a->flx, a->fly, -a->flx, -a->fly, a->wix,
+            a->wiy, a->fdx, a->fdy, a->inx, a->iny};
         for (int f = 0; f < 7; f++)
             values[17] += w[f], values[21] += ps[f];
         memcpy(out + i * QUANTITIES, values, sizeof values);
@@ -486,4 +490,4 @@ static void report(Model *m, real t, const real *y, real *out)
     out[0] = contact, out[1] = total, out[2] = y[m->blocks + 2 * m->surfaces];
 }
 
-#include "reference_precise_steps.c"
+#include "reference_steps.c"

@@ -1,5 +1,5 @@
 /* The solution: Gragg's midpoint rule, extrapolated, with steps that end where a formula changes.
-   Included by reference_precise.c. */
+   Included by reference.c. */
 
 /* Rounding of an extrapolated change, in units of one rounding: coefficients of up to 50. */
 #define AMPLIFIED 100
@@ -336,4 +336,4 @@ static void free_all(void **blocks)
         free(*blocks);
 }
 
-#include "reference_precise_setup.c"
+#include "reference_setup.c"

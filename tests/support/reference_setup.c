@@ -1,4 +1,4 @@
-/* From the arrays that Python fills to the model.  Included by reference_precise_steps.c. */
+/* From the arrays that Python fills to the model.  Included by reference_steps.c. */
 
 #define COARSE 1e-7
 #define COARSE_ROWS 5
