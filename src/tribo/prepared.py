@@ -21,8 +21,8 @@ from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import passing_notes
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.passing import passing_notes
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched

@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
-from tribo.layout.contact_distance import has_contact_distance
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
+from tribo.ledger.separation import has_contact_distance
 from tribo.ledger.totals import Linear, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface

@@ -10,8 +10,7 @@ from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.ledger.passing import passed_through
-from tribo.ledger.runaway import lost_sample
+from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
