@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tribo import InputError
-from tribo.model.heights import as_heights
 from tribo.model.roughness import Roughness, draw
+from tribo.model.surface import as_heights
 from tribo.model.tables import from_table, table_of
 from tribo.model.topography import Grid
 

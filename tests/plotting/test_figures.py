@@ -8,9 +8,9 @@ import pytest
 import tribo
 from tribo import paper, plotting
 from tribo.paper import figures as paper_figures
-from tribo.plotting.encounter import encounter_times
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import pose
+from tribo.plotting.snapshots import encounter_times
 from tribo.plotting.style import FILES, drawing_on
 from tribo.plotting.works import spread
 from tribo.validation import InputError

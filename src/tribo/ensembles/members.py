@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
-from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
+from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_be, short_repr
@@ -304,7 +304,7 @@ def size_of(scene: Scene, key: str) -> int:
             return 2
         if quantity in UNITS:
             return scene.initial_value(key)[0].count
-        if quantity in (*UNITS_OF_DISPLACEMENTS, "temperature"):  # these need a scene of their own
+        if quantity in (*DISPLACEMENTS, "temperature"):  # these need a scene of their own
             with_values(scene, {key: 0.0})
             return 1 if quantity == "temperature" else count
     if is_parameter(scene, key):

@@ -13,12 +13,7 @@ from tribo.validation import NOT_NEGATIVE, InputError, number, number_or_array
 # Units of the initial angles and their rates.
 UNITS = {"theta": "rad", "phi": "rad", "omega": "rad / time", "nu": "rad / time", "swing": "rad"}
 # Units of the initial displacements of centres of mass and their rates.
-UNITS_OF_DISPLACEMENTS = {
-    "x": "length",
-    "y": "length",
-    "vx": "length / time",
-    "vy": "length / time",
-}
+DISPLACEMENTS = {"x": "length", "y": "length", "vx": "length / time", "vy": "length / time"}
 # What a temperature draws, or gives a meaning that is drawn about.
 DRAWN = ("theta", "swing", "omega", "nu", "vx", "vy")
 
@@ -74,7 +69,7 @@ class Initial(ComparedByValue):
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        for name, unit in (UNITS | UNITS_OF_DISPLACEMENTS).items():
+        for name, unit in (UNITS | DISPLACEMENTS).items():
             value = getattr(self, name)
             if value is not None:
                 put(self, name, number_or_array(name, value, unit=unit))
@@ -89,7 +84,7 @@ class Initial(ComparedByValue):
 
     def for_each(self, count: int) -> dict[str, np.ndarray | None]:
         """Each angle, displacement and rate as an array of `count`; None if it is not given."""
-        given = ((name, getattr(self, name)) for name in UNITS | UNITS_OF_DISPLACEMENTS)
+        given = ((name, getattr(self, name)) for name in UNITS | DISPLACEMENTS)
         return {
             name: None if value is None else broadcast(name, value, count) for name, value in given
         }

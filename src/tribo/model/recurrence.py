@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, assert_never, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 # The spectra whose continuum is known.
 Kind = Literal["drude", "ohmic", "debye"]
 KINDS = get_args(Kind)
-
 # Side of the square blocks in which the energy is sampled: SIDE x SIDE samples a block.
 SIDE = 64
 # Elements of the matrix of exponentials that is held at a time: 8 MB of complex numbers.
@@ -194,12 +193,10 @@ def _exponentials(kind: Kind, tolerance: float) -> tuple[np.ndarray, np.ndarray]
         bend = np.exp(s + 0.9j)
         w = 1j * np.exp(2.0 * s) / (1.0 + bend)
         c = np.exp(-w) * w * (2.0 - bend / (1.0 + bend))
-    elif kind == "debye":
+    else:  # debye
         h = 8.4 / digits
         s = np.arange(np.log(digits), -digits - h, -h)
         x = 1.0 / (1.0 + np.exp(-s - np.exp(s)))
         w = np.exp(0.5j * np.pi * x)
         c = -0.5j * np.pi * w * x * (1.0 - x) * (1.0 + np.exp(s))
-    else:
-        assert_never(kind)
     return 2.0 / np.pi * h * c, -1j * w

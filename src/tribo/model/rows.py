@@ -67,7 +67,9 @@ def commensurate_rows(
     InputError
         If a value is out of range, or both `slide` and `lower_n` are given.
     """
-    return _rows(n, spacing, 1.0, gap, slide, lower_n, upper, lower)
+    return incommensurate_rows(
+        n, spacing, 1.0, gap=gap, slide=slide, lower_n=lower_n, upper=upper, lower=lower
+    )
 
 
 def incommensurate_rows(
@@ -94,7 +96,13 @@ def incommensurate_rows(
     -------
     upper, lower : Surface
     """
-    return _rows(n, spacing, ratio, gap, slide, lower_n, upper, lower)
+    n, spacing = integer("n", n, 1), number("spacing", spacing, POSITIVE, "length")
+    below = spacing / number("ratio", ratio, POSITIVE)
+    first, count = _extent((n - 1) * spacing, below, number("slide", slide, unit="length"), lower_n)
+    return (
+        _row("upper", "down", (0.0, number("gap", gap, unit="length")), n, spacing, upper),
+        _row("lower", "up", (first * below, 0.0), count, below, lower),
+    )
 
 
 def periodic_rows(
@@ -132,8 +140,10 @@ def periodic_rows(
     """
     upper_n, lower_n = approximant(n, ratio)
     repeats = n // upper_n
-    upper_n, lower_n = repeats * upper_n, repeats * lower_n
-    rows = _rows(upper_n, spacing, lower_n / upper_n, gap, 0.0, lower_n, upper, lower)
+    upper_n, lower_n, ratio = repeats * upper_n, repeats * lower_n, lower_n / upper_n
+    rows = incommensurate_rows(
+        upper_n, spacing, ratio, gap=gap, lower_n=lower_n, upper=upper, lower=lower
+    )
     return *rows, upper_n * spacing
 
 
@@ -147,25 +157,6 @@ def approximant(n: int, ratio: float = GOLDEN_MEAN) -> tuple[int, int]:
     if fraction == 0:
         raise must_be("ratio", f"above {0.5 / n:g} for {n} upper asperites", ratio)
     return fraction.denominator, fraction.numerator
-
-
-def _rows(
-    n: int,
-    spacing: float,
-    ratio: float,
-    gap: float,
-    slide: float,
-    lower_n: int | None,
-    upper: Settings,
-    lower: Settings,
-) -> tuple[Surface, Surface]:
-    n, spacing = integer("n", n, 1), number("spacing", spacing, POSITIVE, "length")
-    below = spacing / number("ratio", ratio, POSITIVE)
-    first, count = _extent((n - 1) * spacing, below, number("slide", slide, unit="length"), lower_n)
-    return (
-        _row("upper", "down", (0.0, number("gap", gap, unit="length")), n, spacing, upper),
-        _row("lower", "up", (first * below, 0.0), count, below, lower),
-    )
 
 
 def _extent(length: float, spacing: float, slide: float, count: int | None) -> tuple[int, int]:

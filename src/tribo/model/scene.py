@@ -17,7 +17,7 @@ from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
-from tribo.model.initial import UNITS, UNITS_OF_DISPLACEMENTS
+from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
@@ -181,7 +181,7 @@ class Scene(ComparedByValue):
     def _check_initial(self, surface: Surface) -> None:
         """Refuse displacements of centres of mass that cannot move, and starts of nothing."""
         can_move = {"x": self.slides_along_x(surface), "y": self.slides_along_y(surface)}
-        for name in UNITS_OF_DISPLACEMENTS:
+        for name in DISPLACEMENTS:
             if getattr(surface.initial, name) is None:
                 continue
             if not can_move[name[-1]]:
@@ -225,20 +225,16 @@ class Scene(ComparedByValue):
         name, _, quantity = str(key).rpartition(".")
         surface = next((s for s in self.surfaces if s.name == name), None)
         if surface is None or quantity not in UNITS:
-            raise InputError(
-                str(key), f'must name a surface and one of {", ".join(UNITS)}, as "upper.theta"'
-            )
-        if quantity == "omega" and surface.asperite.is_rigid:
-            raise InputError(str(key), "cannot be changed where asperite.kappa = inf")
-        if surface.initial.temperature:
-            raise InputError(
-                str(key), "cannot be changed where initial.temperature draws the start"
-            )
-        if quantity in ("phi", "nu") and surface.bars == "clamped":
-            raise InputError(
-                str(key), "cannot be changed where bars are clamped; prepare another scene"
-            )
-        return surface, quantity
+            problem = f'must name a surface and one of {", ".join(UNITS)}, as "upper.theta"'
+        elif quantity == "omega" and surface.asperite.is_rigid:
+            problem = "cannot be changed where asperite.kappa = inf"
+        elif surface.initial.temperature:
+            problem = "cannot be changed where initial.temperature draws the start"
+        elif quantity in ("phi", "nu") and surface.bars == "clamped":
+            problem = "cannot be changed where bars are clamped; prepare another scene"
+        else:
+            return surface, quantity
+        raise InputError(str(key), problem)
 
     def with_heights(self) -> Scene:
         """The same scene with its random heights as numbers, whatever its seed becomes."""

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import assert_never
 
 import numpy as np
 
@@ -122,10 +121,8 @@ class Spectrum:
             w, share = np.tan(np.pi / 2.0 * x), np.ones(self.n)
         elif self.kind == "ohmic":
             w, share = -2.0 * np.log1p(-x), 4.0 / np.pi * (1.0 - x)
-        elif self.kind == "debye":
+        else:  # debye
             w, share = x, np.full(self.n, 2.0 / np.pi)
-        else:
-            assert_never(self.kind)
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
@@ -136,9 +133,7 @@ class Spectrum:
             return strength * np.exp(-wt)
         if self.kind == "ohmic":
             return 2.0 / np.pi * strength / (1.0 + wt**2)
-        if self.kind == "debye":
-            return 2.0 / np.pi * strength * np.sinc(wt / np.pi)
-        assert_never(self.kind)
+        return 2.0 / np.pi * strength * np.sinc(wt / np.pi)  # debye
 
 
 def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray) -> np.ndarray:

@@ -13,12 +13,12 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
-from tribo.model.heights import as_heights
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
-from tribo.model.topography import Grid, Topography
+from tribo.model.tables import from_table
+from tribo.model.topography import Grid, Topography, as_topography, is_topography
 from tribo.validation import (
     LARGEST_COUNT,
     InputError,
@@ -335,6 +335,27 @@ class Surface(ComparedByValue):
             x, y, z = self.positions[0]
             return float(x), float(y), float(z)
         return self.bob[0], self.bob[1], self.depth
+
+
+def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography | None:
+    """The `heights` of a surface: (nx nz,) numbers [length], a roughness, a topography, or None.
+
+    A topography of a file is kept with its heights at the asperites; of an object, the heights are
+    kept alone.  Listed positions have the shape (n, 1) and the spacing (0, 0).
+    """
+    if value is None:
+        return None
+    shape, spacing, _ = grid
+    if is_topography(value):
+        with inside("heights"):
+            topography = as_topography(value).on(grid)
+        return topography if isinstance(topography.topography, str) else topography.heights
+    if isinstance(value, (Roughness, Mapping)):
+        with inside("heights"):
+            roughness = from_table(Roughness, value, ["rms"])
+            roughness.check(shape, spacing)
+        return roughness
+    return vector("heights", value, size=shape[0] * shape[1], unit="length")
 
 
 def _is_name(name: object) -> bool:

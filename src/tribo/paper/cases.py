@@ -36,13 +36,10 @@ CASES = {
 # End of each case [time].  The paper does not print when its runs end; these are round times at
 # which every number that it gives "at the end" agrees.  `Run.ends` finds all whole ones.
 END = {"A": 40.0, "B": 26.0, "C": 50.0, "D": 50.0, "E": 50.0}
-
 # Time to which every case is computed.
 LAST = 60.0
-
 # Relative error of the computed numbers: well below half a unit of the last digit printed.
 ACCURACY = 1e-11
-
 # Spacing of the samples [time].  Splines of order 7 between them are accurate to 1e-9.
 SPACING = 0.05
 

@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 # Colour of forces in the drawing of the model.
 FORCE_COLOUR = "#a50f15"
-
 # Distance between snapshots side by side [length].
 SNAPSHOT_GAP = 0.2
-
 # Kinds of files that each figure is written to.
 SUFFIXES = (".pdf", ".png")
 

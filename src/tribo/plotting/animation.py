@@ -27,19 +27,14 @@ if TYPE_CHECKING:
 
 # Names of files end on one of these, each with matplotlib's writer for it.
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
-
 # Width of the picture, and height of the curves below it [inch].
 WIDTH, CURVES = 6.0, 1.9
-
 # Height of the title [inch].
 TITLE = 0.3
-
 # Least and largest height of the part where asperites move [inch].
 MOTION = (1.0, 3.4)
-
 # Colours of a GIF.
 COLOURS = 128
-
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
 DRAWN = ("w1", "w2", "w_int", "W")
 

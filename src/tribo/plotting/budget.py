@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 # Width and dashes of the line of the work put in.
 WORK_WIDTH, DASHES = 1.3, (0, (4.0, 3.0))
-
 # Distance of the text of the gap from the axes, beside the label of the times [points].
 GAP_BELOW = 22.0
 

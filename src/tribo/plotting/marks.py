@@ -16,10 +16,8 @@ if TYPE_CHECKING:
 Box = tuple[float, float, float, float]  # left, right, bottom and top, in units of the Axes
 
 POINTS_PER_INCH = 72.0
-
 # Margin around a drawing [points].
 EDGE = 4.0
-
 # Sides of a box, in order.
 SIDES = ("left", "right", "bottom", "top")
 

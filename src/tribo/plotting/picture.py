@@ -15,14 +15,11 @@ if TYPE_CHECKING:
 
 # Above this number of asperites, bobs alone are drawn: bars and rods would cover one another.
 MOST_DETAILED = 120
-
 # Colours of bars, by where the bob is; of rods, bobs, centres of mass and bath oscillators.
 DOWN_COLOUR, UP_COLOUR = "#3f74b5", "#6b7280"
 ROD_COLOUR, BOB_COLOUR, CM_COLOUR, BATH_COLOUR = "#b98a2f", "#f3c969", "#d7301f", "#9a5fb5"
-
 # Colours of the swing of many bobs, from the most negative to the most positive.
 SWING_COLOURS = "coolwarm"
-
 # Widths of bars and rods, radii of bobs, pivots and centres of mass [rod length].
 BAR, ROD = 0.1, 0.06
 BOB, PIVOT, CM = 0.09, 0.022, 0.045
@@ -40,7 +37,6 @@ RADIUS, SWELL, WINDINGS = 0.17, 0.024, 5
 CIRCLE, TURN = 40, 24
 # Windings of a lattice spring, and half its width [distance of the bars].
 ZIGZAGS, SPRING = 8, 0.03
-
 # Angles of the points of a circle, and its points.
 AROUND = np.linspace(0.0, 2.0 * np.pi, CIRCLE, endpoint=False)
 RING = np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)

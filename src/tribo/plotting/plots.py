@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from tribo.plotting import budget, curves, snapshots
-from tribo.plotting.curves import ASPECT, PLAIN, Look
-from tribo.plotting.encounter import encounter_times
+import numpy as np
+
+from tribo.plotting import budget, snapshots
+from tribo.plotting.curves import (
+    ASPECT,
+    COLOURS,
+    PATH_WIDTH,
+    PLAIN,
+    Look,
+    finish,
+    legend,
+    swing_of,
+)
 from tribo.plotting.maps import surface_map
 from tribo.plotting.pose import nearest_sample
-from tribo.plotting.style import WIDE, drawing_on, style
+from tribo.plotting.style import COLUMN, WIDE, drawing_on, style
 from tribo.plotting.works import WORKS, draw_works, works_of
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
@@ -20,6 +31,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# Above this number of asperites of a surface, angles are a band rather than lines.
+MOST_LINES = 6
+# Percentiles of the asperites between which a band lies.
+BAND = (5.0, 95.0)
+# Most paths of a phase plot: more cover one another.
+MOST_PATHS = 200
+# Widths of lines, one surface after the other: equal curves are both seen [points].
+WIDTHS = (2.6, 1.0)
+# Width of lines where there is one surface [points].
+WIDTH = 1.1
 # Width and height of the overview [inch].
 SIZE = (7.0, 7.6)
 
@@ -53,7 +74,21 @@ class Plots:
         -------
         matplotlib.axes.Axes
         """
-        return curves.angles(self._result, self._look, ax)
+        result, look = self._result, self._look
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            for k, surface in enumerate(result.scene.surfaces):
+                swing = swing_of(result, surface)
+                line: dict[str, Any] = {"linewidth": self._width(k), "linestyle": look.linestyle}
+                line |= {"color": COLOURS[k], "label": look.named(surface.name)}
+                if surface.count <= MOST_LINES:
+                    for other in ax.plot(result.t, swing, **line)[1:]:
+                        other.set_label("_")
+                    continue
+                low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
+                ax.plot(result.t, middle, **line)
+                ax.fill_between(result.t, low, high, color=COLOURS[k], alpha=0.2, linewidth=0.0)
+            finish(ax, result, "swing (rad)")
+        return ax
 
     def work(
         self,
@@ -102,7 +137,7 @@ class Plots:
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
             if is_new and words:
-                curves.legend(ax, list(words.values()), list(words))
+                legend(ax, list(words.values()), list(words))
         return ax
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
@@ -150,9 +185,21 @@ class Plots:
         InputError
             The forces were not recorded, or there are too few samples.
         """
-        name = self._surface(surface)
-        average = friction_force(self._result, name, after)
-        return curves.friction(self._result, name, average, self._look, ax)
+        result, look, name = self._result, self._look, self._surface(surface)
+        found = friction_force(result, name, after)
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            interval = f" ± {found.half_width:.1g}" * math.isfinite(found.half_width)
+            low, high = found.mean - found.half_width, found.mean + found.half_width
+            later, line = (
+                [found.after, result.t[-1]],
+                {"linewidth": WIDTH, "linestyle": look.linestyle},
+            )
+            ax.plot(result.t, result[name].friction_force, color=COLOURS[0], **line)
+            label = look.named(f"{found.mean:.3g}{interval}")
+            ax.plot(later, [found.mean] * 2, color=COLOURS[1], label=label, **line)
+            ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)
+            finish(ax, result, f"friction force on {name}")
+        return ax
 
     def phase(self, ax: Axes | None = None) -> Axes:
         """Draw the angular velocity of pendulums over their swing.
@@ -168,7 +215,22 @@ class Plots:
         -------
         matplotlib.axes.Axes
         """
-        return curves.phase(self._result, self._look, ax)
+        result, look = self._result, self._look
+        with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
+            for k, surface in enumerate(result.scene.surfaces):
+                number = min(surface.count, MOST_PATHS)
+                shown = np.unique(np.linspace(0, surface.count - 1, number).astype(int))
+                swing = swing_of(result, surface)[:, shown]
+                rate = result[surface.name].omega[:, shown]
+                line: dict[str, Any] = {"color": COLOURS[k], "linestyle": look.linestyle}
+                width = PATH_WIDTH * self._width(k)
+                faint = max(0.08, min(1.0, 4.0 / len(shown)))
+                ax.plot(swing, rate, linewidth=width, alpha=faint, **line)
+                ax.plot(swing[-1], rate[-1], "o", color=COLOURS[k], markersize=2.5)
+                ax.plot([], [], label=look.named(surface.name), **line)
+            ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
+            legend(ax)
+        return ax
 
     def snapshots(
         self,
@@ -206,7 +268,7 @@ class Plots:
             A time is not in the run, the oscillators are not recorded, or a calculator of the scene
             fails.
         """
-        times = encounter_times(self._result, 4) if times is None else times
+        times = snapshots.encounter_times(self._result, 4) if times is None else times
         return snapshots.snapshots(self._result, times, forces, bath, ax)
 
     def sequence(
@@ -248,7 +310,7 @@ class Plots:
         InputError
             A time is outside the run, or a calculator of the scene fails.
         """
-        times = encounter_times(self._result, 3) if times is None else times
+        times = snapshots.encounter_times(self._result, 3) if times is None else times
         whose = (self._surface(surface), asperite)
         return snapshots.sequence(self._result, times, whose, points, phases, ax)
 
@@ -328,3 +390,6 @@ class Plots:
         if name is not None and name not in names:
             raise must_be("surface", f"one of {', '.join(names)}", name)
         return name or names[0]
+
+    def _width(self, index: int) -> float:
+        return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH

@@ -13,10 +13,8 @@ from tribo.validation import InputError
 
 # Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
 OBLIQUE = np.array([0.35, 0.2])
-
 # +1 where bars are above their bobs, by where a surface faces.
 UPWARD = {"down": 1.0, "up": -1.0}
-
 # Room around bobs, along x and y [rod length].
 ROOM = np.array([0.2, 0.1])
 

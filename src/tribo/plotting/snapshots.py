@@ -29,25 +29,41 @@ if TYPE_CHECKING:
 
 # Distance between two snapshots, and between lines of labels [points].
 GAP, LINE = 9.0, 14.0
-
 # Margin for times and phases left of snapshots [points].
 MARGIN = 50.0
-
 # Snapshots stand in a row if their widths together are less than this times the height.
 MOST_ROW = 6.0
-
 # Height that the colours of many asperites take below snapshots [points].
 BAR_ROOM = 30.0
-
 # Room at the sides for the arrows of forces [rod length].
 ARROW_ROOM = 0.4
-
+# Of all changes of the contact energy, the parts before the first and after the last time that is
+# chosen: most of an encounter lies between these times, and the asperites are near each other.
+BEFORE = 0.15
 # Percentile of the magnitudes of swings that has the strongest colour.
 STRONGEST = 99.0
-
 # Line styles of the points of an asperite, and their subscripts.
 GUIDES: dict[str, Any] = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}
 SUBSCRIPTS = {"bar": "2", "cm": r"{\rm cm}", "bob": "1"}
+
+
+def encounter_times(result: RunResult, number: int) -> list[float]:
+    """Times of samples between which the contact energy changes by equal amounts.
+
+    A single encounter is thus shown on its way in, at its closest, and on its way out.
+
+    They are fewer than `number` where samples are few, and evenly spaced from start to end where no
+    contact energy is recorded, or it does not change.
+    """
+    parts = np.linspace(BEFORE, 1.0 - BEFORE, number)
+    energy = np.asarray(result.system.get("contact_energy", 0))
+    changes = np.abs(np.diff(energy)) if energy.size == result.t.size else np.zeros(1)
+    total = np.nansum(changes)
+    if not (np.isfinite(total) and total > 0.0):
+        return np.linspace(result.t[0], result.t[-1], number).tolist()
+    reached = np.concatenate([[0.0], np.cumsum(np.nan_to_num(changes))]) / total
+    samples = np.unique(np.searchsorted(reached, parts))
+    return [float(result.t[k]) for k in samples]
 
 
 def typical_swing(result: RunResult) -> float:

@@ -19,13 +19,10 @@ if TYPE_CHECKING:
 
 # Widths of one and of one and a half columns of a journal, and of its page [inch].
 COLUMN, WIDE, PAGE = 3.375, 5.1, 6.2
-
 # Names of files that a figure can be written to end on one of these.
 FILES = (".png", ".pdf", ".svg")
-
 # Colour of text, edges and arrows.
 INK = "#1a1a1a"
-
 # Colours of lines, in order; people with any colour vision can tell the first two apart.
 CYCLE = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 

@@ -41,10 +41,8 @@ WORKS = {
     "W": Work("", INK, "all external"),
 }
 TOTALS = ("w", "W")
-
 # Dashes of pseudoworks, and width of the line of a total [points].
 DASHED, TOTAL_WIDTH = (0, (4, 2)), 1.6
-
 # Distance between labels at the ends of lines [points].
 LABEL_GAP = 11.0
 

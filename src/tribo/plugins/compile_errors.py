@@ -18,7 +18,6 @@ from tribo.validation import InputError
 
 # Prefixes of numba's names of number types.
 NUMBERS = ("float", "int", "complex", "bool")
-
 # Exceptions that numba's compiler raises.
 COMPILE_ERRORS = (NumbaError, UnsupportedBytecodeError)
 

@@ -34,11 +34,7 @@ class Buckingham(Potential):
     A: float
     rho: float
     C: float
-    _limits = (
-        ("A", ">", "energy"),
-        ("rho", ">", "length"),
-        ("C", ">=", "energy length^6"),
-    )
+    _limits = (("A", ">", "energy"), ("rho", ">", "length"), ("C", ">=", "energy length^6"))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

@@ -28,11 +28,7 @@ class Mie(Potential):
     sigma: float
     n: float
     m: float
-    _limits = (
-        ("epsilon", ">=", "energy"),
-        ("sigma", ">", "length"),
-        ("m", ">", ""),
-    )
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("m", ">", ""))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

@@ -23,11 +23,7 @@ class SoftSphere(Potential):
     epsilon: float
     sigma: float
     n: float
-    _limits = (
-        ("epsilon", ">=", "energy"),
-        ("sigma", ">", "length"),
-        ("n", ">", ""),
-    )
+    _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("n", ">", ""))
 
     def energy(self, r):
         """Energy U(r) [energy] at distance r [length]."""

@@ -6,10 +6,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from tribo import plotting
 from tribo.kernels.status import Status
-from tribo.work_precision import figure
+from tribo.plotting.style import INK, WIDE, drawing_on
 from tribo.work_precision.rows import Cheapest, Reference, Row
 
 if TYPE_CHECKING:
@@ -19,6 +20,28 @@ if TYPE_CHECKING:
 GOALS = (1e-3, 1e-6, 1e-9, 1e-12)
 # The cost on the horizontal axis of a diagram.
 CostName = Literal["seconds", "force_evaluations"]
+# Colour and marker of each method; families share a hue.
+STYLES = {
+    "midpoint": ("#a6a6a6", "o"),
+    "rk4": ("#6e6e6e", "s"),
+    "dop853": (INK, "D"),
+    "rkn8": ("#6baed6", "o"),
+    "rkn12": ("#08519c", "s"),
+    "gauss-radau-15": ("#7d2f86", "^"),
+    "gauss-8": ("#c994c7", "v"),
+    "verlet": ("#fdae6b", "o"),
+    "kahan-li-6": ("#e6550d", "s"),
+    "kahan-li-8": ("#a63603", "D"),
+    "blanes-moan-6": ("#2fae8c", "^"),
+}
+# Colour of the line along the front.
+FRONT_COLOUR = "#ffd92f"
+# Diameter of the rings round the runs of the methods that tribo chooses [points].
+RING = 7.5
+# Largest error shown; larger ones are of methods that are unstable at such steps.
+LARGEST_ERROR = 3.0
+# Label of the axis of each cost.
+COSTS = {"seconds": "time [s]", "force_evaluations": "evaluations of all forces"}
 
 
 @dataclass(frozen=True)
@@ -99,8 +122,42 @@ class WorkPrecision:
 
     def plot(self, cost: CostName = "seconds", ax: Axes | None = None) -> Axes:
         """Draw error against cost, on new axes if none are given."""
-        return figure.draw(self.rows, self.reference, self.automatic_rows, cost, ax)
+        with drawing_on(ax, WIDE, 0.7 * WIDE) as ax:
+            if cost == "seconds":
+                front = sorted((row for row in self.rows if row.front), key=lambda row: row.seconds)
+                style: Any = {"linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5}
+                places = [row.seconds for row in front], [row.error for row in front]
+                ax.plot(*places, color=FRONT_COLOUR, label="front", **style)
+            for name in dict.fromkeys(row.method for row in self.rows):
+                own = [row for row in self.rows if row.method == name]
+                colour, marker = STYLES.get(name, (INK, "x"))
+                style = {"color": colour, "marker": marker, "markersize": 2.6, "linewidth": 0.8}
+                ax.plot(*self._places(own, cost), label=name, **style)
+            if self.automatic_rows:
+                style = {"marker": "o", "markersize": RING, "fillstyle": "none", "color": INK}
+                style |= {"markeredgewidth": 0.8, "linestyle": "none", "label": "automatic choice"}
+                ax.plot(*self._places(self.automatic_rows, cost), **style)
+            ax.axhline(self.reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
+            ax.set(xscale="log", yscale="log", xlabel=COSTS[cost])
+            ax.set_ylim(top=min(ax.get_ylim()[1], LARGEST_ERROR))
+            ax.set_ylabel("largest error, in units of its scale")
+        return ax
+
+    def _places(self, rows: list[Row], cost: str) -> tuple[list[float], list[float]]:
+        """Costs and errors; none far below that of the reference, where it means nothing."""
+        least = max(0.1 * self.reference.error, 1e-17)
+        return [getattr(row, cost) for row in rows], [max(row.error, least) for row in rows]
 
     def save_figure(self, path: str | Path) -> Path:
         """Draw error against time and against evaluations into a .png, .pdf or .svg file."""
-        return figure.save(self.rows, self.reference, self.automatic_rows, path)
+        from matplotlib.figure import Figure
+
+        with plotting.style():
+            figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
+            left, right = figure.subplots(1, 2, sharey=True)
+            self.plot("seconds", left)
+            self.plot("force_evaluations", right).set_ylabel("")
+            front, *handles = left.get_legend_handles_labels()[0]
+            style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
+            figure.legend(handles=[*handles, front], **style)
+            return plotting.save(figure, path)

@@ -117,12 +117,13 @@ class MeansPrecision:
             f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
             for row in self.rows
         ]
-        for row in self.cheapest:
-            lines.append(
-                f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
-                f"{row.setting:.2g}, {row.force_evaluations} evaluations, {row.seconds:.2g} s"
-                + (f"; the step's bias of {row.bias:.1g} is larger" * (row.bias > row.half_width))
-            )
+        lines += [
+            f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
+            f"{row.setting:.2g}, {row.force_evaluations} evaluations, {row.seconds:.2g} s"
+            + f"; the step's bias of {row.bias:.1g} is larger"
+            * (row.bias > row.half_width)
+            for row in self.cheapest
+        ]
         lines.append(
             f"one digit more takes {RATIO_OF_DIGIT} times the members; half-widths are of 95 % "
             "intervals, in units of the scale of energies"
@@ -213,11 +214,10 @@ def _row(
     """The largest half-width and bias of an ensemble."""
     half_width = max(float(data[f"{name}_half_width"].max()) for name in names)
     bias = 0.0
-    for name in names:
-        if f"{name}_bias" in data:
-            chance = data[f"{name}_bias_half_width"].values
-            found = np.abs(data[f"{name}_bias"].values)
-            bias = max(bias, float(np.max(np.where(found > chance, found, 0.0))))
+    for name in (f"{name}_bias" for name in names if f"{name}_bias" in data):
+        found = np.abs(data[name].values)
+        exceeds = found > data[f"{name}_half_width"].values
+        bias = max(bias, float(np.max(found, initial=0.0, where=exceeds)))
     setting = simulation.plan.setting
     assert isinstance(setting, float)
     return MeanRow(

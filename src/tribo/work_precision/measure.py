@@ -106,17 +106,21 @@ def work_precision(
         progress("reference")
     truth, scales, reference = _reference(scene, watched)
     automatic = {goal: choose(layout, goal, None, None).method.name for goal in GOALS}
-    found = WorkPrecision((), reference, {}, automatic)
+    compiling: dict[str, float] = {}
     rows: list[Row] = []
+
+    def so_far(status: Status = Status.INTERRUPTED) -> WorkPrecision:
+        marked = tuple(with_front(rows, reference.error))
+        return WorkPrecision(marked, reference, compiling, automatic, status)
+
     try:
         for method in taken:
-            found = replace(found, rows=tuple(with_front(rows, reference.error)))
             if report:
-                report(replace(found, status=Status.INTERRUPTED))
+                report(so_far())
             if progress:
                 progress(method.name)
             integrator = integrator_for(lay_out(scene), method)
-            found.compile_seconds[method.name] = integrator.compile_seconds
+            compiling[method.name] = integrator.compile_seconds
             share = seconds / len(taken)
             for row in _curve(integrator, truth, scales, watched, reference.error, share):
                 rows.append(row)  # each before an interrupt can end the next
@@ -124,10 +128,8 @@ def work_precision(
         interrupts.answer()
         if not rows:
             raise
-        measured = tuple(with_front(rows, reference.error))
-        part = replace(found, rows=measured, status=Status.INTERRUPTED)
-        raise interrupts.Interrupted(part) from None
-    return replace(found, rows=tuple(with_front(rows, reference.error)))
+        raise interrupts.Interrupted(so_far()) from None
+    return so_far(Status.COMPLETED)
 
 
 def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, ToleranceScales, Reference]:
@@ -162,8 +164,7 @@ def _curve(
     times, scales = layout.scene.times, reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
     level = COARSEST
-    best, most = np.inf, 0
-    stalled = 0
+    best, most, stalled = np.inf, 0, 0
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
         setting = setting_at(layout, method, tolerance_scales, level)
         run = integrator(setting, times)
