@@ -8,6 +8,7 @@ sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
 import generate  # noqa: E402
+import inventories  # noqa: E402
 
 import tribo  # noqa: E402
 
@@ -16,18 +17,23 @@ author = "The tribo authors"
 copyright = "2026, the tribo authors"
 release = version = tribo.__version__
 
-extensions = ["mathml", "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["mathml", "myst_parser"]
+extensions += [f"sphinx.ext.{name}" for name in ("autodoc", "intersphinx", "napoleon")]
 html_math_renderer = "mathml"  # works without a network
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build", "_generated", "measured"]
+exclude_patterns = ["_build", "_generated", "_inventories", "measured"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = False
+napoleon_preprocess_types = True
+napoleon_type_aliases = inventories.ALIASES
 napoleon_use_ivar = True  # attributes as a list of fields, without entries of their own
+
+intersphinx_mapping = inventories.write(HERE / "_inventories")
 
 html_theme = "furo"
 html_title = "tribo"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -114,17 +114,6 @@ def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axe
     return result.plot.sequence(times, points=points, phases=("approach", "recede"))
 
 
-class Asperite(NamedTuple):
-    """The places and angles that the drawing of the model names."""
-
-    bar: np.ndarray
-    cm: np.ndarray
-    bob: np.ndarray
-    ends: np.ndarray
-    phi: float
-    theta: float
-
-
 def _model() -> Axes:
     """The upper asperite with every quantity that the equations of motion name."""
     phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 1.7, 1.6, (-3.05, 3.35, -3.6, 1.8)
@@ -140,71 +129,70 @@ def _model() -> Axes:
         up=np.ones(1),
         is_twisted=np.ones(1, bool),
     )
-    asperite = Asperite(now.bars[0], now.cms[0], now.bobs[0], now.ends[0], phi, theta)
     with drawing_on(None, COLUMN) as ax:
         Picture(ax, now, point_length(ax, *box[:2]))
-        _model_lengths(ax, asperite)
-        _model_angles(ax, asperite)
-        _model_positions(ax, asperite)
-        _model_forces(ax, asperite)
+        _model_lengths(ax, now)
+        _model_angles(ax, now)
+        _model_positions(ax, now)
+        _model_forces(ax, now)
         frame(ax, box)
     return ax
 
 
-def _model_lengths(ax: Axes, asperite: Asperite) -> None:
-    rod = np.array([np.cos(asperite.theta), np.sin(asperite.theta)])  # across it, to the right
-    bar = np.array([-np.sin(asperite.phi), np.cos(asperite.phi)])  # across it, upwards
-    left, right = asperite.ends
+def _model_lengths(ax: Axes, now: Pose) -> None:
+    centre, cm, bob, (left, right) = now.bars[0], now.cms[0], now.bobs[0], now.ends[0]
+    rod = np.array([np.cos(now.theta[0]), np.sin(now.theta[0])])  # across it, to the right
+    bar = np.array([-np.sin(now.phi[0]), np.cos(now.phi[0])])  # across it, upwards
     for position, text in (
-        (0.4 * asperite.bar + 0.6 * asperite.cm + 0.32 * rod, r"$\ell_2$"),
-        (0.5 * (asperite.cm + asperite.bob) + 0.32 * rod, r"$\ell_1$"),
-        (asperite.cm + 0.4 * rod, "cm"),
-        (asperite.bob + np.array([0.6, -0.1]), "$m_1$"),
-        (asperite.bar + 0.4 * bar + (0.55, 0.15), "$m_2,\\ i_2$"),
-        (0.65 * left + 0.35 * asperite.bar + 0.4 * bar, "$a/2$"),
-        (0.65 * right + 0.35 * asperite.bar + 0.4 * bar, "$a/2$"),
+        (0.4 * centre + 0.6 * cm + 0.32 * rod, r"$\ell_2$"),
+        (0.5 * (cm + bob) + 0.32 * rod, r"$\ell_1$"),
+        (cm + 0.4 * rod, "cm"),
+        (bob + np.array([0.6, -0.1]), "$m_1$"),
+        (centre + 0.4 * bar + (0.55, 0.15), "$m_2,\\ i_2$"),
+        (0.65 * left + 0.35 * centre + 0.4 * bar, "$a/2$"),
+        (0.65 * right + 0.35 * centre + 0.4 * bar, "$a/2$"),
     ):
         note(ax, position, text)
 
 
-def _model_angles(ax: Axes, asperite: Asperite) -> None:
+def _model_angles(ax: Axes, now: Pose) -> None:
     from matplotlib.patches import Arc
 
     for tip in ((2.75, 0.0), (0.0, -1.45)):
         ax.plot([0.0, tip[0]], [0.0, tip[1]], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=3)
-    for radius, start, angle in ((2.05, 0.0, asperite.phi), (1.05, -90.0, asperite.theta)):
+    for radius, start, angle in ((2.05, 0.0, now.phi[0]), (1.05, -90.0, now.theta[0])):
         turn = {"theta1": start, "theta2": start + float(np.degrees(angle))}
         ax.add_patch(Arc((0.0, 0.0), 2 * radius, 2 * radius, **turn, lw=0.7, zorder=3))
     note(ax, (2.22, 0.24), r"$\phi$")
     note(ax, (0.31, -1.2), r"$\theta$")
 
 
-def _model_positions(ax: Axes, asperite: Asperite) -> None:
+def _model_positions(ax: Axes, now: Pose) -> None:
     origin = np.array([-2.4, -3.45])
     for axis, text in zip(1.3 * np.eye(2), ("$x$", "$y$"), strict=True):
         arrow(ax, origin, origin + axis, linewidth=0.6, linestyle=(0, (4, 2)), mutation_scale=6)
         note(ax, origin + 1.12 * axis, text)
     for tip, shift, text in (
-        (asperite.cm, (-0.1, 0.25), r"$\vec{r}_{\rm cm}$"),
-        (asperite.bob, (0.1, 0.25), r"$\vec{r}_1$"),
-        (asperite.bar, (-0.3, 0.1), r"$\vec{r}_2$"),
+        (now.cms[0], (-0.1, 0.25), r"$\vec{r}_{\rm cm}$"),
+        (now.bobs[0], (0.1, 0.25), r"$\vec{r}_1$"),
+        (now.bars[0], (-0.3, 0.1), r"$\vec{r}_2$"),
     ):
         arrow(ax, origin, tip, linewidth=0.7, mutation_scale=6)
         note(ax, 0.5 * (origin + tip) + shift, text)
     for end, shift, text in (
-        (asperite.ends[0], (-0.3, 0.0), r"$\vec{r}_L$"),
-        (asperite.ends[1], (0.3, 0.0), r"$\vec{r}_R$"),
+        (now.ends[0, 0], (-0.3, 0.0), r"$\vec{r}_L$"),
+        (now.ends[0, 1], (0.3, 0.0), r"$\vec{r}_R$"),
     ):
-        arrow(ax, asperite.bar, end, linewidth=0.7, mutation_scale=6)
+        arrow(ax, now.bars[0], end, linewidth=0.7, mutation_scale=6)
         note(ax, end + shift, text)
 
 
-def _model_forces(ax: Axes, asperite: Asperite) -> None:
+def _model_forces(ax: Axes, now: Pose) -> None:
     for start, force, shift, text in (
-        (asperite.bob, (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
-        (asperite.bar, (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),
-        (asperite.ends[0], (-0.2, -0.9), (-0.25, 0.0), r"$\vec{f}_L$"),
-        (asperite.ends[1], (0.4, 0.95), (0.3, 0.0), r"$\vec{f}_R$"),
+        (now.bobs[0], (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
+        (now.bars[0], (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),
+        (now.ends[0, 0], (-0.2, -0.9), (-0.25, 0.0), r"$\vec{f}_L$"),
+        (now.ends[0, 1], (0.4, 0.95), (0.3, 0.0), r"$\vec{f}_R$"),
     ):
         tip = start + np.array(force)
         arrow(ax, start, tip, linewidth=1.5, color=FORCE_COLOUR, mutation_scale=10)

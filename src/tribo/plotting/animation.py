@@ -33,6 +33,8 @@ WIDTH, CURVES = 6.0, 1.9
 TITLE = 0.3
 # Least and largest height of the part where asperites move [inch].
 MOTION = (1.0, 3.4)
+# Most samples whose places the picture is sized by, the first and the last among them.
+MOST_BOXES = 50
 # Colours of a GIF.
 COLOURS = 128
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
@@ -110,7 +112,8 @@ class Film:
 
         self._result = result
         self._bath = bath
-        boxes = np.array([self._pose(k).box for k in _some(len(result.t))])
+        some = np.unique(np.linspace(0, len(result.t) - 1, MOST_BOXES).astype(int))
+        boxes = np.array([self._pose(k).box for k in some])
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
@@ -141,13 +144,8 @@ class Film:
             self.figure.text(0.74, y, f"{symbol(name)} {word}", color=colour)
             self._values[name] = self.figure.text(0.99, y, "", color=colour, ha="right")
         self._limits = below.get_ylim()
-        self._moving = [
-            *self._picture.artists,
-            *self.lines.values(),
-            self._now,
-            self._clock,
-            *self._values.values(),
-        ]
+        self._moving = [*self._picture.artists, *self.lines.values(), self._now, self._clock]
+        self._moving += self._values.values()
 
     def picture(self, sample: int) -> Image:
         """The picture at a sample; what does not move is drawn once."""
@@ -178,11 +176,6 @@ class Film:
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
             self._values[name].set_text(f"{values[sample]: .4f}")
-
-
-def _some(samples: int) -> np.ndarray:
-    """At most 50 of the samples, the first and the last among them."""
-    return np.unique(np.linspace(0, samples - 1, min(samples, 50)).astype(int))
 
 
 def _named_works(result: RunResult, surface: str) -> dict[str, np.ndarray]:

@@ -53,7 +53,6 @@ def compare(
         for dashes, (label, result) in zip(DASHES, results.items(), strict=False):
             getattr(Plots(result, Look(label, dashes)), kind)(ax=ax)
         if kind != "phase":
-            ax.set_xlim(
-                min(r.t[0] for r in results.values()), max(r.t[-1] for r in results.values())
-            )
+            ends = [result.t[k] for result in results.values() for k in (0, -1)]
+            ax.set_xlim(min(ends), max(ends))
     return ax

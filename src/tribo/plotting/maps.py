@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,22 +40,17 @@ def surface_map(
     values = heights if quantity == HEIGHT else _values(result, name, quantity, sample)
     values = values.reshape(heights.shape)
     strongest = np.percentile(np.abs(values), STRONGEST) or 1.0
-    has_sign = quantity != HEIGHT
+    look: dict[str, Any] = {"cmap": OF_HEIGHTS}
+    extend = "neither"
+    if quantity != HEIGHT:
+        look, extend = {"cmap": OF_SIGNS, "vmin": -strongest, "vmax": strongest}, "both"
     with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
-        image = ax.pcolormesh(
-            bobs[0, :, 0],
-            bobs[:, 0, 2],
-            values,
-            shading="nearest",
-            rasterized=True,
-            cmap=OF_SIGNS if has_sign else OF_HEIGHTS,
-            vmin=-strongest if has_sign else None,
-            vmax=strongest if has_sign else None,
-        )
+        look |= {"shading": "nearest", "rasterized": True}
+        image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
         ax.set(xlabel="$x$", ylabel="$z$")
         ax.set_aspect("equal")
         ax.tick_params(which="both", top=False, right=False)
-        extend, beside = "both" if has_sign else "neither", ax.inset_axes(BAR)
+        beside = ax.inset_axes(BAR)
         bar = figure_of(ax).colorbar(image, cax=beside, extend=extend, extendfrac=0.03)
         bar.set_label(f"{quantity} of {name}")
     return ax

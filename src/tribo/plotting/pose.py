@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,14 +18,6 @@ OBLIQUE = np.array([0.35, 0.2])
 UPWARD = {"down": 1.0, "up": -1.0}
 # Room around bobs, along x and y [rod length].
 ROOM = np.array([0.2, 0.1])
-
-
-def _no_points() -> np.ndarray:
-    return np.empty((0, 2))
-
-
-def _no_pairs() -> np.ndarray:
-    return np.empty((0, 2), int)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +55,9 @@ class Pose:
     bar_lengths: np.ndarray
     up: np.ndarray
     is_twisted: np.ndarray
-    aside: np.ndarray = field(default_factory=_no_points)
-    joined: np.ndarray = field(default_factory=_no_pairs)
-    dots: np.ndarray = field(default_factory=_no_points)
+    aside: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
+    joined: np.ndarray = field(default_factory=partial(np.empty, (0, 2), int))
+    dots: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
 
     @property
     def rods(self) -> np.ndarray:
@@ -132,7 +125,7 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
         is_twisted=np.concatenate([has_spring(s) for s in surfaces]),
         aside=shift,
         joined=np.concatenate(joined),
-        dots=np.concatenate([_no_points(), *rows]),
+        dots=np.concatenate([np.empty((0, 2)), *rows]),
     )
 
 

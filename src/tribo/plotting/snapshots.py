@@ -126,17 +126,10 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     begins = boxes[0, 0] + np.cumsum([0.0, *(widths[:-1] + GAP * point)])
     end = float(begins[-1] + widths[-1])
     shifts = np.stack([begins - boxes[:, 0], np.zeros(len(boxes))], axis=1)
-    labels = np.stack(
-        [begins + 0.5 * widths, np.full(len(boxes), low - 0.5 * LINE * point)], axis=1
-    )
-    edge = EDGE * point
-    return _Layout(
-        point,
-        shifts,
-        labels,
-        "center",
-        (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge),
-    )
+    below, edge = np.full(len(boxes), low - 0.5 * LINE * point), EDGE * point
+    labels = np.stack([begins + 0.5 * widths, below], axis=1)
+    view = (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
+    return _Layout(point, shifts, labels, "center", view)
 
 
 def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
@@ -148,12 +141,8 @@ def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     shifts = np.stack([np.zeros(len(boxes)), tops[:-1] - boxes[:, 3]], axis=1)
     start = np.full(len(boxes), left - (MARGIN - EDGE) * point)
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
-    view = (
-        left - MARGIN * point,
-        right + EDGE * point,
-        float(tops[-1]),
-        float(tops[0]) + EDGE * point,
-    )
+    edge, (highest, *_, lowest) = EDGE * point, tops.tolist()
+    view = (left - MARGIN * point, right + edge, lowest, highest + edge)
     return _Layout(point, shifts, labels, "left", view)
 
 

@@ -129,7 +129,7 @@ class Wrapper(Potential):
         return (must_be_potential("potential", self.potential),)
 
 
-class Scaled(Wrapper):
+class Scaled(BetweenCharges, Wrapper):
     """A potential times a number: U = factor U_potential.
 
     Attributes
@@ -141,14 +141,6 @@ class Scaled(Wrapper):
     """
 
     factor: float
-
-    def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
-        return self.factor * self.potential.energy(r)
-
-    def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
-        return self.factor * self.potential.force(r)
 
     def energy_between(self, r, one, other):
         """Energy U(r) [energy] of two charges at distance r [length]."""

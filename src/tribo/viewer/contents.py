@@ -32,6 +32,8 @@ MOST_ARROWS = 200
 DIGITS = 6
 # Magnitudes that numbers of 32 bits have with that many digits.
 SINGLE = (1e-36, 1e38)
+# What is known of the errors, by whether the accuracy was met.
+ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # The curves that a page opens with, where they are recorded.
 DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "W", "W_ps", "heat", "heat_bath")
 
@@ -68,13 +70,13 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
             "from their bars as in the run."
         )
     for surface in surfaces:
-        places = dots.get(surface["name"])
-        surface["dots"] = None if places is None else packed(places)
+        name = surface["name"]
+        surface["dots"] = packed(dots[name]) if name in dots else None
     return {
         "title": scene.title or "A run of tribo",
         "status": str(result.status),
         "method": result.method,
-        "accuracy": _accuracy(result),
+        "accuracy": ACCURACY[result.met],
         "sentence": sentence(scene, works),
         "notes": notes,
         "times": packed(result.t, exact=True),
@@ -95,13 +97,6 @@ def _frames(result: RunResult, bath: bool) -> np.ndarray:
     if samples <= most:
         return np.arange(samples)
     return np.unique(np.linspace(0, samples - 1, most).round().astype(int))
-
-
-def _accuracy(result: RunResult) -> str:
-    """What is known of the errors, in words."""
-    if result.met is None:
-        return "errors not estimated"
-    return "accuracy met" if result.met else "accuracy not met"
 
 
 def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str, Any]:
@@ -160,15 +155,11 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
 
 def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
     """x and y of the contact forces at each frame, of all asperites, computed from their places."""
+    surfaces = result.scene.surfaces
     try:
         probe = ContactProbe(result.scene)
-        bobs = np.concatenate(
-            [
-                np.stack([result[s.name][name][frames] for name in ("x_bob", "y_bob")], axis=-1)
-                for s in result.scene.surfaces
-            ],
-            axis=1,
-        )
+        places = ([result[s.name][f"{axis}_bob"][frames] for axis in "xy"] for s in surfaces)
+        bobs = np.concatenate([np.stack(both, axis=-1) for both in places], axis=1)
         bobs = bobs - probe.layout.origin
         depths = np.broadcast_to(probe.depths[None, :, None], (*bobs.shape[:2], 1))
         charges = np.tile(probe.charges, (len(frames), 1))

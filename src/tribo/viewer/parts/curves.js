@@ -76,10 +76,7 @@ function makeCurves(canvas) {
     for (const value of ticks(low, high)) {
       const y = at(first, value)[1];
       context.strokeStyle = paint(value === 0 ? "faint" : "line");
-      context.beginPath();
-      context.moveTo(PAD.left, y);
-      context.lineTo(width - PAD.right, y);
-      context.stroke();
+      drawLine(context, PAD.left, y, width - PAD.right, y);
       context.fillText(String(value).replace("-", "−"), PAD.left - 6, y);
     }
     context.textAlign = "center";
@@ -130,20 +127,14 @@ function makeCurves(canvas) {
     apart(ends, PAD.top, height - PAD.bottom).forEach((y, k) => {
       context.strokeStyle = context.fillStyle = paint(curves[k].colour);
       context.lineWidth = 1;
-      context.beginPath();
-      context.moveTo(width - PAD.right + 1, ends[k]);
-      context.lineTo(width - PAD.right + 12, y);
-      context.stroke();
+      drawLine(context, width - PAD.right + 1, ends[k], width - PAD.right + 12, y);
       if (curves[k].symbol.letter || curves[k].symbol.before.length < 8) drawSymbol(context, curves[k].symbol, width - PAD.right + 15, y);
     });
     for (const [time, name] of [[t, "ink"], [pointed, "accent"]]) {
       if (time === null) continue;
       const x = at(Math.min(Math.max(time, first), first + span), 0)[0];
       context.strokeStyle = paint(name);
-      context.beginPath();
-      context.moveTo(x, PAD.top);
-      context.lineTo(x, height - PAD.bottom);
-      context.stroke();
+      drawLine(context, x, PAD.top, x, height - PAD.bottom);
     }
   }
 

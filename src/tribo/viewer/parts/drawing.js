@@ -30,6 +30,24 @@ function prepared(canvas) {
   return { context, width, height };
 }
 
+function strokePath(context, style, width) {
+  context.strokeStyle = style;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+function fillPath(context, style) {
+  context.fillStyle = style;
+  context.fill();
+}
+
+function drawLine(context, x0, y0, x1, y1) {
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
+}
+
 // What all frames cover: left, right, bottom, top.
 function extent(run) {
   const box = [Infinity, -Infinity, Infinity, -Infinity];
@@ -74,10 +92,7 @@ function arrow(context, x, y, dx, dy) {
   if (size < 2) return;
   const [ux, uy] = [dx / size, dy / size];
   const head = Math.min(9, size);
-  context.beginPath();
-  context.moveTo(x, y);
-  context.lineTo(x + dx - head * ux, y + dy - head * uy);
-  context.stroke();
+  drawLine(context, x, y, x + dx - head * ux, y + dy - head * uy);
   context.beginPath();
   context.moveTo(x + dx, y + dy);
   context.lineTo(x + dx - head * ux + 0.45 * head * uy, y + dy - head * uy - 0.45 * head * ux);
@@ -116,9 +131,7 @@ function makeDrawing(canvas) {
         }
         context.lineTo(x1, y1);
       }
-      context.lineWidth = 1.2;
-      context.strokeStyle = paint("faint");
-      context.stroke();
+      strokePath(context, paint("faint"), 1.2);
     },
     bars({ context, view, surface, paint }) {
       const [x, y, phi] = surface.now;
@@ -130,9 +143,7 @@ function makeDrawing(canvas) {
         context.moveTo(px - cos, py + sin);
         context.lineTo(px + cos, py - sin);
       }
-      context.lineWidth = Math.max(2, 0.12 * rod * view.scale);
-      context.strokeStyle = paint(surface.facing);
-      context.stroke();
+      strokePath(context, paint(surface.facing), Math.max(2, 0.12 * rod * view.scale));
     },
     // Torsion springs, from one half of the bar to the rod and on to the other half.
     twists({ context, view, surface, paint }, run) {
@@ -157,9 +168,7 @@ function makeDrawing(canvas) {
           }
         }
       }
-      context.lineWidth = 1;
-      context.strokeStyle = paint("ink");
-      context.stroke();
+      strokePath(context, paint("ink"), 1);
     },
     rods({ context, view, surface, paint }) {
       const [x, y, , xBob, yBob] = surface.now;
@@ -168,22 +177,16 @@ function makeDrawing(canvas) {
         context.moveTo(...view(x[i], y[i], surface.depth[i]));
         context.lineTo(...view(xBob[i], yBob[i], surface.depth[i]));
       }
-      context.lineWidth = Math.max(1, 0.04 * rod * view.scale);
-      context.strokeStyle = paint("rod");
-      context.stroke();
+      strokePath(context, paint("rod"), Math.max(1, 0.04 * rod * view.scale));
     },
     bobs({ context, view, surface, paint }) {
       discs(context, view, surface, 2, Math.max(2, 0.09 * rod * view.scale));
-      context.fillStyle = paint("bob");
-      context.fill();
-      context.lineWidth = 1;
-      context.strokeStyle = paint("ink");
-      context.stroke();
+      fillPath(context, paint("bob"));
+      strokePath(context, paint("ink"), 1);
     },
     centres({ context, view, surface, paint }) {
       discs(context, view, surface, 1, Math.max(1.5, 0.045 * rod * view.scale));
-      context.fillStyle = paint("cm");
-      context.fill();
+      fillPath(context, paint("cm"));
     },
     // Bath oscillators, behind the bars.
     bath({ context, view, surface, paint }) {
@@ -196,8 +199,7 @@ function makeDrawing(canvas) {
         context.moveTo(x + radius, y);
         context.arc(x, y, radius, 0, 2 * Math.PI);
       }
-      context.fillStyle = paint("wR");
-      context.fill();
+      fillPath(context, paint("wR"));
     },
     points({ context, view, surface, paint }) {
       const [, , , xBob, yBob] = surface.now;
@@ -251,10 +253,7 @@ function makeDrawing(canvas) {
         const [x1] = view(x, y, surface.depth[0]);
         if (Math.abs(x1 - x0) < 2) return;
         context.strokeStyle = context.fillStyle = paint(name === "cm" ? "cm" : "ink");
-        context.beginPath();
-        context.moveTo(x0, y0 - 5);
-        context.lineTo(x0, y0 + 5);
-        context.stroke();
+        drawLine(context, x0, y0 - 5, x0, y0 + 5);
         arrow(context, x0, y0, x1 - x0, 0);
         const letter = surface.facing === "down" ? "x" : "X";
         if (Math.abs(x1 - x0) < LEAST_NAMED) return;

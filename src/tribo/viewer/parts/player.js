@@ -97,6 +97,11 @@ function mount(element, source) {
     }
   }
 
+  function point(time) {
+    pointed = time;
+    update();
+  }
+
   function speak() {
     const sample = nearestTo(run.times, t);
     const said = groupIn(run).curves.filter(({ name }) => drawn.get(name))
@@ -232,14 +237,8 @@ function mount(element, source) {
   });
   for (const name of ["forces", "traces", "displacements"]) part(name).addEventListener("change", update);
   part("group").addEventListener("change", (event) => choose(event.target.value));
-  part("curves").addEventListener("pointermove", (event) => {
-    pointed = curves.timeAt(event.offsetX);
-    update();
-  });
-  part("curves").addEventListener("pointerleave", () => {
-    pointed = null;
-    update();
-  });
+  part("curves").addEventListener("pointermove", (event) => point(curves.timeAt(event.offsetX)));
+  part("curves").addEventListener("pointerleave", () => point(null));
   part("curves").addEventListener("click", (event) => setTime(curves.timeAt(event.offsetX)));
   new ResizeObserver(update).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);

@@ -12,20 +12,20 @@ function unpacked(packed) {
 function readRun(data) {
   const times = unpacked(data.times);
   const frameTimes = Float64Array.from(unpacked(data.frames), (sample) => times[sample]);
-  const surfaces = data.surfaces.map((surface) => ({
-    ...surface,
-    barLength: unpacked(surface.barLength),
-    depth: unpacked(surface.depth),
-    centre: unpacked(surface.centre),
-    bonds: unpacked(surface.bonds),
-    places: PLACES.map((name) => unpacked(surface.places[name])),
-    now: PLACES.map(() => new Float64Array(surface.count)),
-    dots: surface.dots === null ? null : unpacked(surface.dots),
-  }));
-  for (const surface of surfaces) {
-    const size = surface.dots === null ? 0 : surface.dots.length / frameTimes.length;
-    surface.dotsNow = new Float64Array(size);
-  }
+  const surfaces = data.surfaces.map((surface) => {
+    const dots = surface.dots === null ? null : unpacked(surface.dots);
+    return {
+      ...surface,
+      barLength: unpacked(surface.barLength),
+      depth: unpacked(surface.depth),
+      centre: unpacked(surface.centre),
+      bonds: unpacked(surface.bonds),
+      places: PLACES.map((name) => unpacked(surface.places[name])),
+      now: PLACES.map(() => new Float64Array(surface.count)),
+      dots,
+      dotsNow: new Float64Array(dots === null ? 0 : dots.length / frameTimes.length),
+    };
+  });
   const forces = Object.entries(data.forces).map(([name, both]) => ({ name, xy: both.map(unpacked) }));
   return {
     ...data,
