@@ -16,15 +16,13 @@ from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.nystrom_tableaux import RKN8, RKN12
-from tribo.kernels.status import PAUSED
+from tribo.kernels.status import CODE, PAUSED
 from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.loops.batch import MemberStarts
-from tribo.loops.batch_pair import PairMembers
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, PairMembers, has_lanes
 from tribo.model.parameters import with_values
-from tribo.pair.members import CODE
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]

@@ -15,7 +15,7 @@ import numpy as np
 from numba import jit, types
 from numba.extending import is_jitted, overload
 
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
 
 
@@ -28,13 +28,10 @@ def choose(condition, x, y):
 def _choose(condition, x, y):
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)
-    if isinstance(condition, types.Boolean) and _are_numbers(x, y):
+    numbers = isinstance(x, types.Number) and isinstance(y, types.Number)
+    if isinstance(condition, types.Boolean) and numbers:
         return lambda condition, x, y: x if condition else y
     return lambda condition, x, y: np.where(condition, x, y)
-
-
-def _are_numbers(*kinds: types.Type) -> bool:
-    return all(isinstance(kind, types.Number) for kind in kinds)
 
 
 # numpy for formulas.

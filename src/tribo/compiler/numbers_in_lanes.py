@@ -5,11 +5,20 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
+from numba import types
 from numba.extending import intrinsic, overload
 
-from tribo.compiler.jit_options import OVERLOAD
-from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
+from tribo.compiler.jit import OVERLOAD
+from tribo.compiler.lanes import (
+    _INDEX,
+    LANES,
+    LanesType,
+    in_kernels,
+    lane,
+    lanes,
+    maximum,
+    sum_of_lanes,
+)
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.plugin_methods import like
@@ -39,7 +48,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
     return in_lanes(shared, table, rows, first), build
 
 
-@intrinsic
+@in_kernels(lambda each, i: each)
 def numbers_at_lane(typing_context, each, i):
     """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
     if not _is_plain(each, lanes):
@@ -169,7 +178,3 @@ def _find_add_numbers(array, k, x):
     if isinstance(x, LanesType):
         return lambda array, k, x: set_block(array, k, block(array, k) + x)
     return add_numbers
-
-
-if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import numbers_at_lane

@@ -14,7 +14,7 @@ from numba import njit, typeof, types
 from numba.extending import intrinsic, models, overload_method, register_model, typeof_impl
 
 from tribo.compiler.formula_names import compilable
-from tribo.compiler.jit_options import COUNTED, KERNEL, LINKED
+from tribo.compiler.jit import COUNTED, KERNEL, LINKED
 from tribo.compiler.numba_private import cgutils
 
 # Methods of plug-ins, each with its number of arguments after self.

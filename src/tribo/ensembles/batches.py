@@ -11,7 +11,6 @@ from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.policy import Policy
-from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import MemberNumbers
@@ -118,7 +117,5 @@ class StepRuns(BatchRuns):
     def _check_step(self, own: MemberNumbers) -> None:
         """Refuse a step that is too long for some member.  Raises InputError."""
         layout = self.simulation.layout
-        names = ("gamma", "swing_gamma", "temperature", "swing_temperature")
-        numbers = (own.of_surfaces[..., OF_MEMBERS.index(name)] for name in names)
-        check_damped_step(longest_damped_step(layout, *numbers), self._step)
+        check_damped_step(longest_damped_step(layout, own), self._step)
         check_resolved(layout, self.simulation.method, self._step, own)

@@ -31,7 +31,7 @@ from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.choose_batch import choose_batch
 from tribo.prepared import Simulation
 

@@ -7,17 +7,21 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
+from tribo.model.drives import DrivenBars, Forced
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
-from tribo.validation import InputError, inside
+from tribo.validation import inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
 # lists cost more in each evaluation, shorter ones have to be rebuilt more often.
 SKIN = 0.1
 # Pairs of bobs up to which every pair is visited, rather than a neighbour list.
 UNLISTED_PAIRS = 4096
+# How much farther than the list of neighbours the active blocks reach, in units of its skin: more
+# active blocks cost more in each step, a shorter margin has them selected more often.
+MARGIN = 10.0
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
 EXTRA_ROOM = 1.5
@@ -64,8 +68,11 @@ def lay_out_contacts(
     return tuple(between), tuple(within) or None, rows, SKIN * longest
 
 
-def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> Neighbours:
-    """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
+def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:
+    """An empty neighbour list of so many rows, which the first evaluation of forces fills.
+
+    It reaches by `skin` farther than the cutoff [length].
+    """
     contacts = (*model.contacts, *(model.within or ()))
     all_species = (-1, -1)
     blocks = model.each.shape[1] // LANES
@@ -88,11 +95,41 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
         made=np.zeros(1, np.int64),
         crossed=np.zeros(1, np.int64),
         listed=np.full(1, np.nan),
-        active=active,
+        active=active_blocks(scene, model, skin) if splits else None,
         own=empty_boxes(blocks),
         others=empty_boxes(blocks),
         cells=empty_cells(blocks),
     )
+
+
+def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
+    """All blocks, before the first selection; None where no asperite can be inactive."""
+    contacts = (*model.contacts, *(model.within or ()))
+    unlisted = {int(k) for each in contacts for k in each.pairs[each.rows < 0].ravel()}
+    eligible = [
+        _is_eligible(scene, k) and k not in unlisted and not model.surfaces[k].turning
+        for k in range(len(scene.surfaces))
+    ]
+    if model.calculators is not None or not any(eligible):
+        return None
+    count, surfaces = model.each.shape[1], model.surfaces
+    return Active(
+        blocks=np.arange(count // LANES),
+        first=np.append(surfaces.start, surfaces.stop[-1:]) // LANES,
+        since=np.full(count // LANES, np.nan),
+        eligible=np.array(eligible, np.int64),
+        place=nowhere(count),
+        selected=np.full(1, np.nan),
+        margin=MARGIN * skin,
+    )
+
+
+def _is_eligible(scene: Scene, index: int) -> bool:
+    """Whether nothing but contact acts on a surface's asperites, and its bars move uniformly."""
+    surface = scene.surfaces[index]
+    uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
+    acted_on = scene.has_uncancelled_forces(surface) or surface.swing_reservoir is not None
+    return uniform and not acted_on and surface.bath.inertias.size == 0
 
 
 def empty_boxes(count: int) -> Boxes:
@@ -127,13 +164,6 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     return neighbours._replace(
         index=np.zeros(space, np.int32), place=nowhere(neighbours.place.shape[1])
     )
-
-
-def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
-    """Raise InputError for an error that a calculator raised when kernels called it."""
-    for call in calls:
-        if call.error is not None:
-            raise InputError("potential", f"the calculator raises {call.failure}")
 
 
 def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:

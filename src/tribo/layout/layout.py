@@ -14,11 +14,9 @@ from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
-from tribo.layout.active import active_blocks
-from tribo.layout.force_records import fields_on_surfaces, user_forces
 from tribo.layout.ledger_view import LedgerView
 from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.scene_records import resting_bobs, scene_records
+from tribo.layout.scene_records import fields_on_surfaces, resting_bobs, scene_records, user_forces
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.layout.threads import shares
@@ -161,8 +159,7 @@ class Layout:
         """
         if self.rows == 0:
             return None
-        active = active_blocks(self.scene, self.model, self.skin) if splits else None
-        return contacts.neighbours(self.model, self.rows, self.skin, active)
+        return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 
 def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarray]:

@@ -19,18 +19,9 @@ from tribo.model.drives import Ends
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
-# Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
-GROUPS = {
-    "acc_contact": CONTACT,
-    "acc_slide": SLIDE,
-    "acc_drive": DRIVE,
-    "acc_ends": ENDS,
-    "acc_user_ends": USER_ENDS,
-    "acc_internal": POINT,
-    "acc_field": POINT,
-    "acc_thermal": POINT,
-    "acc_swing": SWING,
-}
+# How many accounts each group has, of one number an asperite or a lane each.
+SIZES = CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, POINT, POINT, SWING
+GROUPS = dict(zip(records.GROUPS, SIZES, strict=True))
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Box, Model
 from tribo.layout import contacts, slots
-from tribo.layout.force_records import springs
-from tribo.layout.scene_records import resting_bobs
+from tribo.layout.scene_records import resting_bobs, springs
 from tribo.model.scene import Scene
 
 # Fields of an asperite from which all other constants follow.

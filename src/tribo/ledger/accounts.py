@@ -67,13 +67,7 @@ class Accounts(dict[str, Account]):
 
 
 class Integrals:
-    """The integrals that the kernels record, by span and force.
-
-    Parameters
-    ----------
-    s : ndarray, (times, accounts)
-        The integrals.
-    """
+    """The integrals that the kernels record, (times, accounts), by span and force."""
 
     def __init__(self, s: np.ndarray) -> None:
         self.s = s

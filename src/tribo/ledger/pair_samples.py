@@ -51,16 +51,8 @@ class Factors:
 class PairSamples(Samples):
     """The samples of a pair, which stay in the loop's record until they are asked for.
 
-    Parameters
-    ----------
-    t : ndarray, (times x runs,)
-        When they were recorded.
-    record : ndarray, (times x runs, COLUMNS)
-        Rows of the loop's record.
-    first : ndarray, (runs, COLUMNS)
-        The first row of each run.
-    factors : Factors
-        Of the scene's layout.
+    `record` (times x runs, COLUMNS) has rows of the loop's record, and `first` (runs, COLUMNS) the
+    first row of each run; `factors` are those of the scene's layout.
     """
 
     def __init__(
@@ -160,7 +152,8 @@ class PairSamples(Samples):
         record = np.concatenate([each._record for each in parts])
         return PairSamples(t, record, self._first, self._factors)
 
-    def _rows(self, selected: np.ndarray | slice) -> PairSamples:
+    def rows(self, selected: np.ndarray | slice) -> PairSamples:
+        """The samples of one run at some places."""
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:

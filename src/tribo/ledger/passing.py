@@ -21,37 +21,35 @@ def passing_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
     """A note on bars that have passed another surface by the last sample."""
     last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
     notes = []
-    for one, other in _facing(layout):
-        for mine, theirs in ((one, other), (other, one)):
-            beyond = _beyond(layout, last, mine, theirs)[-1]
-            if np.any(beyond):
-                notes.append(
-                    f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{names[mine]}" passed '
-                    f'through "{names[theirs]}" by t = {last.t[-1]:.6g}; springs between bars, a '
-                    "smaller load or stronger contact hold them"
-                )
+    for mine, theirs in _facing(layout):
+        beyond = _beyond(layout, last, mine, theirs)[-1]
+        if np.any(beyond):
+            notes.append(
+                f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{names[mine]}" passed '
+                f'through "{names[theirs]}" by t = {last.t[-1]:.6g}; springs between bars, a '
+                "smaller load or stronger contact hold them"
+            )
     return tuple(notes)
 
 
 def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
     """Whether most bars of a surface have passed another one, (times,)."""
     passed = np.zeros(samples.t.size, dtype=bool)
-    for one, other in _facing(layout):
-        for mine, theirs in ((one, other), (other, one)):
-            passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST
+    for mine, theirs in _facing(layout):
+        passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST
     return passed
 
 
 def _facing(layout: Layout) -> list[tuple[int, int]]:
-    """Surfaces in contact that face each other, of which at least one can move along y."""
+    """Surfaces in contact that face each other, in both orders; at least one can move along y."""
     scene = layout.scene
     pairs = {pair for interaction in scene.interactions for pair in scene.pairs(interaction)}
     found = []
-    for pair in sorted(pairs):
-        surfaces = [scene.surfaces[k] for k in pair]
+    for one, other in sorted(pairs):
+        surfaces = scene.surfaces[one], scene.surfaces[other]
         facing = {surface.facing for surface in surfaces}
         if len(facing) == 2 and any(map(scene.slides_along_y, surfaces)):
-            found.append(pair)
+            found += [(one, other), (other, one)]
     return found
 
 

@@ -29,28 +29,12 @@ def lost_sample(layout: Layout, samples: Samples) -> int | None:
 def first_lost(
     layout: Layout, samples: Samples, system: Table, known: float = 0.0
 ) -> tuple[int | None, float]:
-    """The first sample at which the energy has run away, if there is one.
+    """The index of the first sample at which the energy has run away, if there is one.
 
     That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
     the applied work by more than any applied work and any energy of contact or of fields so far.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    samples
-        of a run, the first of which is its start
-    system
-        the ledger of the system at these samples
-    known
-        the largest of those works and energies before
-
-    Returns
-    -------
-    lost : int or None
-        index of the sample
-    known : float
-        the largest of those works and energies so far
+    `system` is the ledger of the system at these samples of a run, the first of which is its start.
+    `known` is the largest of those works and energies before; the largest so far is returned too.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
@@ -60,15 +44,12 @@ def first_lost(
     return (int(lost[0]) if lost.size else None), float(so_far[-1])
 
 
+@np.errstate(over="ignore", invalid="ignore")  # an energy may exceed all numbers
 def grows(layout: Layout, samples: Samples) -> np.ndarray:
-    """Whether the energy exceeds RUNAWAY times that at the start, (times,)."""
-    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
-        energy = _energy(layout, samples)
-        return np.asarray(energy > RUNAWAY * samples.at_start(energy))
+    """Whether the energy exceeds RUNAWAY times that at the start, (times,).
 
-
-def _energy(layout: Layout, samples: Samples) -> np.ndarray:
-    """Sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity."""
+    It is the sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity.
+    """
     surfaces = range(len(layout.scene.surfaces))
     mean = np.mean([np.asarray(layout.view.velocity_of(index)) for index in surfaces], axis=0)
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
@@ -78,4 +59,4 @@ def _energy(layout: Layout, samples: Samples) -> np.ndarray:
             vx, vy = span.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
-    return np.asarray(energy)
+    return np.asarray(energy > RUNAWAY * samples.at_start(energy))

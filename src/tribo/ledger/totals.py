@@ -8,15 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.records import BARS
-from tribo.kernels.samples import (
-    BATH,
-    KINETIC,
-    MOMENTUM_X,
-    MOMENTUM_Y,
-    SPRINGS,
-    TORSIONAL,
-    WITHIN,
-)
+from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.ledger_view import LedgerView
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
