@@ -16,7 +16,7 @@ from tribo.accuracy.levels import setting_at
 from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
-from tribo.integrators.nystrom_tableaux import RKN8, RKN12
+from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, PAUSED
 from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers

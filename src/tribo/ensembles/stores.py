@@ -35,9 +35,8 @@ class Store(ABC):
         self._frames, self._common_level = frames, common_level
         self.done, self.tally = 0, Tally()
         self._waiting: list[Any] = []  # what was taken in, and is not in frames or sums yet
-        for arrays in () if frames is None else frames.read():
-            assert frames is not None
-            frames.name_last(self._take_back(arrays))
+        for _, arrays in () if frames is None else frames.read():
+            self._take_back(arrays)
 
     def add(self, found: KeptValues) -> None:
         """Take in the next members; they are on disk a second later."""
@@ -55,8 +54,8 @@ class Store(ABC):
         """Take in the values of members."""
 
     @abstractmethod
-    def _take_back(self, arrays: KeptValues) -> object:
-        """Take in a frame of an earlier call, and return its name."""
+    def _take_back(self, arrays: KeptValues) -> None:
+        """Take in a frame of an earlier call."""
 
     def _count(self, found: KeptValues) -> None:
         self.done += found["status"].size
@@ -69,10 +68,8 @@ class MemberStore(Store):
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
 
-    def _take_back(self, arrays: KeptValues) -> object:
-        name = CHUNK, self.done
+    def _take_back(self, arrays: KeptValues) -> None:
         self._count(arrays)
-        return name
 
     def flush(self) -> None:
         """Write the members that wait, if there is a file."""
@@ -120,13 +117,12 @@ class StatisticsStore(Store):
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []
 
-    def _take_back(self, arrays: KeptValues) -> object:
+    def _take_back(self, arrays: KeptValues) -> None:
         known = json.loads(arrays["known"].tobytes())
         self.done, self.tally = known["done"], Tally(known["tally"])
         self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
         if "mean" in arrays:
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
-        return SUMS
 
     def flush(self) -> None:
         """Write all sums, if there is a file."""
