@@ -21,14 +21,13 @@ from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import passing_notes
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.passing import passing_notes
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched
-from tribo.loops.cuts import up_to_passing
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.select import Integrator
+from tribo.loops.select import Integrator, up_to_passing
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result

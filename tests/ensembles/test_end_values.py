@@ -15,7 +15,7 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
-from tribo.integrators.nystrom_tableaux import RKN8, RKN12
+from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, PAUSED
 from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers

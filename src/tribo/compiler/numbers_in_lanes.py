@@ -125,11 +125,9 @@ def lane_of(x, i):
 
 @overload(lane_of, **OVERLOAD)
 def _find_lane_of(x, i):
-    return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
-
-
-def _lane_of(x, i):
-    return lane(x, i & (LANES - 1))
+    if isinstance(x, LanesType):
+        return lambda x, i: lane(x, i & (LANES - 1))
+    return lambda x, i: x
 
 
 def sum_of_runs(members, x):
@@ -159,13 +157,11 @@ def set_numbers(array, k, x):
     array[k] = x
 
 
-def _set_block(array, k, x):
-    set_block(array, k, x)
-
-
 @overload(set_numbers, **OVERLOAD)
 def _find_set_numbers(array, k, x):
-    return _set_block if isinstance(x, LanesType) else set_numbers
+    if isinstance(x, LanesType):
+        return lambda array, k, x: set_block(array, k, x)
+    return set_numbers
 
 
 def add_numbers(array, k, x):

@@ -15,9 +15,8 @@ from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.own_numbers import member_numbers
+from tribo.ledger.guards import grows, passed_through
 from tribo.ledger.ledger import assemble
-from tribo.ledger.passing import passed_through
-from tribo.ledger.runaway import grows
 from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
 from tribo.loops.choose_batch import choose_batch

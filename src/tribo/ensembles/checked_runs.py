@@ -24,8 +24,8 @@ from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
-from tribo.integrators.nystrom_tableaux import RKN8, RKN12
 from tribo.integrators.step_control import Tolerance
+from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.ledger import assemble

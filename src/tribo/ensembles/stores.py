@@ -33,9 +33,8 @@ class Store(ABC):
     def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
         self._frames, self._common_level = frames, common_level
         self.done, self.tally = 0, Tally()
-        for arrays in () if frames is None else frames.read():
-            assert frames is not None
-            frames.name_last(self._take_back(arrays))
+        for _, arrays in () if frames is None else frames.read():
+            self._take_back(arrays)
 
     def add(self, found: KeptValues) -> None:
         """Take in the next members; they are on disk a second later."""
@@ -53,8 +52,8 @@ class Store(ABC):
         """Take in the values of members."""
 
     @abstractmethod
-    def _take_back(self, arrays: KeptValues) -> object:
-        """Take in a frame of an earlier call, and return its name."""
+    def _take_back(self, arrays: KeptValues) -> None:
+        """Take in a frame of an earlier call."""
 
     def _count(self, found: KeptValues) -> None:
         self.done += found["status"].size
@@ -71,10 +70,8 @@ class MemberStore(Store):
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
 
-    def _take_back(self, arrays: KeptValues) -> object:
-        name = CHUNK, self.done
+    def _take_back(self, arrays: KeptValues) -> None:
         self._count(arrays)
-        return name
 
     def flush(self) -> None:
         """Write the members that wait, if there is a file."""
@@ -123,13 +120,12 @@ class StatisticsStore(Store):
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []
 
-    def _take_back(self, arrays: KeptValues) -> object:
+    def _take_back(self, arrays: KeptValues) -> None:
         known = json.loads(arrays["known"].tobytes())
         self.done, self.tally = known["done"], Tally(known["tally"])
         self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
         if "mean" in arrays:
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
-        return SUMS
 
     def flush(self) -> None:
         """Write all sums, if there is a file."""

@@ -6,7 +6,7 @@ Once all forces of a step are known, so are the velocities at its stages,
     V_i = v + h sum_j r_ij f_j,
 
 with a full matrix r, and the ledger's quadrature sum_i v_i P(Q_i, V_i) is of the method's own
-order: see :func:`tribo.integrators.nystrom_tableaux.stage_velocities`.  Forces are therefore
+order: see :func:`tribo.integrators.tableaux.stage_velocities`.  Forces are therefore
 stored, stage by stage, until the step is complete.
 """
 

@@ -166,45 +166,32 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     )
 
 
-def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
-    """What compiled code calls for interactions that ASE calculators compute.
+def calculators(
+    scene: Scene, depths: list[np.ndarray]
+) -> tuple[tuple[Calculator, ...] | None, tuple[Call, ...]]:
+    """ASE calculators as kernels read them, None without any, and what compiled code calls.
 
     `depths` are z of the bobs of each surface.
     """
-    found = []
+    found: list[Calculator] = []
+    calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):
         if isinstance(interaction.potential, Live):
-            indices = _surfaces_of(scene, interaction)
+            indices = sorted({k for pair in scene.pairs(interaction) for k in pair})
             surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
                 symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
-            found.append(
-                Call(
-                    interaction.potential.calculator,
-                    symbols,
-                    np.concatenate([depths[k] for k in indices]),
-                    [s.count for s in surfaces],
-                    (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
-                )
+            call = Call(
+                interaction.potential.calculator,
+                symbols,
+                np.concatenate([depths[k] for k in indices]),
+                [s.count for s in surfaces],
+                (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
             )
-    return tuple(found)
-
-
-def calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
-    """The calculators as kernels read them; None without any."""
-    live = [item for item in scene.interactions if isinstance(item.potential, Live)]
-    found = [
-        Calculator(
-            call.address, np.array(_surfaces_of(scene, item)), call.place, call.force, call.energy
-        )
-        for item, call in zip(live, calls, strict=True)
-    ]
-    return tuple(found) or None
-
-
-def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
-    """Indices of the surfaces that an interaction is between."""
-    return sorted({k for pair in scene.pairs(interaction) for k in pair})
+            calls.append(call)
+            arrays = call.place, call.force, call.energy
+            found.append(Calculator(call.address, np.array(indices), *arrays))
+    return tuple(found) or None, tuple(calls)
 
 
 def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:

@@ -223,7 +223,7 @@ def lay_out(scene: Scene) -> Layout:
             asperites[name] = -1
     start = start_of(asperites, scene, parts, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])
+    calculators, calls = contacts.calculators(scene, [own[:, 2] for own in bobs])
     between, within, rows, skin = contacts.lay_out_contacts(scene)
     orders = _orders(scene, bobs, rows > 0 and not calls)
     places = slots.places(mine, theirs, np.arange(shared), orders)
@@ -231,7 +231,7 @@ def lay_out(scene: Scene) -> Layout:
         contacts=between,
         within=within,
         inner=True if within else None,
-        calculators=contacts.calculators(scene, calls),
+        calculators=calculators,
         fields=fields,
         external=True if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),

@@ -57,8 +57,8 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
     calls: tuple[Call, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
-        calls = contacts.calculator_calls(layout.scene, depths)
-        model = model._replace(calculators=contacts.calculators(layout.scene, calls))
+        calculators, calls = contacts.calculators(layout.scene, depths)
+        model = model._replace(calculators=calculators)
     team = None if model.team is None else new_team(layout.scene, model)
     return model._replace(surfaces=model.surfaces.copy(), team=team), calls
 

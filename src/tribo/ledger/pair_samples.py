@@ -58,7 +58,7 @@ class PairSamples(Samples):
     def __init__(
         self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
     ) -> None:
-        self.t = t
+        self.t, self.contact, self.baths = t, record[:, ENERGY], np.empty((t.size, 0, 0))
         self._record = record
         self._first = first
         self._factors = factors
@@ -84,11 +84,6 @@ class PairSamples(Samples):
             )
         return s
 
-    @property
-    def contact(self) -> np.ndarray:  # type: ignore[override]
-        """Energy of the contact, (times,)."""
-        return self._record[:, ENERGY]
-
     @cached_property
     def field(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times,)."""
@@ -98,11 +93,6 @@ class PairSamples(Samples):
     def stored(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times, 2, STORED)."""
         return np.zeros((self.t.size, 2, STORED))
-
-    @property
-    def baths(self) -> np.ndarray:  # type: ignore[override]
-        """Empty, (times, 0, 0)."""
-        return np.empty((self.t.size, 0, 0))
 
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""

@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
-from tribo.layout.contact_distance import has_contact_distance
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
+from tribo.ledger.separation import has_contact_distance
 from tribo.ledger.totals import Linear, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
@@ -139,7 +139,7 @@ BLOCK_QUANTITIES = {
 # Of the whole system.
 SYSTEM_QUANTITIES = {
     "contact_energy": _energy(
-        "potential energy of contacts between surfaces", SystemSeries.contact_energy
+        "potential energy of contacts between surfaces", lambda system: system.samples.contact
     ),
     "total_energy_change": _energy("change of the total energy", SystemSeries.change_of_energy),
     "applied_work": _energy(
@@ -216,7 +216,7 @@ AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind
 FURTHER_OF_SYSTEM = {
     "field_energy": _energy(
         "potential energy in fields",
-        SystemSeries.field_energy,
+        lambda system: system.samples.field,
         lambda scene, surface: bool(scene.fields),
     )
 }

@@ -10,10 +10,9 @@ import numpy as np
 from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import first_lost, passed_through
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.passing import passed_through
 from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
-from tribo.ledger.runaway import first_lost
 from tribo.ledger.samples import Samples
 from tribo.ledger.watched import Watched, look_interval
 

@@ -239,14 +239,6 @@ class SystemSeries:
         self.spans: tuple[Span, ...] = ()
         self._wholes = wholes
 
-    def contact_energy(self) -> np.ndarray:
-        """The potential energy of contacts between surfaces."""
-        return self.samples.contact
-
-    def field_energy(self) -> np.ndarray:
-        """The potential energy in external fields."""
-        return self.samples.field
-
     @_with_infinities
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""

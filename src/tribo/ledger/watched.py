@@ -12,7 +12,6 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import touching
 from tribo.model.drives import DrivenBars, Forced
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 
 # Recorded times at which notes look for contact, at most.
 MOST_LOOKS = 256
@@ -64,7 +63,11 @@ def may_pump(layout: Layout) -> bool:
     parts = levers(scene)
     held = all(isinstance(surface.drive, Forced | DrivenBars) for surface in scene.surfaces)
     alike = np.ptp(parts) <= ALIKE * np.max(parts)
-    return bool(held and not alike and any(map(_is_warm, scene.surfaces)) and layout.model.ledger)
+    warm = any(
+        any((s.bath.temperature, s.initial.temperature, *(r.temperature for r in s.reservoirs)))
+        for s in scene.surfaces
+    )
+    return bool(held and not alike and warm and layout.model.ledger)
 
 
 def _works(layout: Layout, samples: Samples) -> np.ndarray:
@@ -77,9 +80,3 @@ def _works(layout: Layout, samples: Samples) -> np.ndarray:
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
         friction -= np.sum(along, axis=1)
     return np.column_stack([work, friction])
-
-
-def _is_warm(surface: Surface) -> bool:
-    """Whether a reservoir, a bath or a start of a surface has a temperature."""
-    own = (surface.bath.temperature, surface.initial.temperature)
-    return any((*own, *(each.temperature for each in surface.reservoirs)))

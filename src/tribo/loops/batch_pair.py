@@ -13,10 +13,9 @@ from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
-from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import entry_point
 from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.pair_scene import factors_of, mobility_of, record_of
+from tribo.layout.pair_scene import factors_of, record_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
@@ -53,7 +52,7 @@ class PairMembers:
         self._clocks["encounter_fraction"] = setting.encounter_fraction
         record, potential, numbers = self._record, self._numbers, starts.numbers
         if numbers is not None:
-            record = records_of(self._pair.layout, numbers)
+            record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             potential = np.ascontiguousarray(numbers.potential)
         arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
@@ -95,15 +94,8 @@ def pair_runs(
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
-    mobility = mobility_of(layout, numbers.asperites)
-    own = found.with_factors(*factors_of(layout, numbers.asperites, mobility))
+    own = found.with_factors(*factors_of(layout, numbers.asperites))
     return MemberRuns.of(layout.of_members(numbers), own, counts)
-
-
-def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:
-    """The scene of each member as the pair's loop reads it, (members,)."""
-    mobility = mobility_of(layout, numbers.asperites)
-    return record_of(numbers.asperites, layout.depths, numbers.charges, mobility)
 
 
 def has_lanes(pair: Pair) -> bool:
@@ -151,7 +143,7 @@ class PairLanes:
         y, numbers = np.ascontiguousarray(starts.y), starts.numbers
         scenes, others = None, np.zeros(len(y), bool)
         if numbers is not None:
-            records = records_of(self._pair.layout, numbers)
+            records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         arguments = self._arguments(scenes, self._bounds(setting), y)

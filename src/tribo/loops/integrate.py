@@ -130,6 +130,11 @@ class Integration:
         few = self.samples.last_interval()
         return replace(self, recorded=lambda: few, _samples=few)
 
+    def up_to(self, last: int, status: Status) -> Integration:
+        """The part of the run up to a sample, with another status."""
+        kept = self.samples.at(self.samples.t[: last + 1])
+        return replace(self, recorded=lambda: kept, _samples=kept, status=status, cut=True)
+
     @property
     def steps(self) -> int:
         """Steps taken."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,11 +38,11 @@ class Journal(Frames):
         super().__init__(path, identity, resume)
         self._integrations: list[JournaledIntegration] = []
         self._number = 0  # of integrations that were begun or repeated
-        for arrays in self.read():
-            number = int(arrays["number"])
-            if "key" in arrays:
+        for (part, number), arrays in self.read():
+            if part == "key":
                 self._add(arrays["key"].tobytes())
-            self.name_last((self._integrations[number].take_in(arrays), number))
+            else:
+                self._integrations[number].take_in(part, arrays)
 
     def _add(self, key: bytes) -> None:
         number = len(self._integrations)
@@ -81,22 +82,16 @@ class JournaledIntegration:
         # What the journal has: portions, and of the next one parts and samples in them.
         self._portions, self._parts, self._samples = 0, 0, 0
 
-    def take_in(self, arrays: Arrays) -> object:
-        """Take in a frame of the file; returns its name."""
-        if "key" in arrays:
-            return "key"
-        if "status" in arrays:
+    def take_in(self, part: Any, arrays: Arrays) -> None:
+        """Take in a frame of the file: the memory, portions, or a part of the next portion."""
+        if part == "memory":
             self._memory = below("memory_", arrays)
             status = arrays["status"].tobytes().decode()
             self._status = Status(status) if status else None
-            return "memory"
-        if "portions" in arrays:
-            number = int(arrays["portions"])
-            self._kept[number] = below("portion_", arrays)
-            return "portions", number
-        place, columns = tuple(arrays["place"].tolist()), below("column_", arrays)
-        self._columns[place] = tuple(columns[str(k)] for k in range(len(columns)))
-        return place
+        elif part[0] == "portions":
+            self._kept[part[1]] = arrays
+        else:
+            self._columns[part] = tuple(arrays[f"column_{k}"] for k in range(len(arrays)))
 
     def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
         """Fill in what the journal has, if anything: portions, samples of the next one, memory."""
@@ -125,21 +120,19 @@ class JournaledIntegration:
         self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
     ) -> None:
         """Write the portions and samples since the last call, and the memory."""
-        number, done_with = np.array(reached.portions), list[tuple[int, int]]()
+        done_with = list[tuple[int, int]]()
         if reached.portions > self._portions:
             assert streamed is not None
             new = streamed.new_arrays() | {"first": np.array(self._portions)}
-            name = "portions", reached.portions
-            self.write(name, under("portion_", new) | {"portions": number})
+            self.write(("portions", reached.portions), new)
             done_with = [(self._portions, part) for part in range(self._parts)]
             self._portions, self._parts, self._samples = reached.portions, 0, 0
         done = int(loop.clocks["sample"][0])
         if done > self._samples:
             arrays = {f"column_{k}": c[self._samples : done] for k, c in enumerate(columns)}
-            place = self._portions, self._parts
-            self.write(place, arrays | {"place": np.array(place)})
+            self.write((self._portions, self._parts), arrays)
             self._parts, self._samples = self._parts + 1, done
-        memory = under("loop_", loop.memory()) | {"portions": number}
+        memory = under("loop_", loop.memory()) | {"portions": np.array(reached.portions)}
         if reached.held is not None:
             held = {f.name: getattr(reached.held, f.name) for f in fields(Samples)}
             memory |= under("held_", held)
@@ -149,7 +142,7 @@ class JournaledIntegration:
 
     def write(self, name: object, arrays: Arrays) -> None:
         """Append a frame; it replaces the last one of the same name.  Raises InputError."""
-        self._journal.append((name, self._number), {"number": np.array(self._number)} | arrays)
+        self._journal.append((name, self._number), arrays)
 
 
 def key_of(setting: Setting, times: np.ndarray, start: np.ndarray) -> bytes:

@@ -174,13 +174,6 @@ class NystromLanes(LaneLoop):
             pass
         return queue.counts
 
-    def _in_lanes(self, tolerance: Tolerance) -> Tolerance:
-        """Tolerances with a number for each lane; 1 for what fills blocks."""
-        y, s = np.ones_like(self._state.y), np.ones_like(self._state.s)
-        y[self._places] = tolerance.y
-        s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
-        return tolerance._replace(y=y, s=s)
-
     def _arguments(
         self,
         tolerance: Tolerance,
@@ -190,12 +183,15 @@ class NystromLanes(LaneLoop):
         columns: Columns,
         budget: int,
     ) -> tuple[Any, ...]:
-        """The arguments of the loop, behind the model."""
+        """The arguments of the loop, behind the model; tolerances of what fills blocks are 1."""
+        y, s = np.ones_like(self._state.y), np.ones_like(self._state.s)
+        y[self._places] = tolerance.y
+        s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
         first_step = first_step_at(tolerance, self._longest, self._order)
         places = self._places, numbers, self.eight.numbers
         return (
             self.coefficients,
-            self._in_lanes(tolerance),
+            tolerance._replace(y=y, s=s),
             self._clocks,
             self._state,
             self.layout.times,

@@ -11,11 +11,11 @@ from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE, Z
+from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import entry_point
-from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, mobility_of, record_of
+from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, record_of
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of, set_numbers
@@ -86,12 +86,11 @@ class Pair:
         began = time.perf_counter()
         self.layout = layout
         asperites = np.asarray(layout.asperites)
-        mobility = mobility_of(layout, asperites)
-        depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
-        record = record_of(asperites[None], depths, charges, mobility)
+        charges = layout.model.each[CHARGE, layout.places.columns]
+        record = record_of(layout, asperites[None], charges)
         self.scene_arguments = record, layout.model.contacts[0].potential
         driven = layout if layout.model.pivots is not None else None
-        self.factors = Factors(*factors_of(layout, asperites, mobility), {}, driven)
+        self.factors = Factors(*factors_of(layout, asperites), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
