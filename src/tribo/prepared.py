@@ -168,17 +168,12 @@ class Simulation:
         """The plan's `single`, found when first needed."""
         return single_setting(self.plan, self.integrator)
 
-    @cached_property
-    def _single(self) -> tuple[Setting, np.ndarray]:
-        """Setting and times of runs without an error estimate."""
-        if self._streams or self._single_setting is None:
-            return self.plan.setting, self.plan.times
-        return self._single_setting, self.layout.times
-
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate; where steps were chosen, they pass no encounter."""
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
-        setting, times = self._single
+        setting, times = self.plan.setting, self.plan.times
+        if not self._streams and self._single_setting is not None:
+            setting, times = self._single_setting, layout.times
         run, ledger, watched = self._deliver(setting, times, y)
         notes: tuple[str, ...] = ()
         for _ in range(MOST_HALVINGS if self.plan.automatic else 0):

@@ -12,6 +12,7 @@ from scipy import stats
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.levels import setting_at
 from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
@@ -58,8 +59,8 @@ def test_members_are_single_runs(case):
     for member in (0, 7, 99):
         start = {name: float(data[name][member, 0]) for name in names}
         scales = ToleranceScales(*json.loads(data.attrs["scales"]))
-        tolerance = checked_runs.tolerance_at(
-            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        tolerance = setting_at(
+            simulation.layout, simulation.method, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
         run = simulation.integrator(tolerance, simulation.layout.times, y)
@@ -270,8 +271,8 @@ def test_members_of_rows_alone(monkeypatch):
     for member in (0, 17, 99):
         alone = tribo.ensemble_member(data, member)
         start = {name: data[name][member].values for name in vary}
-        setting = checked_runs.tolerance_at(
-            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        setting = setting_at(
+            simulation.layout, simulation.method, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
         run = simulation.integrator(setting, simulation.layout.times, y)

@@ -6,6 +6,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class Store(ABC):
     def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
         self._frames, self._common_level = frames, common_level
         self.done, self.tally = 0, Tally()
+        self._waiting: list[Any] = []  # what was taken in, and is not in frames or sums yet
         for _, arrays in () if frames is None else frames.read():
             self._take_back(arrays)
 
@@ -62,10 +64,6 @@ class Store(ABC):
 
 class MemberStore(Store):
     """A store that keeps all members."""
-
-    def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
-        self._waiting: list[KeptValues] = []
-        super().__init__(frames, common_level)
 
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
@@ -102,7 +100,6 @@ class StatisticsStore(Store):
     def __init__(self, kept: Kept, frames: Frames | None, common_level: float = np.nan) -> None:
         self._kept = kept
         self._merged: Moments | None = None
-        self._waiting: list[np.ndarray] = []  # (members, times, columns), for the next block
         columns = sum(map(kept.columns, kept.names))
         if 8 * kept.times * columns**2 > MOST_BYTES:
             raise InputError(
@@ -135,7 +132,7 @@ class StatisticsStore(Store):
         if self._waiting:
             arrays["waiting"] = np.concatenate(self._waiting)
         if self._merged is not None:
-            arrays |= {each.name: getattr(self._merged, each.name) for each in fields(Moments)}
+            arrays |= vars(self._merged)
         self._frames.append(SUMS, arrays)
 
     def moments(self) -> Moments | None:
