@@ -13,7 +13,7 @@ from numpy.polynomial import polynomial
 
 import tribo
 from tribo import paper
-from tribo.integrators.collocation_tableaux import RADAU
+from tribo.integrators.tableaux import RADAU
 
 NODES = np.array(RADAU, float)
 INSIDE = np.linspace(0.05, 0.95, 19)

@@ -198,15 +198,6 @@ def test_public_names():
     assert not hasattr(tribo, "no_such_name")
 
 
-def test_public_names_are_typed():
-    """What type checkers are told of is what there is."""
-    tree = ast.parse(FILES[""].read_text(encoding="utf-8"))
-    (block,) = [n for n in tree.body if isinstance(n, ast.If)]
-    own = [node for node in block.body if node.module != "typing"]
-    told = {alias.name for node in own for alias in node.names}
-    assert told == set(tribo.__all__) - {"__version__"}
-
-
 def test_every_module_says_what_it_is():
     """One sentence at least at the head of each file that is not empty."""
     for name, path in FILES.items():

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from tribo.commands.cli import main
-from tribo.commands.help import SHELLS
+from tribo.commands.parser import SHELLS
 
 
 @pytest.mark.parametrize(

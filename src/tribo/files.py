@@ -6,6 +6,8 @@ import json
 import math
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
@@ -69,22 +71,30 @@ NETCDF = ".nc"
 NEW = ".part.new"
 
 
-def replace_file(path: Path, content: bytes) -> None:
-    """Write a file; one that was there stays as it was until all is on disk.
+@contextmanager
+def replaced(path: Path) -> Iterator[Path]:
+    """A new file that takes the place of another, at once, when all is on disk after the block.
 
     Raises InputError.
     """
-    path = checked_target(str(path), path)
     new = path.with_name(path.name + NEW)
     try:
-        with open(new, "wb") as file:
-            file.write(content)
-            file.flush()
+        yield new
+        with open(new, "r+b") as file:
             os.fsync(file.fileno())
         replace(new, path)
     except OSError as error:
         new.unlink(missing_ok=True)
         raise not_written(path, error) from None
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file; one that was there stays as it was until all is on disk.
+
+    Raises InputError.
+    """
+    with replaced(checked_target(str(path), path)) as new:
+        new.write_bytes(content)
 
 
 def not_written(path: Path, error: OSError) -> InputError:

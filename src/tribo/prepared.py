@@ -21,14 +21,13 @@ from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import passing_notes
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.passing import passing_notes
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, is_streamed
 from tribo.ledger.watched import Watched
-from tribo.loops.cuts import up_to_passing
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.select import Integrator
+from tribo.loops.select import Integrator, up_to_passing
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
@@ -169,17 +168,12 @@ class Simulation:
         """The plan's `single`, found when first needed."""
         return single_setting(self.plan, self.integrator)
 
-    @cached_property
-    def _single(self) -> tuple[Setting, np.ndarray]:
-        """Setting and times of runs without an error estimate."""
-        if self._streams or self._single_setting is None:
-            return self.plan.setting, self.plan.times
-        return self._single_setting, self.layout.times
-
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate; where steps were chosen, they pass no encounter."""
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
-        setting, times = self._single
+        setting, times = self.plan.setting, self.plan.times
+        if not self._streams and self._single_setting is not None:
+            setting, times = self._single_setting, layout.times
         run, ledger, watched = self._deliver(setting, times, y)
         notes: tuple[str, ...] = ()
         for _ in range(MOST_HALVINGS if self.plan.automatic else 0):

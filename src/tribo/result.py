@@ -14,16 +14,10 @@ from typing import TYPE_CHECKING, Any
 from tribo.files import netcdf_path, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
-from tribo.results import dataset, report
+from tribo.results import dataset, force_averages, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
 from tribo.results.depinning import Depinning, depinning
-from tribo.results.force_averages import (
-    force_average,
-    friction_force,
-    load_of,
-    time_without_contact,
-)
 from tribo.results.run_result import Constant, Cost, RunResult
 from tribo.validation import InputError, as_path
 
@@ -71,7 +65,7 @@ class Result(RunResult):
             If the forces were not recorded, no field acts on the surface, or there are fewer than
             two samples.
         """
-        return friction_force(self, surface, after, part)
+        return force_averages.friction_force(self, surface, after, part)
 
     def pull_force(self, surface: str, after: float | str | None = None) -> Average:
         """The time average of the drive's force on a surface, with a 95 % interval.
@@ -90,7 +84,7 @@ class Result(RunResult):
         Average
             As of :meth:`friction_force`.
         """
-        return force_average(self, f"{surface}.pull_force", after)
+        return force_averages.force_average(self, f"{surface}.pull_force", after)
 
     def friction_coefficient(self, surface: str, after: float | str | None = None) -> Average:
         """The time average of the friction force on a surface, divided by the load on it.
@@ -105,8 +99,9 @@ class Result(RunResult):
         Average
             As of :meth:`friction_force`, relative to the load; the mean is not negative.
         """
-        found = friction_force(self, surface, after)
-        load = load_of(next(each for each in self.scene.surfaces if each.name == surface))
+        found = force_averages.friction_force(self, surface, after)
+        own = next(each for each in self.scene.surfaces if each.name == surface)
+        load = force_averages.load_of(own)
         if load == 0.0:
             problem = "is missing; name the surface that has the load"
             raise InputError(f"{surface}.drive.load", problem)
@@ -166,7 +161,7 @@ class Result(RunResult):
             If the contact was not recorded, or has no range, as that of Coulomb, or there are
             fewer than two samples.
         """
-        return time_without_contact(self, surface, after)
+        return force_averages.time_without_contact(self, surface, after)
 
     def cite(self, style: str = "text") -> str:
         """The papers to cite: the model's, and those of the method, potentials and effects.

@@ -21,7 +21,6 @@ from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
-from tribo.loops.select import Integrator
 from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene, checked_scene
@@ -92,11 +91,11 @@ def prepare(
     report = shown(progress, task.layout.scene.duration, "t")
     if isinstance(report, ProgressBar):
         report = report.of_runs
-    integrator = task.integrator(report)
-    plan = make_plan(task.choice, integrator)
-    if plan.tuned is not None and plan.tuned.runs[-1].status == Status.INTERRUPTED:
+    simulation = task.simulation(report)
+    tuned = simulation.plan.tuned
+    if tuned is not None and tuned.runs[-1].status == Status.INTERRUPTED:
         raise KeyboardInterrupt
-    return Simulation(plan, integrator)
+    return simulation
 
 
 class _Task(NamedTuple):
@@ -107,14 +106,18 @@ class _Task(NamedTuple):
     origin: Origin | None
     threads: int | None
 
-    def integrator(self, progress: Progress | None, journal: Journal | None = None) -> Integrator:
-        """The compiled time loop; warns of bobs that start deep in a core."""
+    def simulation(self, progress: Progress | None, journal: Journal | None = None) -> Simulation:
+        """Compiled and planned; warns of bobs that start deep in a core.
+
+        A progress bar also shows which of the runs it is.
+        """
         layout, method = self.layout, self.choice.method
         count = threads_of(layout.model, method, self.threads).number
         integrator = integrator_for(layout, method, progress, self.origin, journal, count)
         for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
             warnings.warn(note, TriboWarning, stacklevel=3)
-        return integrator
+        announce = progress.announce if isinstance(progress, ProgressBar) else None
+        return Simulation(make_plan(self.choice, integrator, announce), integrator)
 
 
 def _task(
@@ -206,16 +209,10 @@ def simulate(
     task = _task(scene, accuracy, method, step, start, allow_unresolved, threads)
     with reported(progress, task.layout.scene.duration, "t") as report:
         if out is None:
-            result = _first_result(task.choice, task.integrator(report), report)
+            result = task.simulation(report).compute_first()
         else:
             result = _run_to_file(as_path(out), resume, task, report)
     return with_warning(result)
-
-
-def _first_result(choice: Choice, integrator: Integrator, progress: Progress | None) -> Result:
-    """Plan and run; a progress bar also shows which of the runs it is."""
-    announce = progress.announce if isinstance(progress, ProgressBar) else None
-    return Simulation(make_plan(choice, integrator, announce), integrator).compute_first()
 
 
 def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
@@ -232,7 +229,7 @@ def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | Non
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:
-        result = _first_result(choice, task.integrator(progress, journal), progress)
+        result = task.simulation(progress, journal).compute_first()
         if result.status != Status.INTERRUPTED:
             result.save(path)
             journal.remove()

@@ -85,9 +85,7 @@ def from_energy(length: float, mass: float, energy: float) -> Units:
 
 
 SI = Units(1.0, 1.0, 1.0)
-
 # Attogram, nanometre and nanosecond: forces in pN, stiffnesses in mN / m.
 AG_NM_NS = Units(1e-9, 1e-21, 1e-9)
-
 # Those of ASE: angstrom, atomic mass unit and electronvolt; a unit of time is 10.18 fs.
 ASE = from_energy(constants.angstrom, constants.atomic_mass, constants.electron_volt)

@@ -69,7 +69,6 @@ class TriboWarning(UserWarning):
 ANY: Condition = ("must be a number", lambda x: True)
 POSITIVE: Condition = ("must be positive", lambda x: x > 0.0)
 NOT_NEGATIVE: Condition = ("must not be negative", lambda x: x >= 0.0)
-
 # Largest magnitude of a number: energies, cubes and ratios of two such numbers are finite.
 LARGEST_NUMBER = 1e100
 # Smallest duration [time]: products of two such numbers are positive.

@@ -117,8 +117,8 @@ WAY = """
 import numba
 numba.__version__ = VERSION
 from tribo.compiler.numba_private import NATIVE
-import tribo.compiler.jit_options
-print(NATIVE, tribo.compiler.jit_options.LINKED)
+import tribo.compiler.jit
+print(NATIVE, tribo.compiler.jit.LINKED)
 """
 
 

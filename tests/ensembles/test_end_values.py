@@ -12,19 +12,18 @@ from scipy import stats
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.levels import setting_at
 from tribo.accuracy.tolerance_scales import ToleranceScales
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
-from tribo.integrators.nystrom_tableaux import RKN8, RKN12
-from tribo.kernels.status import PAUSED
+from tribo.integrators.tableaux import RKN8, RKN12
+from tribo.kernels.status import CODE, PAUSED
 from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.ledger import assemble
 from tribo.loops.batch import MemberStarts
-from tribo.loops.batch_pair import PairMembers
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, PairMembers, has_lanes
 from tribo.model.parameters import with_values
-from tribo.pair.members import CODE
 
 KEEP = [f"{s}.{q}" for s in ("upper", "lower") for q in ("w1", "w2", "delta_e_int", "omega")]
 KEEP += ["upper.W", "contact_energy", "total_energy_change"]
@@ -60,8 +59,8 @@ def test_members_are_single_runs(case):
     for member in (0, 7, 99):
         start = {name: float(data[name][member, 0]) for name in names}
         scales = ToleranceScales(*json.loads(data.attrs["scales"]))
-        tolerance = checked_runs.tolerance_at(
-            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        tolerance = setting_at(
+            simulation.layout, simulation.method, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
         run = simulation.integrator(tolerance, simulation.layout.times, y)
@@ -272,8 +271,8 @@ def test_members_of_rows_alone(monkeypatch):
     for member in (0, 17, 99):
         alone = tribo.ensemble_member(data, member)
         start = {name: data[name][member].values for name in vary}
-        setting = checked_runs.tolerance_at(
-            simulation, scales, float(data["level"][member]), NEAR_ALONE
+        setting = setting_at(
+            simulation.layout, simulation.method, scales, float(data["level"][member]), NEAR_ALONE
         )
         y = InitialState(simulation.layout)(start)
         run = simulation.integrator(setting, simulation.layout.times, y)

@@ -11,8 +11,8 @@ from support.kinds import surfaces_of
 from tribo.compiler.lanes import LANES
 from tribo.ensembles.batches import StepRuns
 from tribo.ensembles.kept_values import Kept
+from tribo.integrators.members import MOST_TRIALS
 from tribo.integrators.methods import METHODS
-from tribo.integrators.nystrom_members import MOST_TRIALS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import (
     BOBS_COINCIDE,

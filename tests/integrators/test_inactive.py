@@ -11,8 +11,7 @@ from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
 from tribo.explanation.explanation import contact
 from tribo.integrators.methods import METHODS
-from tribo.layout import active, contacts
-from tribo.layout import layout as layouts
+from tribo.layout import contacts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
@@ -29,8 +28,8 @@ def lists(monkeypatch):
 def test_results_are_those_of_steps(monkeypatch):
     """Every series agrees to round-off, also of asperites that wake, are hit and left behind."""
     closed = tribo.simulate(crossing(), **VERLET)
-    every = active.active_blocks
-    monkeypatch.setattr(layouts, "active_blocks", lambda *scene: step_all(every(*scene)))
+    every = contacts.active_blocks
+    monkeypatch.setattr(contacts, "active_blocks", lambda *scene: step_all(every(*scene)))
     stepped = tribo.simulate(crossing(), **VERLET)
     assert closed.status == stepped.status == "completed"
     assert closed.cost.steps == stepped.cost.steps

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
+from support.kernels import shared_kernel
 from tribo import (
     Asperite,
     Corrugation,
@@ -25,7 +26,6 @@ from tribo import (
     paper,
 )
 from tribo.accuracy.choose_method import choose
-from tribo.compiler.jit import shared_kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.integrators.methods import METHODS

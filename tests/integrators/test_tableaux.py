@@ -13,18 +13,18 @@ import mpmath
 import numpy as np
 import pytest
 
-from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux
+from tribo.integrators import tableaux
 from tribo.integrators.collocation import predict
 from tribo.integrators.methods import METHODS
 
 ROUND_OFF = 2e-14
 
 EXPLICIT = {"midpoint": tableaux.MIDPOINT, "rk4": tableaux.CLASSICAL, "dop853": tableaux.DOP853}
-NYSTROM = {"rkn8": nystrom_tableaux.RKN8, "rkn12": nystrom_tableaux.RKN12}
+NYSTROM = {"rkn8": tableaux.RKN8, "rkn12": tableaux.RKN12}
 EMBEDDED = {"rkn8": 6, "rkn12": 10}  # orders of the formulae that errors are estimated with
 COLLOCATION = {
-    "gauss-8": collocation_tableaux.GAUSS_8,
-    "gauss-radau-15": collocation_tableaux.RADAU_15,
+    "gauss-8": tableaux.GAUSS_8,
+    "gauss-radau-15": tableaux.RADAU_15,
 }
 
 
@@ -177,7 +177,7 @@ def test_collocation(name):
 @pytest.mark.parametrize("name", COLLOCATION)
 def test_nodes(name):
     """Zeros of shifted Legendre polynomials P_n, or of P_(n - 1) + P_n, to 33 digits."""
-    digits = {"gauss-8": collocation_tableaux.GAUSS, "gauss-radau-15": collocation_tableaux.RADAU}
+    digits = {"gauss-8": tableaux.GAUSS, "gauss-radau-15": tableaux.RADAU}
     nodes = digits[name]
     with mpmath.workdps(50):
         for node in nodes:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.compiler.jit import shared_kernel
-from tribo.compiler.jit_options import LOOP
+from support.kernels import shared_kernel
+from tribo.compiler.jit import LOOP
 from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS

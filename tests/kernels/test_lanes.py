@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.compiler.jit import shared_kernel
+from support.kernels import shared_kernel
 from tribo.compiler.lanes import LANES, NARROW, broadcast, lane, narrow, where_less, widen
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes

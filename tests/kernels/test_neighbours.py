@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
+from support.kernels import shared_kernel
 from support.sliding import CUTOFF, long_slide, scene
-from tribo.compiler.jit import shared_kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y

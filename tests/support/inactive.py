@@ -155,8 +155,7 @@ def near(places, sliding, reach, period):
 def check(scene) -> str:
     """What is wrong with the asperites that are not stepped, at any step; empty if nothing is."""
     from tribo.kernels.status import PAUSED
-    from tribo.layout.active import MARGIN
-    from tribo.layout.contacts import SKIN
+    from tribo.layout.contacts import MARGIN, SKIN
 
     loop, every = loops(scene)
     neighbours, selection = loop._neighbours, loop._neighbours.active

@@ -595,7 +595,8 @@ CHECKS["all pairs"] = Steps("rows", "midpoint", 0.02, 2, 1e-3)
 LISTS = {"layout.contacts.UNLISTED_PAIRS": 0}
 CHECKS["listed pairs"] = Limited(CHECKS["all pairs"], LISTS)
 CHECKS["listed pairs, verlet"] = Limited(Steps("rows", "verlet", 0.02, 2, 1e-3), LISTS)
-CHECKS["inactive asperites"] = Limited(asperites_out_of_reach, LISTS | {"layout.active.MARGIN": 2})
+NEAR = LISTS | {"layout.contacts.MARGIN": 2}
+CHECKS["inactive asperites"] = Limited(asperites_out_of_reach, NEAR)
 for _scene in ("forced on free", "free on free"):
     CHECKS[f"pair, {_scene}"] = AsPair(_scene, 1e-8, 1e-7)
 for _scene in ("arms alike", "pulled and loaded", "driven bars", "rigid asperites", "reservoirs"):

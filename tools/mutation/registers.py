@@ -20,8 +20,8 @@ def with_fields(loop):
     return call
 
 
-def entry_point(loop, fixed, _):
-    """Uncompiled, in place of tribo.compiler.jit.EntryPoint."""
+def entry_point(_, loop, fixed, examples):
+    """Uncompiled, in place of tribo.layout.loop_memory.entry_point."""
     return lambda *arguments: with_fields(loop)(*fixed, *arguments)
 
 
@@ -32,5 +32,5 @@ def registers_as_arrays():
     importlib.import_module(adapter)
     config = SimpleNamespace(DISABLE_JIT=False)
     stack.enter_context(mock.patch(f"{adapter}.config", config))
-    stack.enter_context(mock.patch(f"{adapter}.EntryPoint", entry_point))
+    stack.enter_context(mock.patch(f"{adapter}.entry_point", entry_point))
     return stack

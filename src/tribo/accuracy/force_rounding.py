@@ -16,8 +16,8 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.records import OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
 from tribo.kernels.samples import BATH, SPRINGS
-from tribo.layout.force_records import stiffness_at_bars
 from tribo.layout.layout import Layout
+from tribo.layout.scene_records import stiffness_at_bars
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import Motion
 

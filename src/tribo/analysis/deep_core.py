@@ -9,7 +9,6 @@ from tribo.layout.layout import Layout
 from tribo.ledger.closest_bobs import Closest, asperite_names, closest_of_contacts
 from tribo.ledger.samples import Samples
 from tribo.model.drives import Pulled
-from tribo.model.surface import Surface
 
 # Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
 # a core: those of Lennard-Jones are from 0.75 sigma on.
@@ -32,10 +31,11 @@ def core_notes(layout: Layout) -> tuple[str, ...]:
     if not found:
         return ()
     ratio, energy, bobs = max(found)
-    surfaces = [layout.scene.surfaces[layout.asperites.surface[k]] for k in bobs[1:]]
-    advice = "start them farther apart"
-    if any(_moves(layout, surface) for surface in surfaces):
-        advice += ", or from tribo.relax(scene)"
+    scene, advice = layout.scene, "start them farther apart"
+    for surface in (scene.surfaces[layout.asperites.surface[k]] for k in bobs[1:]):
+        slides = scene.slides_along_x(surface) or scene.slides_along_y(surface)
+        if slides or not surface.asperite.is_rigid:
+            advice = "start them farther apart, or from tribo.relax(scene)"
     return (
         f"the bobs of {asperite_names(layout, bobs[1:])} start deep in a repulsive core: "
         f"{bobs.distance:.3g} apart, with an energy of {energy:.3g}, {ratio:.1g} times their other "
@@ -81,10 +81,3 @@ def _other_energies(layout: Layout, bobs: Closest) -> float:
         energies += [each.temperature for each in surface.reservoirs]
         energies.append(0.5 * drive.stiffness * rod**2 if isinstance(drive, Pulled) else 0.0)
     return max(energies)
-
-
-def _moves(layout: Layout, surface: Surface) -> bool:
-    """Whether the bobs of a surface can move out of a core."""
-    scene = layout.scene
-    slides = scene.slides_along_x(surface) or scene.slides_along_y(surface)
-    return slides or not surface.asperite.is_rigid

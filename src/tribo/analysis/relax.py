@@ -12,21 +12,17 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, gmres
 
-from tribo.compiler.jit import time_loop
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.probe import acceleration_probe
 from tribo.kernels.records import ASPERITE, I2, INERTIA, MASS
-from tribo.layout.contacts import raise_calculator_errors, with_room
 from tribo.layout.layout import Layout, lay_out
-from tribo.layout.loop_memory import own_model
+from tribo.layout.loop_memory import Probe
 from tribo.layout.start import hang_baths
 from tribo.ledger.closest_bobs import asperite_name, closest_bobs
 from tribo.ledger.samples import Samples
 from tribo.loops.state import State, state_at_rest
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene, checked_scene
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 # Steps until the search is given up: bobs have then moved up to 40 rods.
 MOST_STEPS = 400
@@ -119,29 +115,18 @@ class _Accelerations:
         # As a plain array, whose fields are found ten times sooner than a recarray's.
         self._asperites = layout.asperites.view(ASPERITE, np.ndarray)
         self._q, self._v, self._found = (room((layout.room[0],)) for _ in range(3))
-        self._model, self._calls = own_model(layout)
-        self._neighbours = layout.neighbours()
-        self._probe = time_loop(acceleration_probe, source_stamp(layout.plugins))
-        self.lengths, self._inertias, self._owners = self._table()
-
-    def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The unit, the inertia and the asperite of each coordinate, (core,)."""
-        a, constants = self._layout.asperites, self._layout.constants
-        each = np.arange(a.size)
-        lengths, inertias = np.ones(self._layout.core), np.ones(self._layout.core)
-        owners = np.zeros(self._layout.core, int)
-        rods = a.l1 + a.l2
-        for slots, row, unit in (
-            (each, INERTIA, np.ones(a.size)),
-            (a.dof_phi, I2, np.ones(a.size)),
-            (a.dof_x, MASS, rods),
-            (a.dof_y, MASS, rods),
-        ):
+        self._probe = Probe(layout, acceleration_probe)
+        # The unit, the inertia and the asperite of each coordinate, (core,).
+        self.lengths, self._inertias = np.ones(layout.core), np.ones(layout.core)
+        self._owners = np.zeros(layout.core, int)
+        a, each = layout.asperites, np.arange(layout.asperites.size)
+        for slots, row in ((each, INERTIA), (a.dof_phi, I2), (a.dof_x, MASS), (a.dof_y, MASS)):
             present = slots >= 0
             mine = slots[present]
-            lengths[mine], owners[mine] = unit[present], each[present]
-            inertias[mine] = constants[row, present]
-        return lengths, inertias, owners
+            self._inertias[mine] = layout.constants[row, present]
+            self._owners[mine] = each[present]
+            if row == MASS:
+                self.lengths[mine] = (a.l1 + a.l2)[present]
 
     @property
     def weights(self) -> np.ndarray:
@@ -153,23 +138,14 @@ class _Accelerations:
         layout = self._layout
         q = np.zeros(layout.coordinates)
         q[: layout.core] = u * self.lengths
-        for surface in layout.scene.surfaces:
-            if surface.bath:
-                part = layout.parts[surface.name]
-                hang_baths(self._asperites[part], surface.bath, part, q)
+        hang_baths(self._asperites, layout.scene, layout.parts, q)
         return q
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """u'' [1 / time^2], (core,)."""
         layout = self._layout
         self._q[layout.places.q] = self.coordinates(u)
-        done = False
-        with compiling(self._probe, layout.named_plugins):
-            while not done:
-                self._neighbours = with_room(self._neighbours)
-                arrays = self._q, self._v, self._found
-                done = self._probe(self._model, self._neighbours, 0.0, *arrays)
-        raise_calculator_errors(self._calls)
+        self._probe(1, 0.0, self._q, self._v, self._found)
         return self._found[layout.places.q[: layout.core]] / self.lengths
 
     def longest_step(self, u: np.ndarray) -> float:

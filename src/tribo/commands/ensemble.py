@@ -13,14 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.commands.scene_options import (
-    as_number,
-    check_figure,
-    check_files,
-    load_with_values,
-    numerics_of,
-    split,
-)
+from tribo.commands import scene_options as shared
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Distribution, Sampler, Source, draws_of
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
@@ -35,7 +28,6 @@ if TYPE_CHECKING:
 
 # The form of an argument of --vary.
 VARIED = re.compile(r"\s*(?P<key>[^=\s]+)\s*=\s*(?P<name>\w+)\((?P<numbers>[^()]*)\)\s*")
-
 # The same in words.
 FORM = (
     "KEY=normal(MEAN,DEVIATION), KEY=uniform(LOW,HIGH) or KEY=grid(FIRST,LAST,POINTS), with "
@@ -105,16 +97,16 @@ def _sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: in
 
 def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
     """The arguments of ensembles and sweeps that the options give.  Raises InputError."""
-    check_files(options)
+    shared.check_files(options)
     vary, sampler = _all_varied(options.vary), None
     if options.sampler is not None:
         sampler = _sampler_named(options.sampler, scene, vary, options.seed)
     names = ("members", "at", "statistics", "out", "resume", "threads", "seed")
-    widths = (split("--half-width", text) for text in options.half_width)
-    half_width = {name: as_number(f"--half-width {name}", size) for name, size in widths}
+    widths = (shared.split("--half-width", text) for text in options.half_width)
+    half_width = {name: shared.as_number(f"--half-width {name}", size) for name, size in widths}
     return {
         **{name: getattr(options, name) for name in names},
-        **numerics_of(options),
+        **shared.numerics_of(options),
         "vary": vary,
         "keep": options.keep and [name.strip() for name in options.keep.split(",")],
         "half_width": half_width or None,
@@ -132,10 +124,10 @@ def run_ensemble(options: argparse.Namespace) -> int:
     """Run the ensemble and print its summary; the exit status."""
     from tribo.ensembles import ensemble
 
-    check_figure(options.figure)
+    shared.check_figure(options.figure)
     if options.figure is not None and options.statistics:
         raise InputError("--figure", "needs the members, which --statistics does not keep")
-    scene = load_with_values(options)
+    scene = shared.load_with_values(options)
     settings = settings_of(options, scene)
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)

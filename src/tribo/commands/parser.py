@@ -1,37 +1,58 @@
-"""The commands: their options, and what each prints."""
+"""The commands: their options and their help, and what each prints."""
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from pathlib import Path
+from typing import NoReturn
 
+from tribo.commands import scene_options as shared
 from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
 from tribo.commands.bundle import add_bundle
 from tribo.commands.doctor import run_doctor
-from tribo.commands.help import FIRST_STEPS, CommandParser, add_completion
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
-from tribo.commands.scene_options import (
-    add_many_runs,
-    add_output,
-    add_scene,
-    check_figure,
-    load_with_values,
-    parsed,
-    split,
-)
 from tribo.commands.sweep import run_sweep
 from tribo.commands.view import add_play, add_view
 from tribo.files import checked_target, strict_json
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
-# Adds a command: its name, its purpose, and the function that runs it, unless its own file adds it.
+# The end of `tribo --help`.
+FIRST_STEPS = """\
+first steps:
+  tribo new -o scene.toml              a commented scene file
+  tribo run scene.toml --out run.nc    its end state, and all series in a file
+  tribo view run.nc -o run.html        a page that plays the run
+  tribo COMMAND --help                 all options of a command
+"""
+
+# Shells for which `tribo completion` writes a script.
+SHELLS = ("bash", "zsh", "tcsh")
+# Adds a command by its name, its purpose, and the function that runs it, if that is given.
 Add = Callable[..., argparse.ArgumentParser]
+
+
+class CommandParser(argparse.ArgumentParser):
+    """A parser that names the nearest word where it does not know one."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and the message; exit with status 2."""
+        unknown = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
+        if unknown is not None:
+            word, known = unknown[1], re.findall(r"[\w-]+", unknown[2])
+            near = get_close_matches(word, known, 1)
+            if Path(word).suffix in (".toml", ".nc"):
+                message = f"{word} is no command; did you mean: {self.prog} run {word}"
+            elif near:
+                message += f"; did you mean {near[0]}?"
+        super().error(message)
 
 
 def run_command(arguments: list[str] | None) -> int:
@@ -66,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_runs(add)
     _add_others(add)
     completion = add("completion", "print a script that completes commands")
-    add_completion(completion, parser, commands.choices.values())
+    _add_completion(completion, parser, commands.choices.values())
     return parser
 
 
@@ -75,34 +96,35 @@ def _add_runs(add: Add) -> None:
     add_run(add("run", "simulate a scene file, or repeat the run of a file"))
 
     sweep = add("sweep", "run a scene with every combination of values", run_sweep)
-    add_scene(sweep, with_set=False)
+    shared.add_scene(sweep, with_set=False)
     values = "values separated by commas, as 'upper.drive.load=0.1,0.2,0.4'; if repeated, every "
     values += "combination is run"
     sweep.add_argument("--set", action="append", required=True, metavar="KEY=VALUES", help=values)
-    add_many_runs(sweep, "number of runs at each point (default: one run of the scene itself)")
-    add_output(sweep, figure="draw the first quantity against the first key of --set")
+    members = "number of runs at each point (default: one run of the scene itself)"
+    shared.add_many_runs(sweep, members)
+    shared.add_output(sweep, figure="draw the first quantity against the first key of --set")
 
     ensemble = add("ensemble", "run a scene from many starts", _ensemble)
-    add_scene(ensemble)
-    add_many_runs(ensemble, "number of members; with grids, by default that of their points")
+    shared.add_scene(ensemble)
+    shared.add_many_runs(ensemble, "number of members; with grids, by default that of their points")
     figure = "draw a histogram of the first name of --keep at the end (default: upper.W)"
-    add_output(ensemble, figure=figure)
+    shared.add_output(ensemble, figure=figure)
 
     paper = add("paper", "compare the paper's cases with its numbers", _paper)
     cases = "case of the paper (default: all)"
     paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
-    add_output(paper, "the comparison")
+    shared.add_output(paper, "the comparison")
     figures = "write the paper's figures to this folder"
     paper.add_argument("--figures", type=Path, metavar="DIR", help=figures)
 
     explain = add("explain", "say what a run will do and cost", _explain)
-    add_scene(explain)
-    add_output(explain, "the explanation")
+    shared.add_scene(explain)
+    shared.add_output(explain, "the explanation")
 
     accuracy = add("accuracy", "measure the error of each method against its time", run_accuracy)
-    add_scene(accuracy)
+    shared.add_scene(accuracy)
     figure = "write a figure of error against time and evaluations"
-    add_output(accuracy, "the rows", figure)
+    shared.add_output(accuracy, "the rows", figure)
     methods = "methods to compare (default: all)"
     accuracy.add_argument("--methods", nargs="+", metavar="NAME", help=methods)
     observables = 'observables whose errors count, as "upper.W" (default: all)'
@@ -119,12 +141,12 @@ def _add_others(add: Add) -> None:
     parameters = "parameters, and cutoff, at_cutoff and switch_from as in [interaction]"
     check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help=parameters)
     figure = "write a figure of energy, force, and the error of the force"
-    add_output(check, "the report card", figure)
+    shared.add_output(check, "the report card", figure)
 
     atlas = add("atlas", "run hard scenes and compare with references", run_atlas)
     scenes = "scenes of the atlas (default: all)"
     atlas.add_argument("names", nargs="*", metavar="NAME", help=scenes)
-    add_output(atlas, "the table")
+    shared.add_output(atlas, "the table")
 
     add_view(add("view", "write a page that plays runs in a browser"))
     add_play(add("play", "change values of a scene in a browser and simulate it again"))
@@ -135,13 +157,33 @@ def _add_others(add: Add) -> None:
     plot.add_argument("-o", "--out", type=Path, metavar="FIGURE", help=figure)
 
     lammps = add("export-lammps", "write a scene as input files of LAMMPS", _export_lammps)
-    add_scene(lammps)
+    shared.add_scene(lammps)
     folder = "the folder to write to"
     lammps.add_argument("-o", "--out", type=Path, required=True, metavar="DIR", help=folder)
 
     add_bundle(add("bundle", "pack scenes and results in one archive with checksums"))
     add_new(add("new", "print or write a commented scene file to start from"))
     add("doctor", "print versions, cores, cache and speed", run_doctor)
+
+
+def _add_completion(
+    completion: argparse.ArgumentParser,
+    parser: argparse.ArgumentParser,
+    commands: Iterable[argparse.ArgumentParser],
+) -> None:
+    """Add the arguments of `tribo completion`, for a parser and its commands."""
+
+    def print_script(options: argparse.Namespace) -> int:
+        import shtab
+
+        for action in (action for command in commands for action in command._actions):
+            if action.type is Path:  # completes names of files
+                action.complete = shtab.FILE  # type: ignore[attr-defined]
+        print(shtab.complete(parser, options.shell))
+        return 0
+
+    completion.add_argument("shell", choices=SHELLS, help="the shell that reads the script")
+    completion.set_defaults(command=print_script)
 
 
 def _ensemble(options: argparse.Namespace) -> int:
@@ -171,7 +213,7 @@ def _paper(options: argparse.Namespace) -> int:
 def _explain(options: argparse.Namespace) -> int:
     from tribo.explanation import explain
 
-    explanation = explain(load_with_values(options))
+    explanation = explain(shared.load_with_values(options))
     print(explanation.to_json() if options.json else explanation)
     return COMPLETED
 
@@ -189,7 +231,7 @@ def _plot(options: argparse.Namespace) -> int:
 def _export_lammps(options: argparse.Namespace) -> int:
     from tribo.export.lammps import to_lammps
 
-    files = to_lammps(load_with_values(options), options.out)
+    files = to_lammps(shared.load_with_values(options), options.out)
     print(files.data, files.forces, files.run, sep="\n")
     for text in files.omitted:
         print(f"omitted: {text}")
@@ -200,9 +242,9 @@ def _check(options: argparse.Namespace) -> int:
     from tribo.potentials.tables import from_table
     from tribo.report_card import check
 
-    check_figure(options.figure)
-    pairs = (split("parameter", text) for text in options.parameters)
-    table = {"potential": options.potential} | {name: parsed(value) for name, value in pairs}
+    shared.check_figure(options.figure)
+    pairs = (shared.split("parameter", text) for text in options.parameters)
+    table = {"potential": options.potential} | {name: shared.parsed(value) for name, value in pairs}
     report = check(from_table(table, Path.cwd()))
     if options.figure is not None:
         report.save_figure(options.figure)

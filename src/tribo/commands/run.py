@@ -7,17 +7,7 @@ import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from tribo.commands.scene_options import (
-    add_files,
-    add_numerics,
-    add_output,
-    add_scene,
-    check_figure,
-    check_files,
-    load_with_values,
-    numerics_of,
-    parsed,
-)
+from tribo.commands import scene_options as shared
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.validation import LARGEST_COUNT, InputError, integer
 
@@ -30,21 +20,21 @@ CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 
 def add_run(run: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo run`."""
-    add_scene(run, "SCENE.toml|FILE.nc")
+    shared.add_scene(run, "SCENE.toml|FILE.nc")
     out = "write all time series as NetCDF; until the run is complete, FILE.part contains its "
-    add_files(run, f"{out}samples", "print the result if FILE is complete")
-    add_numerics(run)
+    shared.add_files(run, f"{out}samples", "print the result if FILE is complete")
+    shared.add_numerics(run)
     run.add_argument("--samples", metavar="N", help="number of evenly spaced times to record")
     threads = "threads that share each step of a large surface; the results do not depend on it "
     threads += "(default: TRIBO_THREADS, or the number of cores)"
     run.add_argument("--threads", metavar="N", help=threads)
-    add_output(run, "only the end state", "write a figure of the works on the first surface")
+    shared.add_output(run, "only the end state", "write a figure of the works on the first surface")
     run.set_defaults(command=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
-    check_files(options)
-    check_figure(options.figure)
+    shared.check_files(options)
+    shared.check_figure(options.figure)
     if options.scene.suffix == ".nc":
         result, same = _repeated(options)
     else:
@@ -63,10 +53,10 @@ def _simulated(options: argparse.Namespace) -> Result:
     """The result of a scene file."""
     from tribo.simulation import simulate
 
-    settings: dict[str, Any] = numerics_of(options) | _of_run(options)
-    scene = load_with_values(options)
+    settings: dict[str, Any] = shared.numerics_of(options) | _of_run(options)
+    scene = shared.load_with_values(options)
     if options.samples is not None:
-        count = integer("--samples", parsed(options.samples), 2, LARGEST_COUNT)
+        count = integer("--samples", shared.parsed(options.samples), 2, LARGEST_COUNT)
         scene = replace(scene, output=replace(scene.output, samples=count, times=None))
     return also_in_part(simulate, scene, **settings)
 
@@ -74,7 +64,7 @@ def _simulated(options: argparse.Namespace) -> Result:
 def _of_run(options: argparse.Namespace) -> dict[str, Any]:
     """The file, and the number of threads if it is given.  Raises InputError."""
     given = options.threads
-    threads = None if given is None else integer("--threads", parsed(given), 1)
+    threads = None if given is None else integer("--threads", shared.parsed(given), 1)
     return {"out": options.out, "resume": options.resume, "threads": threads}
 
 

@@ -7,14 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.commands.scene_options import (
-    REPEATED,
-    add_scene,
-    as_number,
-    load_with_values,
-    parsed_list,
-    split,
-)
+from tribo.commands import scene_options as shared
 from tribo.files import checked_target, replace_file
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part, answer
 from tribo.validation import InputError, must_be
@@ -27,7 +20,7 @@ if TYPE_CHECKING:
 
 def add_view(view: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo view`."""
-    add_scene(view, "SCENE.toml|FILE.nc")
+    shared.add_scene(view, "SCENE.toml|FILE.nc")
     beside = "a second run, shown beside the first"
     view.add_argument("beside", type=Path, nargs="?", metavar="OTHER", help=beside)
     page = "the page (default: SCENE.html)"
@@ -40,7 +33,7 @@ def add_view(view: argparse.ArgumentParser) -> None:
 
 def add_play(play: argparse.ArgumentParser) -> None:
     """Add the arguments of `tribo play`."""
-    add_scene(play)
+    shared.add_scene(play)
     _add_slider(play, "each move simulates the scene again")
     quiet = "print the address, but open no browser"
     play.add_argument("--no-browser", action="store_true", help=quiet)
@@ -50,7 +43,7 @@ def add_play(play: argparse.ArgumentParser) -> None:
 def _add_slider(command: argparse.ArgumentParser, meaning: str) -> None:
     value = "a value to change, as 'upper.velocity=0.1:2' or 'upper.drive=forced,free'; may be "
     value += f"repeated; {meaning}"
-    command.add_argument("--slider", metavar="KEY=LOW:HIGH", help=value, **REPEATED)
+    command.add_argument("--slider", metavar="KEY=LOW:HIGH", help=value, **shared.REPEATED)
 
 
 def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
@@ -59,14 +52,14 @@ def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
 
     given: dict[str, Any] = {}
     for text in options.slider:
-        key, values = split("--slider", text)
+        key, values = shared.split("--slider", text)
         if key in given:
             raise InputError(f"--slider {key}", "is given twice; give each key once")
         low, sign, high = values.partition(":")
         if sign:
-            given[key] = (as_number(f"--slider {key}", low), as_number(f"--slider {key}", high))
+            given[key] = tuple(shared.as_number(f"--slider {key}", end) for end in (low, high))
         else:
-            given[key] = parsed_list(f"--slider {key}", values)
+            given[key] = shared.parsed_list(f"--slider {key}", values)
     try:
         return sliders_of(scene, given)
     except InputError as error:
@@ -83,7 +76,7 @@ def _view(options: argparse.Namespace) -> int:
             raise InputError("--slider", "needs one scene file")
         from tribo.sliders import grid_page
 
-        scene = load_with_values(options)
+        scene = shared.load_with_values(options)
         page, complete = grid_page(scene, _sliders(options, scene), options.bath), True
     else:
         files = [options.scene] if options.beside is None else [options.scene, options.beside]
@@ -110,7 +103,7 @@ def _result(options: argparse.Namespace, file: Path) -> Result:
         if options.set:
             raise InputError("--set", "cannot go with the file of a run; give a scene file")
         return load_result(file)
-    scene = load_with_values(argparse.Namespace(**vars(options) | {"scene": file}))
+    scene = shared.load_with_values(argparse.Namespace(**vars(options) | {"scene": file}))
     return also_in_part(simulate, shown(scene, options.bath))
 
 
@@ -120,7 +113,7 @@ def _play(options: argparse.Namespace) -> int:
     from tribo.sliders import Playing
     from tribo.viewer.server import Server
 
-    scene = load_with_values(options)
+    scene = shared.load_with_values(options)
     sliders = _sliders(options, scene)
     if not sliders:
         raise must_be("--slider", "given, as --slider upper.velocity=0.1:2", "none")

@@ -20,13 +20,43 @@ import numpy as np
 from numba import config, njit, typeof
 from numba.core.event import install_recorder
 
-from tribo.compiler.jit_options import INLINED, KERNEL, LOOP, NUMPY_ERRORS, OWNING_KERNEL, UNCOUNTED
 from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
 from tribo.progress import announced
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
+    from tribo.compiler.linking import KernelCompiler, LoopCompiler
+
+# Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
+NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
+
+# Functions that only kernels call.
+LINKED: dict[str, Any] = {}
+# Without reference counting a kernel can neither make nor return arrays, and a pair of asperites
+# runs more than twice as fast.
+UNCOUNTED: dict[str, Any] = {}
+COUNTED: dict[str, Any] = {}
+INLINED: dict[str, Any] = {}
+# Time loops, which Python calls.
+LOOP: dict[str, Any] = {**NUMPY_ERRORS, "nogil": True}
+
+if NATIVE:
+    LINKED = {  # no wrappers for calls from Python
+        "no_cpython_wrapper": True,
+        "no_cfunc_wrapper": True,
+        "pipeline_class": KernelCompiler,
+    }
+    UNCOUNTED = {"_nrt": False}
+    COUNTED = {"_nrt": True}
+    INLINED = {"forceinline": True}
+    LOOP |= {**UNCOUNTED, "pipeline_class": LoopCompiler}
+
+# Kernels, and kernels that make or return arrays.
+KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **UNCOUNTED}
+OWNING_KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **COUNTED}
+# Functions of Python that kernels compile in another way, as arguments of numba.extending.overload.
+OVERLOAD: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
 
 kernel = njit(**KERNEL)
 inlined = njit(**KERNEL, **INLINED)
@@ -34,8 +64,6 @@ inlined = njit(**KERNEL, **INLINED)
 expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
 owning_kernel = njit(**OWNING_KERNEL)
-# Kernels that Python calls too.
-shared_kernel = njit(**NUMPY_ERRORS, **UNCOUNTED)
 _loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and

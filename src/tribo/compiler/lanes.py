@@ -15,6 +15,7 @@ import inspect
 import operator
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
@@ -86,46 +87,36 @@ def _binary(operation, compute) -> None:
         lower_builtin(operation, *pair)(build)
 
 
-def _arithmetic(operation, instruction: str) -> None:
-    def compute(builder, one, other, of_lanes):
-        flags = ["contract"]
-        if instruction == "fdiv" and not of_lanes:
-            flags += ["arcp", "reassoc"]  # 1 / (1 / x) becomes x: see `root_and_inverse`
-        return getattr(builder, instruction)(one, other, flags=flags)
-
-    _binary(operation, compute)
+def _arithmetic(instruction: str, builder, one, other, of_lanes):
+    flags = ["contract"]
+    if instruction == "fdiv" and not of_lanes:
+        flags += ["arcp", "reassoc"]  # 1 / (1 / x) becomes x: see `root_and_inverse`
+    return getattr(builder, instruction)(one, other, flags=flags)
 
 
-def _comparison(operation, symbol: str) -> None:
-    def compute(builder, one, other, of_lanes):
-        return builder.uitofp(builder.fcmp_ordered(symbol, one, other), one.type)
-
-    _binary(operation, compute)
+def _comparison(symbol: str, builder, one, other, of_lanes):
+    return builder.uitofp(builder.fcmp_ordered(symbol, one, other), one.type)
 
 
-for _operation, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _arithmetic(_operation, _instruction)
+for _name, _instruction in {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}.items():
+    _binary(getattr(operator, _name), functools.partial(_arithmetic, _instruction))
+for _name, _symbol in {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}.items():
+    _binary(getattr(operator, _name), functools.partial(_comparison, _symbol))
 
 
-for _operation, _symbol in (
-    (operator.lt, "<"),
-    (operator.le, "<="),
-    (operator.gt, ">"),
-    (operator.ge, ">="),
-):
-    _comparison(_operation, _symbol)
+def in_kernels(python) -> Any:
+    """numba's intrinsic; in its place a function of Python where numba does not compile.
+
+    There an array of eight numbers stands for a register.
+    """
+    return (lambda find: python) if config.DISABLE_JIT else intrinsic  # type: ignore[attr-defined]
 
 
-def instruction(signature) -> Any:
+def instruction(signature, python=None) -> Any:
     """Make a function for kernels of one that builds the instructions of its result.
 
     `signature` returns the types of result and arguments from those that are given; None where
-    there is no such function.
+    there is no such function.  `python` is as in :func:`in_kernels`.
     """
 
     def make(build):
@@ -138,7 +129,9 @@ def instruction(signature) -> Any:
             return None if found is None else (found, code)
 
         function.__signature__ = inspect.signature(build)  # type: ignore[attr-defined]
-        return intrinsic(functools.update_wrapper(function, build, ("__name__", "__doc__")))
+        return in_kernels(python)(
+            functools.update_wrapper(function, build, ("__name__", "__doc__"))
+        )
 
     return make
 
@@ -160,12 +153,13 @@ def _llvm(builder, name: str, result, arguments: list, fast=()):
     return builder.call(function, arguments, fastmath=fast)
 
 
-def _of_each(name: str) -> Any:
+def _of_each(name: str, python) -> Any:
     """A function of LLVM, of each number."""
-    return instruction(lambda x: x(x))(lambda builder, x: _llvm(builder, name, x.type, [x]))
+    return instruction(lambda x: x(x), python)(lambda builder, x: _llvm(builder, name, x.type, [x]))
 
 
-sqrt, absolute, floor = map(_of_each, ("sqrt", "fabs", "floor"))
+sqrt, absolute = _of_each("sqrt", np.sqrt), _of_each("fabs", np.abs)
+floor = _of_each("floor", np.floor)
 
 
 def _has_fast_inverse_roots() -> bool:
@@ -206,7 +200,7 @@ def inverse_root(builder, x):
     return fused(builder.fmul(y, d), terms, y)
 
 
-@instruction(lambda x: types.float64(x))
+@instruction(lambda x: types.float64(x), lambda x: float(np.sum(x)))
 def sum_of_lanes(builder, x):
     """Sum of the numbers, in any order."""
     start = ir.Constant(_FLOAT, -0.0)
@@ -227,7 +221,7 @@ _ROUNDS = (
 )
 
 
-@instruction(lambda xs: lanes(xs))
+@instruction(lambda xs: lanes(xs), lambda xs: np.array([np.sum(x) for x in xs]))
 def sums_of_lanes(builder, xs):
     """Sums of eight Lanes: that of the first in lane 0, and so on."""
     left = cgutils.unpack_tuple(builder, xs, LANES)
@@ -240,7 +234,7 @@ def sums_of_lanes(builder, xs):
     return left[0]
 
 
-@instruction(lambda x: types.float64(lanes))
+@instruction(lambda x: types.float64(lanes), lambda x: float(np.max(x)))
 def maximum(builder, x):
     """The largest of the eight numbers, none of which may be nan."""
     for half in (4, 2, 1):
@@ -251,7 +245,7 @@ def maximum(builder, x):
     return builder.extract_element(x, ir.Constant(_INDEX, 0))
 
 
-@intrinsic
+@in_kernels(lambda x, y, one, other: np.where(x < y, one, other))
 def where_less(typing_context, x, y, one, other):
     """`one` in the lanes where x < y, `other` elsewhere; each is Lanes or a float."""
 
@@ -263,26 +257,26 @@ def where_less(typing_context, x, y, one, other):
     return (found(x, y, one, other), build) if found else None
 
 
-@instruction(lambda x: lanes(x if x == lanes else types.float64))
+@instruction(lambda x: lanes(x if x == lanes else types.float64), lambda x: np.full(LANES, x))
 def broadcast(builder, x):
     """The same number in every lane; Lanes as they are."""
     return _spread(builder, x)
 
 
-@instruction(lambda x, number: x(x, types.float64))
+@instruction(lambda x, number: x(x, types.float64), lambda x, number: np.full(len(x), number))
 def spread_like(builder, x, number):
     """The same number in every lane that x has."""
     return _spread(builder, number, x.type)
 
 
-@instruction(lambda x: narrow_lanes(lanes))
+@instruction(lambda x: narrow_lanes(lanes), lambda x: x[:NARROW])
 def narrow(builder, x):
     """The first four of eight numbers."""
     kept = ir.Constant(ir.VectorType(_INDEX, NARROW), list(range(NARROW)))
     return builder.shuffle_vector(x, ir.Constant(_VECTOR, ir.Undefined), kept)
 
 
-@instruction(lambda x: lanes(narrow_lanes))
+@instruction(lambda x: lanes(narrow_lanes), lambda x: np.append(x, np.zeros(NARROW)))
 def widen(builder, x):
     """Four numbers and four zeros."""
     places = ir.Constant(ir.VectorType(_INDEX, LANES), list(range(LANES)))
@@ -290,19 +284,31 @@ def widen(builder, x):
     return builder.shuffle_vector(x, zeros, places)
 
 
-@instruction(lambda x, i: types.float64(x, types.intp))
+@instruction(lambda x, i: types.float64(x, types.intp), lambda x, i: float(x[i]))
 def lane(builder, x, i):
     """The number in lane i."""
     return builder.extract_element(x, builder.trunc(i, _INDEX))
 
 
-@instruction(lambda x, i, value: x(x, types.intp, types.float64))
+@instruction(
+    lambda x, i, value: x(x, types.intp, types.float64),
+    lambda x, i, value: np.where(np.arange(x.size) == i, value, x),
+)
 def with_lane(builder, x, i, value):
     """The Lanes x with another number in lane i."""
     return builder.insert_element(x, value, builder.trunc(i, _INDEX))
 
 
-@instruction(lambda low, high, x, other: x(types.intp, types.intp, x, types.float64))
+def _are_between(low, high, x):
+    """Where numba does not compile: which lanes are from `low` to `high`, that excluded."""
+    numbers = np.arange(x.size)
+    return (low <= numbers) & (numbers < high)
+
+
+@instruction(
+    lambda low, high, x, other: x(types.intp, types.intp, x, types.float64),
+    lambda low, high, x, other: np.where(_are_between(low, high, x), x, other),
+)
 def between_lanes(builder, low, high, x, other):
     """`x` in the lanes from `low` to `high`, that excluded; `other`, a float, elsewhere."""
     wanted = _between(builder, low, high, x.type.count)
@@ -326,7 +332,10 @@ def first(builder, n, lanes_in_all=LANES):
     return builder.icmp_signed("<", ir.Constant(kind, list(range(lanes_in_all))), count)
 
 
-@instruction(lambda low, high, x, limit: types.boolean(types.intp, types.intp, x, types.float64))
+@instruction(
+    lambda low, high, x, limit: types.boolean(types.intp, types.intp, x, types.float64),
+    lambda low, high, x, limit: bool(np.any(x[_are_between(low, high, x)] <= limit)),
+)
 def any_below(builder, low, high, x, limit):
     """Whether x <= limit in any lane from `low` to `high`, that excluded."""
     wanted = _between(builder, low, high, x.type.count)
@@ -336,7 +345,7 @@ def any_below(builder, low, high, x, limit):
     return builder.icmp_unsigned("!=", builder.bitcast(below, bits), ir.Constant(bits, 0))
 
 
-@intrinsic
+@in_kernels(lambda condition, usual, kernel, args: kernel(usual, *args) if condition else usual)
 def seldom(typing_context, condition, usual, kernel, arguments):
     """`usual`, or kernel(usual, *arguments) where a condition holds that hardly ever does.
 
@@ -357,7 +366,7 @@ def seldom(typing_context, condition, usual, kernel, arguments):
     return usual(condition, usual, kernel, arguments), build
 
 
-@instruction(lambda x: x(x))
+@instruction(lambda x: x(x), np.exp2)
 def power_of_two(builder, x):
     """2^x for whole numbers from -1022 to 1023."""
     # Beyond 2^52 the spacing of floating-point numbers is 1, so the last bits are x.
@@ -368,7 +377,3 @@ def power_of_two(builder, x):
     bits = builder.add(bits, ir.Constant(integers, [1023] * count))
     bits = builder.shl(bits, ir.Constant(integers, [52] * count))
     return builder.bitcast(bits, x.type)
-
-
-if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import *  # noqa: F403

@@ -7,8 +7,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD, inlined, kernel
 from tribo.compiler.lanes import (
     LANES,
     LanesType,

@@ -11,12 +11,11 @@ import threading
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
-from numba.extending import intrinsic, models, overload, register_model
+from numba import types
+from numba.extending import models, overload, register_model
 
-from tribo.compiler.jit import inlined
-from tribo.compiler.jit_options import OVERLOAD
-from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, instruction, lanes
+from tribo.compiler.jit import OVERLOAD, inlined
+from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, in_kernels, instruction, lanes
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.pointers import PointerType
 
@@ -79,7 +78,7 @@ class _RowsModel(models.PrimitiveModel):
         super().__init__(manager, numba_type, _FLOAT.as_pointer())
 
 
-@intrinsic
+@in_kernels(lambda array: array)
 def rows_of(typing_context, array):
     """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
 
@@ -129,13 +128,16 @@ def row_at(builder, data, row):
     return builder.load(place, align=8)
 
 
-@instruction(lambda data, row: lanes(rows, types.intp))
+@instruction(lambda data, row: lanes(rows, types.intp), lambda data, row: data[row].copy())
 def load(builder, data, row):
     """Row `row` of Rows."""
     return row_at(builder, data, row)
 
 
-@instruction(lambda data, row, x: types.void(rows, types.intp, lanes))
+@instruction(
+    lambda data, row, x: types.void(rows, types.intp, lanes),
+    lambda data, row, x: np.copyto(data[row], x),
+)
 def store(builder, data, row, x):
     """Write to row `row` of Rows."""
     place = builder.bitcast(_element(builder, data, row), _VECTOR.as_pointer())
@@ -162,7 +164,17 @@ def _address(context, builder, kind, array, i):
     return builder.bitcast(element(context, builder, kind, array, i), _VECTOR.as_pointer())
 
 
-@intrinsic
+def _eight_of(array, i):
+    """Where numba does not compile: the elements that an array has, and zeros beyond."""
+    return np.append(array[i : i + LANES], np.zeros(LANES))[:LANES]
+
+
+def _set_eight(array, i, x):
+    own = array[i : i + LANES]
+    own[:] = x[: own.size]
+
+
+@in_kernels(_eight_of)
 def block(typing_context, array, i):
     """Eight elements from place i of a contiguous array on."""
 
@@ -172,7 +184,7 @@ def block(typing_context, array, i):
     return (lanes(array, types.intp), build) if _is_row(array) else None
 
 
-@intrinsic
+@in_kernels(_set_eight)
 def set_block(typing_context, array, i, x):
     """Set eight elements from place i of a contiguous array on."""
 
@@ -181,10 +193,6 @@ def set_block(typing_context, array, i, x):
         return context.get_dummy_value()
 
     return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
-
-
-if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import block, load, rows_of, set_block, store  # noqa: F401
 
 
 @inlined

@@ -5,11 +5,20 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
+from numba import types
 from numba.extending import intrinsic, overload
 
-from tribo.compiler.jit_options import OVERLOAD
-from tribo.compiler.lanes import _INDEX, LANES, LanesType, lane, lanes, maximum, sum_of_lanes
+from tribo.compiler.jit import OVERLOAD
+from tribo.compiler.lanes import (
+    _INDEX,
+    LANES,
+    LanesType,
+    in_kernels,
+    lane,
+    lanes,
+    maximum,
+    sum_of_lanes,
+)
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
 from tribo.compiler.numba_private import cgutils
 from tribo.compiler.plugin_methods import like
@@ -39,7 +48,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
     return in_lanes(shared, table, rows, first), build
 
 
-@intrinsic
+@in_kernels(lambda each, i: each)
 def numbers_at_lane(typing_context, each, i):
     """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
     if not _is_plain(each, lanes):
@@ -116,11 +125,9 @@ def lane_of(x, i):
 
 @overload(lane_of, **OVERLOAD)
 def _find_lane_of(x, i):
-    return _lane_of if isinstance(x, LanesType) else (lambda x, i: x)
-
-
-def _lane_of(x, i):
-    return lane(x, i & (LANES - 1))
+    if isinstance(x, LanesType):
+        return lambda x, i: lane(x, i & (LANES - 1))
+    return lambda x, i: x
 
 
 def sum_of_runs(members, x):
@@ -150,13 +157,11 @@ def set_numbers(array, k, x):
     array[k] = x
 
 
-def _set_block(array, k, x):
-    set_block(array, k, x)
-
-
 @overload(set_numbers, **OVERLOAD)
 def _find_set_numbers(array, k, x):
-    return _set_block if isinstance(x, LanesType) else set_numbers
+    if isinstance(x, LanesType):
+        return lambda array, k, x: set_block(array, k, x)
+    return set_numbers
 
 
 def add_numbers(array, k, x):
@@ -169,7 +174,3 @@ def _find_add_numbers(array, k, x):
     if isinstance(x, LanesType):
         return lambda array, k, x: set_block(array, k, block(array, k) + x)
     return add_numbers
-
-
-if config.DISABLE_JIT:  # type: ignore[attr-defined]
-    from tribo.compiler.lanes_uncompiled import numbers_at_lane

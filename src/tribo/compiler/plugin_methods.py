@@ -4,17 +4,32 @@ numba gives every NamedTuple class a type, but all these types are of one kind, 
 registered for a kind.  Here each class of plug-ins has a kind of its own, from :func:`recognize`
 on.  A kernel finds its methods when it is compiled, and inlines them; NamedTuples of other programs
 are not touched.
+
+Of numbers, numba compiles ``np.where`` to an array without dimensions, and of `Lanes` not at all.
+Formulas are therefore compiled with `choose` in its place.  A class of plug-ins that a formula
+calls makes instances whose methods kernels know.  The functions of their authors, and these names
+in the functions of other programs, stay as they are.
 """
 
 import functools
 from collections.abc import Callable, Iterable
+from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from numba import njit, typeof, types
-from numba.extending import intrinsic, models, overload_method, register_model, typeof_impl
+import numpy as np
+from numba import jit, njit, typeof, types
+from numba.extending import (
+    intrinsic,
+    is_jitted,
+    models,
+    overload,
+    overload_method,
+    register_model,
+    typeof_impl,
+)
 
-from tribo.compiler.formula_names import compilable
-from tribo.compiler.jit_options import COUNTED, KERNEL, LINKED
+from tribo.compiler.jit import COUNTED, KERNEL, LINKED, OVERLOAD
+from tribo.compiler.lanes import LanesType, where_less
 from tribo.compiler.numba_private import cgutils
 
 # Methods of plug-ins, each with its number of arguments after self.
@@ -131,11 +146,6 @@ def _kind(cls: Any, base: type) -> Any:
     return kind
 
 
-def formula(method: Any) -> Any:
-    """A method of a plug-in as kernels compile it."""
-    return compilable(method, constructor)
-
-
 @functools.cache
 def constructor(cls: Any) -> Any:
     """What makes an instance of a class in compiled code; the class itself if it is no plug-in."""
@@ -175,3 +185,64 @@ def _finder(method: Any, arguments: int) -> Callable[..., Any]:
         9: lambda self, a, b, c, d, e, f, g, h, i: method,
     }
     return finders[arguments]
+
+
+def choose(condition, x, y):
+    """np.where, of numbers a number."""
+    return np.where(condition, x, y)
+
+
+@overload(choose, **OVERLOAD)
+def _choose(condition, x, y):
+    if isinstance(condition, LanesType):
+        return lambda condition, x, y: where_less(0.5, condition, x, y)
+    numbers = isinstance(x, types.Number) and isinstance(y, types.Number)
+    if isinstance(condition, types.Boolean) and numbers:
+        return lambda condition, x, y: x if condition else y
+    return lambda condition, x, y: np.where(condition, x, y)
+
+
+# numpy for formulas.
+_numpy = ModuleType("numpy")
+vars(_numpy).update(vars(np), where=choose)
+
+
+@functools.cache
+def formula(function: Any, callers: frozenset[Any] = frozenset()) -> Any:
+    """A method of a plug-in, or a function that others call, as kernels compile it.
+
+    It has other names for np.where and for classes of plug-ins, and is the same if it uses neither.
+    """
+    callers |= {function}
+    names = function.__code__.co_names
+    known = {name: value for name, value in function.__globals__.items() if name in names}
+
+    def in_formulas(value: Any) -> Any:
+        """What stands for a global value."""
+        if value is np.where:
+            return choose
+        if value is np and "where" in names:
+            return _numpy
+        if is_jitted(value) and value.py_func not in callers:
+            inner = formula(value.py_func, callers)
+            return value if inner is value.py_func else jit(**value.targetoptions)(inner)
+        if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+            return constructor(value)
+        return value
+
+    changed = {name: in_formulas(value) for name, value in known.items()}
+    cells = function.__closure__ or ()
+    inner = [in_formulas(cell.cell_contents) for cell in cells]
+    if all(changed[name] is known[name] for name in known) and all(
+        new is cell.cell_contents for new, cell in zip(inner, cells, strict=True)
+    ):
+        return function
+    made = FunctionType(
+        function.__code__,
+        function.__globals__ | changed,
+        function.__name__,
+        function.__defaults__,
+        tuple(map(CellType, inner)),
+    )
+    made.__qualname__, made.__module__ = function.__qualname__, function.__module__
+    return made

@@ -24,7 +24,7 @@ from numba.extending import (
     type_callable,
 )
 
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit import KERNEL
 from tribo.compiler.numba_private import NATIVE, cgutils
 from tribo.compiler.plugin_methods import PluginType, plugin_type
 

@@ -17,13 +17,7 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.checked_runs import CheckedPlan
-from tribo.ensembles.dataset import (
-    Attributes,
-    common_attributes,
-    kept_attributes,
-    members_dataset,
-    times_of,
-)
+from tribo.ensembles.dataset import common_attributes, kept_attributes, members_dataset, times_of
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
@@ -158,7 +152,14 @@ def ensemble(
     scene = checked_scene(scene).with_heights()
     if keep is None and half_width is None:
         keep = scene.output.keep
-    _check_together(keep, at, statistics, half_width, sampler)
+    for name, other in (("sampler", sampler), ("keep", keep)):
+        if other is not None and half_width is not None:
+            raise InputError("half_width", f"cannot go with {name}; give one or the other")
+    of_kept = {"at": choice("at", at, (END, SAMPLES)) != END}
+    of_kept["statistics"] = boolean("statistics", statistics)
+    for name, given in of_kept.items():
+        if given and keep is None:
+            raise InputError(name, 'needs keep, as keep=["upper.w1"]')
     vary = sampled(sampler, members, scene, of_surfaces(scene, vary))
     names = None if keep is None else checked_names(keep)
     request = Request(names, at, False, accuracy, method, step, allow_unresolved)
@@ -188,30 +189,12 @@ def ensemble(
     return in_file(out, resume, identity, progress, most, "members", compute)
 
 
-def _check_together(
-    keep: Sequence[str] | None,
-    at: str,
-    statistics: bool,
-    half_width: Mapping[str, float] | None,
-    sampler: Sampler | None,
-) -> None:
-    """Refuse arguments that exclude each other.  Raises InputError."""
-    for name, other in (("sampler", sampler), ("keep", keep)):
-        if other is not None and half_width is not None:
-            raise InputError("half_width", f"cannot go with {name}; give one or the other")
-    of_kept = {
-        "at": choice("at", at, (END, SAMPLES)) != END,
-        "statistics": boolean("statistics", statistics),
-    }
-    for name, given in of_kept.items():
-        if given and keep is None:
-            raise InputError(name, 'needs keep, as keep=["upper.w1"]')
-
-
 def _collected(
     runs: Runs, statistics: bool, count: int, target: Target, began: float
 ) -> xarray.Dataset:
     """The data set of all members or of their statistics; after an interrupt, of those so far."""
+    import xarray
+
     kept, scene, attributes = runs.policy.kept, runs.policy.simulation.scene, kept_attributes(runs)
     level = float(attributes.get("level", "nan"))
     store: MemberStore | StatisticsStore = (
@@ -223,7 +206,15 @@ def _collected(
     attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
     attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
     if isinstance(store, StatisticsStore):
-        return target.saved(_statistics(store, interrupted, kept, scene, attributes))
+        store.flush()
+        moments = store.moments()
+        if moments is None and interrupted:
+            raise KeyboardInterrupt
+        if moments is None:
+            raise InputError("scene", "is completed by no member")
+        coordinates = times_of(kept, scene) | coordinates_of(kept)
+        data = xarray.Dataset(variables_of(kept, moments), coordinates, attributes)
+        return target.saved(data)
 
     def datasets(parts: Iterable[KeptValues]) -> Iterator[xarray.Dataset]:
         first = 0
@@ -236,25 +227,6 @@ def _collected(
     if target.path is None or interrupted:
         return next(datasets([store.values()]))
     return target.saved_in_parts(datasets(store.parts()))
-
-
-def _statistics(
-    store: StatisticsStore, interrupted: bool, kept: Kept, scene: Scene, attributes: Attributes
-) -> xarray.Dataset:
-    """The statistics of all members so far.
-
-    Raises KeyboardInterrupt or InputError if no member is complete.
-    """
-    import xarray
-
-    store.flush()
-    moments = store.moments()
-    if moments is None:
-        if interrupted:
-            raise KeyboardInterrupt
-        raise InputError("scene", "is completed by no member")
-    coordinates = times_of(kept, scene) | coordinates_of(kept)
-    return xarray.Dataset(variables_of(kept, moments), coordinates, attributes)
 
 
 def _most_members(

@@ -11,14 +11,11 @@ from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, values_at_start
 from tribo.ensembles.policy import Policy
-from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.initial_state import InitialState
-from tribo.layout.member_numbers import MemberNumbers
 from tribo.layout.own_numbers import member_numbers
+from tribo.ledger.guards import grows, passed_through
 from tribo.ledger.ledger import assemble
-from tribo.ledger.passing import passed_through
-from tribo.ledger.runaway import grows
 from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
 from tribo.loops.choose_batch import choose_batch
@@ -108,17 +105,11 @@ class StepRuns(BatchRuns):
         self.chunk = chunk_of(simulation, layout.scene.duration / self._step + layout.times.size)
 
     def compute(self, members: Members) -> KeptValues:
-        """Run some members.  Those that do not complete have the status UNKNOWN."""
+        """Run some members; those that do not complete have UNKNOWN.  Raises InputError."""
         starts = self.begin(members)
-        if starts.numbers is not None and self.simulation.method.splits:
-            self._check_step(starts.numbers)
+        simulation, own = self.simulation, starts.numbers
+        if own is not None and simulation.method.splits:  # refuse a step too long for some member
+            check_damped_step(longest_damped_step(simulation.layout, own), self._step)
+            check_resolved(simulation.layout, simulation.method, self._step, own)
         runs = self._batch.run(self._step, starts)
         return delivered(self.kept, runs, math.nan, guarded=True)
-
-    def _check_step(self, own: MemberNumbers) -> None:
-        """Refuse a step that is too long for some member.  Raises InputError."""
-        layout = self.simulation.layout
-        names = ("gamma", "swing_gamma", "temperature", "swing_temperature")
-        numbers = (own.of_surfaces[..., OF_MEMBERS.index(name)] for name in names)
-        check_damped_step(longest_damped_step(layout, *numbers), self._step)
-        check_resolved(layout, self.simulation.method, self._step, own)

@@ -18,7 +18,7 @@ from tribo.ensembles.checked_runs import FINER, KEPT, ROUGHER, SAMPLE, CheckedPl
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation
 from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS
-from tribo.loops.batch import MemberRuns, MemberStarts
+from tribo.loops.batch import MemberStarts
 
 # Levels that are tried, from the loosest, in units of the accuracy.
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
@@ -61,19 +61,20 @@ def _cheapest(
     """The cheapest setting that keeps the accuracy of the sample."""
     starts = runs.begin(variation.sample(count, SAMPLE))
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
-    fine = runs.run(runs.exact, levels[-1], scales, starts)
-    best, least = CheckedPlan(runs.exact, max(FLOOR, FINER * runs.strictest), -1, scales), np.inf
+    exact = CheckedPlan(runs.exact, float(levels[-1]), -1, scales)
+    fine = runs.run(exact, starts)
+    best, least = exact._replace(level=max(FLOOR, FINER * runs.strictest)), np.inf
     for method, stepper in runs.steppers.items():
         too_loose, good = -1, levels.size - 1
         while good - too_loose > 1:
             k = (good + too_loose) // 2
-            found = runs.run(method, levels[k], scales, starts)
-            if np.all(runs.excess(fine, found)[fine.complete] <= CHOSEN):
+            found = runs.run(exact._replace(method=method, level=float(levels[k])), starts)
+            if np.all(runs.compared(fine, found)[1][fine.complete] <= CHOSEN):
                 good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
             else:
                 too_loose = k
         if good < levels.size - 1 and cost < least:
-            best, least = CheckedPlan(method, float(levels[good]), -1, scales), cost
+            best, least = exact._replace(method=method, level=float(levels[good])), cost
     return best
 
 
@@ -89,14 +90,15 @@ class Pilot:
 
         Also returns the largest difference of others from finer runs, in units of the accuracy.
         """
-        counts = np.concatenate(self._each(lambda some: self._run(plan, some).counts, self._starts))
+        runs = self._runs
+        counts = np.concatenate(self._each(lambda some: runs.run(plan, some).counts, self._starts))
         evaluations = counts[:, EVALUATIONS]
         complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
         order = complete[np.argsort(-evaluations[complete], kind="stable")]
         stop, size, missed = 0, BATCH, np.array([], int)
         while stop < order.size:
             batch, stop = order[stop : stop + size], stop + size
-            bad = batch[~(self._errors(plan, batch, self._runs.exact) <= KEPT)]
+            bad = batch[~(self._errors(plan, batch, runs.exact) <= KEPT)]
             if not bad.size:
                 break
             size, missed = 2 * size, np.append(missed, bad)
@@ -110,16 +112,13 @@ class Pilot:
 
     def _errors(self, plan: CheckedPlan, members: np.ndarray, method: str) -> np.ndarray:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""
-        level = self._runs.finer(plan.level)
+        runs = self._runs
+        finer = plan._replace(method=method, level=runs.finer(plan.level))
 
         def errors(some: MemberStarts) -> np.ndarray:
-            fine = self._runs.run(method, level, plan.scales, some)
-            return self._runs.excess(fine, self._run(plan, some))
+            return runs.compared(runs.run(finer, some), runs.run(plan, some))[1]
 
         return np.concatenate([np.empty(0), *self._each(errors, self._starts.of_members(members))])
-
-    def _run(self, plan: CheckedPlan, some: MemberStarts) -> MemberRuns:
-        return self._runs.run(plan.method, plan.level, plan.scales, some)
 
     def _each(
         self, task: Callable[[MemberStarts], np.ndarray], starts: MemberStarts

@@ -24,14 +24,13 @@ from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
-from tribo.integrators.nystrom_tableaux import RKN8, RKN12
-from tribo.integrators.step_control import Tolerance
+from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.member_numbers import MemberNumbers
 from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
-from tribo.loops.batch_pair_lanes import PairLanes, has_lanes
+from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.choose_batch import choose_batch
 from tribo.prepared import Simulation
 
@@ -133,10 +132,9 @@ class CheckedRuns(BatchRuns):
 
         Those that need a search for their own settings have the status UNKNOWN.
         """
-        plan = self.plan
         starts = self.begin(members)
-        runs = self.run(plan.method, plan.level, plan.scales, starts)
-        found = delivered(self.kept, runs, plan.level)
+        runs = self.run(self.plan, starts)
+        found = delivered(self.kept, runs, self.plan.level)
         complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         every = self.kept.with_errors
@@ -151,43 +149,26 @@ class CheckedRuns(BatchRuns):
         if starts.numbers is None:
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
-        rough = self.run(plan.method, ROUGHER * plan.level, plan.scales, starts, near)
+        rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
         return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
 
-    def run(
-        self,
-        method: str,
-        level: float,
-        scales: tuple[float, ...],
-        starts: MemberStarts,
-        near: float | None = None,
-    ) -> MemberRuns:
-        """Run members by one way with tolerances of one level; `near` in place of the way's."""
-        stepper = self.steppers[method]
-        near = stepper.near if near is None else near
-        tolerance = tolerance_at(self.simulation, ToleranceScales(*scales), level, near)
-        return stepper.batch.run(tolerance, starts)
+    def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
+        """Run members by the method and tolerances of a plan; `near` in place of the method's."""
+        stepper, layout = self.steppers[plan.method], self.simulation.layout
+        near, scales = stepper.near if near is None else near, ToleranceScales(*plan.scales)
+        setting = setting_at(layout, self.simulation.method, scales, plan.level, near)
+        return stepper.batch.run(setting, starts)
 
-    def excess(self, fine: MemberRuns, runs: MemberRuns) -> np.ndarray:
-        """The largest difference of each member from a finer run, in units of its accuracy.
+    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
+        """Finer runs with the scales of their errors, and the difference of each member from its.
 
-        Infinite where either run did not complete.
+        That is the largest difference, in units of the accuracy; infinite where either run did not
+        complete.
         """
-        return self._compared(fine, runs)[1]
-
-    def _compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
-        """Members of finer runs, with the scales of their errors, and :meth:`excess` from these."""
-        exact = FineMembers(fine.layout, compared(fine), self._accuracy)
-        excess = exact.excess(compared(runs))
+        exact = FineMembers(fine.layout, _few_samples(fine), self._accuracy)
+        excess = exact.excess(_few_samples(runs))
         complete = runs.complete & fine.complete & np.isfinite(excess)
         return exact, np.where(complete, excess, np.inf)
-
-    def _bounds(self, exact: FineMembers, name: str, excess: np.ndarray) -> np.ndarray:
-        """Bounds on the errors of a quantity in each member, as its worst quantity has them."""
-        asked = self.simulation.accuracy
-        relative = asked.get(name, np.nan) if isinstance(asked, Mapping) else asked
-        floor = EPSILON / self.strictest
-        return np.maximum(excess / KEPT, floor) * relative * exact.scale_of(name)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -200,12 +181,15 @@ class CheckedRuns(BatchRuns):
         coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            fine = self.run(self.exact, level, self.plan.scales, starts.of_members(now))
-            exact, excess = self._compared(fine, coarse)
+            finer = self.plan._replace(method=self.exact, level=level)
+            fine = self.run(finer, starts.of_members(now))
+            exact, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
             for name in self.kept.names if self.kept.with_errors else ():
-                found[f"{name}{ERROR}"][now] = self._bounds(exact, name, excess)
+                worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
+                asked = self._accuracy.get(name, np.nan)
+                found[f"{name}{ERROR}"][now] = worst * asked * exact.scale_of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now, coarse = now[bad], fine.of_members(bad)
@@ -218,7 +202,7 @@ class CheckedRuns(BatchRuns):
         found["status"][now] = UNKNOWN
 
 
-def compared(runs: MemberRuns) -> Samples:
+def _few_samples(runs: MemberRuns) -> Samples:
     """The samples by which members are compared, as single runs are where they have many."""
     samples, members = runs.samples, runs.samples.runs
     times = samples.t.size // members
@@ -240,15 +224,6 @@ def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
             lanes = Batch(partial(PairLanes, pair, explicit, own_numbers))
             steppers[name] = Stepper(lanes, NEAR_IN_LANES, COST_IN_LANES)
     return steppers
-
-
-def tolerance_at(
-    simulation: Simulation, scales: ToleranceScales, level: float, near: float
-) -> Tolerance:
-    """The setting of members at a level of their errors."""
-    setting = setting_at(simulation.layout, simulation.method, scales, level, near)
-    assert isinstance(setting, Tolerance)
-    return setting
 
 
 def rough_differences(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,14 +77,13 @@ def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
 
 def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
     """The times at which quantities are kept."""
-    about = {"units": "time", "long_name": "time" if kept.at_samples else "time of the end"}
-    return {
-        "time": (("time",), scene.times, about) if kept.at_samples else ((), scene.duration, about)
-    }
+    if kept.at_samples:
+        return {"time": (("time",), scene.times, {"units": "time", "long_name": "time"})}
+    return {"time": ((), scene.duration, {"units": "time", "long_name": "time of the end"})}
 
 
 def common_attributes(
-    scene: Scene, interrupted: bool, notes: Sequence[str], began: float
+    scene: Scene, interrupted: bool, notes: Iterable[str], began: float
 ) -> Attributes:
     """Attributes of ensembles and sweeps; text is JSON where it is no word."""
     from tribo import __version__

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tribo.plotting.style import CYCLE, INK, WIDE, drawing_on
-from tribo.results.intervals import Interval, interval
+from tribo.results.intervals import interval
 from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:
@@ -15,10 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MEMBER_COLOUR, INTERVAL_COLOUR = CYCLE[:2]
-
 # Opacity of one member's line: OPACITY / members, but at least FAINTEST.
 OPACITY, FAINTEST = 10.0, 0.25
-
 # Members drawn at most: with more their lines would cover the figure.
 MOST_MEMBERS = 100
 
@@ -46,13 +42,18 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]
-    mean, half = _over_members(data, name, complete)
+    if f"{name}_mean" in data:
+        mean, half = (data[f"{name}_{of}"].values for of in ("mean", "half_width"))
+    elif len(complete) > 1:
+        mean, half = interval(complete)
+    else:
+        raise InputError("name", f"needs two members that completed, got {len(complete)}")
     opacity = min(1.0, max(FAINTEST, OPACITY / len(shown)))
     faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         lines = ax.plot(time, shown.T, **faint)
-        interval: Any = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
-        band = ax.fill_between(time, mean - half, mean + half, **interval)
+        filled: Any = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
+        band = ax.fill_between(time, mean - half, mean + half, **filled)
         (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)
         ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))
         few = "" if len(shown) == len(complete) else f"{len(shown)} of "
@@ -62,12 +63,3 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
             handle.set_alpha(1.0)
         ax.margins(y=0.05)
     return ax
-
-
-def _over_members(data: xarray.Dataset, name: str, complete: np.ndarray) -> Interval:
-    """Mean and half-width (times,): those in the data set, else of the complete members."""
-    if f"{name}_mean" in data:
-        return Interval(data[f"{name}_mean"].values, data[f"{name}_half_width"].values)
-    if len(complete) < 2:
-        raise InputError("name", f"needs two members that completed, got {len(complete)}")
-    return interval(complete)

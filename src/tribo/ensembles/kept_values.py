@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -12,19 +12,8 @@ import numpy as np
 from tribo.accuracy.weak_works import LOST
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
+from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.quantities import (
-    ASPERITE_QUANTITIES,
-    AVERAGED,
-    BLOCK_QUANTITIES,
-    EVERY_QUANTITY,
-    FURTHER_OF_SURFACES,
-    FURTHER_OF_SYSTEM,
-    OPTIONAL_QUANTITIES,
-    SYSTEM_QUANTITIES,
-    further_series,
-    needs_accounts,
-)
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
@@ -41,7 +30,7 @@ REFUSED, NOT_RUN = "Refused", "not run"
 # Works of each asperite whose sums over a surface are kept.
 WORKS = ("w1", "w2", "wL", "wR", "w_int")
 # Quantities of asperites, whose sums over a surface are kept.
-SUMMED = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES
+SUMMED = quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES
 # What is added to the name of an average over time for the half-width of its 95 % interval.
 INTERVAL = "_time_half_width"
 # The quantity beside which the share of time without contact is kept, where contact has a range.
@@ -122,7 +111,7 @@ class Kept:
                 )
             shapes[name] = (*leading, *(shape or ()))
             surface, _, kind = name.rpartition(".")
-            if kind in AVERAGED and not at_samples:
+            if kind in quantities.AVERAGED and not at_samples:
                 _check_averaged(layout.scene)
                 shapes[f"{name}{INTERVAL}"] = ()
                 if kind == FRICTION and _shape(f"{surface}.{SHARE}", ledger, layout.scene) == ():
@@ -152,8 +141,8 @@ class Kept:
     def about(self, name: str, of: str = "") -> dict[str, str]:
         """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
-        quantity = EVERY_QUANTITY[kind]
-        when = ", averaged over time" if kind in (*AVERAGED, SHARE) else ", at the end"
+        quantity = quantities.EVERY_QUANTITY[kind]
+        when = ", averaged over time" if kind in (*quantities.AVERAGED, SHARE) else ", at the end"
         meaning = quantity.long_name + when * (not self.at_samples)
         before = "half-width of the 95 % interval of: " * is_interval(name)
         return {"units": quantity.units, "long_name": of + before + meaning}
@@ -204,7 +193,7 @@ class Kept:
                 found[name] = self.of_asperites(ledger.series(name)[0])
             elif name in found:  # with its average
                 continue
-            elif averaged.rpartition(".")[2] in AVERAGED:
+            elif averaged.rpartition(".")[2] in quantities.AVERAGED:
                 average = force_average(result, averaged)
                 found[averaged], found[f"{averaged}{INTERVAL}"] = average.mean, average.half_width
             elif name.endswith(f".{SHARE}"):
@@ -216,15 +205,14 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    asked = {surface.name: further_series(scene, surface) for surface in scene.surfaces}
-    blocks = [
-        f"{surface}.{name}"
-        for surface, further in asked.items()
-        for name in (*BLOCK_QUANTITIES, *FURTHER_OF_SURFACES)
-        if name in BLOCK_QUANTITIES or name in further
-    ]
-    system = [name for name in FURTHER_OF_SYSTEM if any(name in each for each in asked.values())]
-    return _without_accounts(scene, [*blocks, *SYSTEM_QUANTITIES, *system])
+    names, asked = list[str](), set[str]()
+    for surface in scene.surfaces:
+        further = quantities.further_series(scene, surface)
+        own = [name for name in quantities.FURTHER_OF_SURFACES if name in further]
+        names += [f"{surface.name}.{name}" for name in (*quantities.BLOCK_QUANTITIES, *own)]
+        asked |= {*further}
+    system = [name for name in quantities.FURTHER_OF_SYSTEM if name in asked]
+    return _without_accounts(scene, [*names, *quantities.SYSTEM_QUANTITIES, *system])
 
 
 def sum_names(scene: Scene) -> list[str]:
@@ -240,13 +228,15 @@ def sum_names(scene: Scene) -> list[str]:
 
 def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
     """The names that do not need a ledger which the scene does without."""
-    none = scene.output.ledger == "none"
-    return [name for name in names if not (none and needs_accounts(name.rpartition(".")[2]))]
+    if scene.output.ledger != "none":
+        return names
+    return [name for name in names if not quantities.needs_accounts(name.rpartition(".")[2])]
 
 
 def is_interval(name: str) -> bool:
     """Whether a name, as "upper.friction_force_time_half_width", is that of an interval."""
-    return name.endswith(INTERVAL) and name.removesuffix(INTERVAL).rpartition(".")[2] in AVERAGED
+    kind = name.rpartition(".")[2]
+    return kind.endswith(INTERVAL) and kind.removesuffix(INTERVAL) in quantities.AVERAGED
 
 
 def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
@@ -292,21 +282,17 @@ class Tally(Counter[str]):
         return {name: n for name, n in self.items() if n and name not in (CHECKED, REFINED, WEAK)}
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> Iterator[str]:
         """How many members were refined, and how many have no values."""
-        notes, total = [], sum(self.statuses.values())
-        stopped = sorted(name for name in self.statuses if name != Status.COMPLETED)
-        if stopped:
+        total = sum(self.statuses.values())
+        if stopped := sorted(self.statuses.keys() - {str(Status.COMPLETED)}):
             number = total - self[str(Status.COMPLETED)]
-            notes.append(f"{number} of {total} members have no values ({', '.join(stopped)})")
+            yield f"{number} of {total} members have no values ({', '.join(stopped)})"
         if self[CHECKED]:
-            notes.append(
-                f"{self[CHECKED]} members were run again with finer settings; {self[REFINED]} "
-                "needed them"
-            )
+            again = f"{self[CHECKED]} members were run again with finer settings"
+            yield f"{again}; {self[REFINED]} needed them"
         if self[WEAK]:
-            notes.append(
+            yield (
                 f"works of {self[WEAK]} members that were compared lie {LOST} that they change: "
                 "errors are relative to these, and these works have no digit that is known"
             )
-        return notes

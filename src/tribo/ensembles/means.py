@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -30,7 +30,7 @@ from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
-from tribo.results.intervals import CONFIDENCE, Interval, interval, members_needed
+from tribo.results.intervals import CONFIDENCE, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
 from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 # Members whose spread determines the number of all, and which are run again to check the settings:
 # at 15 degrees of freedom the quantile of Student's distribution is 9 % above that of the normal.
 FIRST_STAGE = 16
+HALF_WIDTH = "half-width of the 95 % interval of the "
 
 
 def mean_dataset(
@@ -162,52 +163,39 @@ class _Means:
     def added_to(self, data: xarray.Dataset) -> xarray.Dataset:
         """The data set of the members with their means."""
         summed = sum_names(self.runs.policy.simulation.scene)
-        half = "half-width of the 95 % interval of the "
         added: dict[str, Variable] = {}
         for name in self.runs.policy.kept.names:
             quantity = EVERY_QUANTITY[name.rpartition(".")[2]]
             meaning = quantity.long_name + ", summed over asperites" * (name in summed)
             mean = interval(self.found[name][completed(self.found)], self.first_stage)
-            values: dict[str, tuple[np.ndarray | float, str]] = {
-                "_mean": (mean.mean, "mean of: "),
-                "_half_width": (mean.half_width, f"{half}mean of: "),
-            }
-            if (bias := self._bias(name)) is not None:
-                values["_bias"] = bias.mean, "bias of the step in: "
-                values["_bias_half_width"] = bias.half_width, f"{half}bias of the step in: "
-            if (error := self._error(name)) is not None:
-                values[ERROR] = error, "bound on the error of a member's: "
+            values = {"_mean": (mean.mean, "mean of: ")}
+            values["_half_width"] = mean.half_width, f"{HALF_WIDTH}mean of: "
             data[name].attrs["long_name"] = meaning
-            for ending, (value, of) in values.items():
+            for ending, (value, of) in (values | self._effect_of_settings(name)).items():
                 about = {"units": quantity.units, "long_name": of + meaning}
                 added[f"{name}{ending}"] = ("time",) * np.ndim(value), value, about
         return data.assign(added)
 
+    def _effect_of_settings(self, name: str) -> dict[str, tuple[np.ndarray, str]]:
+        """The mean at the step less that at half of it, or the largest error of a member."""
+        if self.check is None:
+            return {}
+        off = self.found[name][self.numbers] - self.check[name]
+        if self.runs.policy.simulation.accuracy is not None:
+            bounds = np.abs(off).max(axis=1) + self.check[f"{name}{ERROR}"]
+            known, of = bounds[np.isfinite(bounds)], "bound on the error of a member's: "
+            return {ERROR: (known.max(), of)} if known.size else {}
+        if self._checked < 2:
+            return {}
+        bias, of = interval(off[completed(self.check)]), "bias of the step in: "
+        return {"_bias": (bias.mean, of), "_bias_half_width": (bias.half_width, HALF_WIDTH + of)}
+
     @property
-    def _halved(self) -> KeptValues | None:
-        """The runs at half the step that reached their end; None of fewer than two."""
-        estimated = self.runs.policy.simulation.accuracy is not None
-        if self.check is None or estimated or np.count_nonzero(completed(self.check)) < 2:
-            return None
-        return self.check
+    def _checked(self) -> int:
+        """The members that reached their end with other settings."""
+        return 0 if self.check is None else int(np.count_nonzero(completed(self.check)))
 
-    def _bias(self, name: str) -> Interval | None:
-        """The mean at the step less that at half of it, of the same members."""
-        halved = self._halved
-        if halved is None:
-            return None
-        return interval((self.found[name][self.numbers] - halved[name])[completed(halved)])
-
-    def _error(self, name: str) -> float | None:
-        """The largest error of a member that was run again with an error estimate."""
-        if self.check is None or f"{name}{ERROR}" not in self.check:
-            return None
-        off = np.abs(self.found[name][self.numbers] - self.check[name])
-        bounds = off.max(axis=1) + self.check[f"{name}{ERROR}"]
-        known = np.isfinite(bounds)
-        return float(bounds[known].max()) if known.any() else None
-
-    def notes(self) -> list[str]:
+    def notes(self) -> Iterator[str]:
         """Limitations of the means."""
         simulation, status = self.runs.policy.simulation, self.found["status"]
         complete, note = completed(self.found), self.found["note"]
@@ -215,37 +203,30 @@ class _Means:
         step = simulation.plan.setting if simulation.accuracy is None else None
         assert step is None or isinstance(step, float)
         of_first = [line for line in str(note[0]).splitlines() if PART not in line]
-        known = [*run_notes(simulation.layout, simulation.method, step), *of_first]
-        notes = list(dict.fromkeys(known))
+        of_scene = run_notes(simulation.layout, simulation.method, step)
+        yield from dict.fromkeys([*of_scene, *of_first])
         if number < total:
             stopped = ", ".join(sorted({*status[~complete].tolist()}))
-            notes.append(
-                f"{total - number} of {total} members stopped early ({stopped}); means are over "
-                "the others"
-            )
+            early = f"{total - number} of {total} members stopped early ({stopped})"
+            yield f"{early}; means are over the others"
         if parted := sum(PART in line for line in note[complete].tolist()):
-            notes.append(
+            yield (
                 f"in {parted} of {total} members surfaces {PART}; means include them, and the "
                 "series time_without_contact tells which they are"
             )
         if number < self.needed:
-            notes.append(f"the half-width takes {self.needed:.0f} complete members, got {number}")
+            yield f"the half-width takes {self.needed:.0f} complete members, got {number}"
         rule = "Student's rule"
         if self.first_stage is not None:
             rule = f"Stein's rule, from the spread of the first {self.first_stage}"
-        notes.append(f"half-widths are by {rule}, for {number} members, at each time separately")
-        return notes + self._notes_on_settings()
-
-    def _notes_on_settings(self) -> list[str]:
-        """The effect of the step or of the tolerances on the means."""
-        if self.check is not None and self.runs.policy.simulation.accuracy is not None:
-            missed = np.count_nonzero(self.check["status"] == MISSED)
-            first = f"{missed} of the first {self.numbers.size} members"
-            return [f"{first} miss their accuracy"] if missed else []
-        if self._halved is None:
-            return ["the effect of the step or of the tolerances on the means was not measured"]
-        return [
-            "bias is the mean at the step less that at half of it, of "
-            f"{np.count_nonzero(completed(self._halved))} members; where it is below its "
-            "half-width it may be chance"
-        ]
+        yield f"half-widths are by {rule}, for {number} members, at each time separately"
+        if self.check is not None and simulation.accuracy is not None:
+            if missed := np.count_nonzero(self.check["status"] == MISSED):
+                yield f"{missed} of the first {self.numbers.size} members miss their accuracy"
+        elif self._checked < 2:
+            yield "the effect of the step or of the tolerances on the means was not measured"
+        else:
+            yield (
+                f"bias is the mean at the step less that at half of it, of {self._checked} "
+                "members; where it is below its half-width it may be chance"
+            )

@@ -64,11 +64,8 @@ class Members(NamedTuple):
 
     def scene(self, index: int, scene: Scene, with_start: bool = False) -> Scene:
         """The scene with a member's seed and values, with or without initial angles and rates."""
-        own = {
-            key: _plain(rows[index])
-            for key, rows in self.values.items()
-            if with_start or not is_start(key)
-        }
+        keys = [key for key in self.values if with_start or not is_start(key)]
+        own = {key: _plain(self.values[key][index]) for key in keys}
         moved = replace(scene, seed=int(self.seeds[index]))
         return with_values(moved, own) if own else moved
 
@@ -192,8 +189,8 @@ class Variation:
             key: np.broadcast_to(self.rows(key, numbers), (numbers.size, size))
             for key, size in self.sizes.items()
         }
-        seeds = self._seeds
-        seeds = self._drawn(SeedDraw(), "", numbers) if seeds is None else seeds[numbers]
+        given = self._seeds
+        seeds = self._drawn(SeedDraw(), "", numbers) if given is None else given[numbers]
         return Members(numbers, seeds, values)
 
     def sample(self, count: int, size: int) -> Members:

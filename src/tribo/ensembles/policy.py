@@ -44,14 +44,12 @@ class Policy(ABC):
 
     def complete(self, members: Members) -> KeptValues:
         """Run some members in this thread, also those that need settings of their own."""
-        found = self.compute(members)
-        self.run_alone(members, found)
-        return found
+        return self.run_alone(members, self.compute(members))
 
-    def run_alone(self, members: Members, found: KeptValues) -> None:
+    def run_alone(self, members: Members, found: KeptValues) -> KeptValues:
         """Run those whose status is UNKNOWN: with the given step, or with settings of their own.
 
-        The settings are searched for, for each member.
+        The settings are searched for, for each member.  Returns `found`, with these.
         """
         simulation, kept = self.simulation, self.kept
         for index in np.flatnonzero(found["status"] == UNKNOWN).tolist():
@@ -70,6 +68,7 @@ class Policy(ABC):
                     found[name][index] = np.nan
             else:
                 kept.fill_in(found, index, own.compute_first())
+        return found
 
 
 def _restored(

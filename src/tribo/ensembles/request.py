@@ -42,8 +42,7 @@ class Request(NamedTuple):
 
     def recorded(self, scene: Scene) -> Scene:
         """The scene with its numerics, and with the times and series that the quantities need."""
-        given, unresolved = scene.numerics, self.allow_unresolved or scene.numerics.allow_unresolved
-        accuracy, step = self.accuracy, self.step
+        given, accuracy, step = scene.numerics, self.accuracy, self.step
         if accuracy is None and step is None:
             accuracy, step = given.accuracy, given.step
         numerics = replace(
@@ -51,14 +50,12 @@ class Request(NamedTuple):
             accuracy=dict(accuracy) if isinstance(accuracy, Mapping) else accuracy,
             method=self.method or given.method,
             step=step,
-            allow_unresolved=unresolved,
+            allow_unresolved=self.allow_unresolved or given.allow_unresolved,
         )
         output = replace(scene.output, keep=None)
         if self.keep is not None:
-            kinds = [name.rpartition(".")[2] for name in self.keep]
-            series = tuple(
-                word for word, names in FURTHER.items() if any(n in names for n in kinds)
-            )
+            kinds = {name.rpartition(".")[2] for name in self.keep}
+            series = tuple(word for word, names in FURTHER.items() if kinds & names.keys())
             output = replace(output, series=series)
             if self.at == END and "forces" not in series:  # forces are averages over times
                 without = output.ledger == "none" and not any(map(needs_accounts, kinds))
@@ -114,17 +111,14 @@ class Request(NamedTuple):
         Equal steps end at the sample times, and a member's path depends on its steps.
         """
         intervals, given = np.diff(scene.times), scene.numerics
-        equal = np.ptp(intervals) <= 1e-9 * intervals[0]
+        equal, step = np.ptp(intervals) <= 1e-9 * intervals[0], self.step
         if self.keep is None or self.at != END or not (noisy(scene) and equal):
-            return self.step
-        step = self.step
+            return step
         if step is None:
             with inside("numerics"):
                 method = self.method or given.method
                 step = choose(lay_out(scene), given.accuracy, method, given.step).step
-        else:
-            step = number("step", step, POSITIVE)
-        assert step is not None  # there is one wherever there is noise
+        step = number("step", step, POSITIVE)  # there is one wherever there is noise
         return float(intervals[0] / count_of_steps(intervals[0], step))
 
 

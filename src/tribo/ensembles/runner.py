@@ -95,8 +95,7 @@ class Runs(NamedTuple):
             return some, policy.compute(some)
 
         for some, found in in_threads(compute, chunks, threads):
-            policy.run_alone(some, found)
-            yield found
+            yield policy.run_alone(some, found)
 
     def fill(self, store: Store, count: int) -> bool:
         """Run the members that a store of `count` does not have; whether that was interrupted."""

@@ -6,6 +6,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -33,9 +34,9 @@ class Store(ABC):
     def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
         self._frames, self._common_level = frames, common_level
         self.done, self.tally = 0, Tally()
-        for arrays in () if frames is None else frames.read():
-            assert frames is not None
-            frames.name_last(self._take_back(arrays))
+        self._waiting: list[Any] = []  # what was taken in, and is not in frames or sums yet
+        for _, arrays in () if frames is None else frames.read():
+            self._take_back(arrays)
 
     def add(self, found: KeptValues) -> None:
         """Take in the next members; they are on disk a second later."""
@@ -53,8 +54,8 @@ class Store(ABC):
         """Take in the values of members."""
 
     @abstractmethod
-    def _take_back(self, arrays: KeptValues) -> object:
-        """Take in a frame of an earlier call, and return its name."""
+    def _take_back(self, arrays: KeptValues) -> None:
+        """Take in a frame of an earlier call."""
 
     def _count(self, found: KeptValues) -> None:
         self.done += found["status"].size
@@ -64,17 +65,11 @@ class Store(ABC):
 class MemberStore(Store):
     """A store that keeps all members."""
 
-    def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
-        self._waiting: list[KeptValues] = []
-        super().__init__(frames, common_level)
-
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
 
-    def _take_back(self, arrays: KeptValues) -> object:
-        name = CHUNK, self.done
+    def _take_back(self, arrays: KeptValues) -> None:
         self._count(arrays)
-        return name
 
     def flush(self) -> None:
         """Write the members that wait, if there is a file."""
@@ -105,7 +100,6 @@ class StatisticsStore(Store):
     def __init__(self, kept: Kept, frames: Frames | None, common_level: float = np.nan) -> None:
         self._kept = kept
         self._merged: Moments | None = None
-        self._waiting: list[np.ndarray] = []  # (members, times, columns), for the next block
         columns = sum(map(kept.columns, kept.names))
         if 8 * kept.times * columns**2 > MOST_BYTES:
             raise InputError(
@@ -123,13 +117,12 @@ class StatisticsStore(Store):
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []
 
-    def _take_back(self, arrays: KeptValues) -> object:
+    def _take_back(self, arrays: KeptValues) -> None:
         known = json.loads(arrays["known"].tobytes())
         self.done, self.tally = known["done"], Tally(known["tally"])
         self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
         if "mean" in arrays:
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
-        return SUMS
 
     def flush(self) -> None:
         """Write all sums, if there is a file."""
@@ -139,7 +132,7 @@ class StatisticsStore(Store):
         if self._waiting:
             arrays["waiting"] = np.concatenate(self._waiting)
         if self._merged is not None:
-            arrays |= {each.name: getattr(self._merged, each.name) for each in fields(Moments)}
+            arrays |= vars(self._merged)
         self._frames.append(SUMS, arrays)
 
     def moments(self) -> Moments | None:

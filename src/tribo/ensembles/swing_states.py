@@ -144,9 +144,8 @@ class JointStart:
         self._stops = np.cumsum([surface.count for surface in surfaces])
         self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
         self._inertia = np.concatenate([_swing_inertia(surface) for surface in surfaces])
-        phi = [surface.initial.for_each(surface.count)["phi"] for surface in surfaces]
-        zero = [np.zeros(surface.count) for surface in surfaces]
-        self._phi = np.concatenate([z if p is None else p for p, z in zip(phi, zero, strict=True)])
+        phi = [(s.initial.for_each(s.count)["phi"], np.zeros(s.count)) for s in surfaces]
+        self._phi = np.concatenate([zero if given is None else given for given, zero in phi])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         self.dimensions = states.uniforms(self._phi.size) + self._phi.size
         self.block = max(1, BLOCK // self.dimensions)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,13 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import h5py
 import numpy as np
 
-from tribo.files import NEW, netcdf_target, not_written, replace_file
+from tribo.files import netcdf_target, replace_file, replaced
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.loops.frames import PART, Frames
 from tribo.model.identity import Identity, refuse_other
 from tribo.progress import Shown, reported
-from tribo.system import replace
 from tribo.validation import InputError, as_path, boolean
 
 if TYPE_CHECKING:
@@ -47,16 +45,9 @@ class Target(NamedTuple):
     def saved_in_parts(self, parts: Iterable[xarray.Dataset]) -> xarray.Dataset:
         """Members that memory need not hold at once, from their file.  Raises InputError."""
         assert self.path is not None and self.frames is not None
-        new = self.path.with_name(self.path.name + NEW)
-        try:
+        with replaced(self.path) as new:
             for data in parts:
                 _append(new, data.assign_attrs({IDENTITY: json.dumps(self.identity)}))
-            with open(new, "rb") as written:
-                os.fsync(written.fileno())
-            replace(new, self.path)
-        except OSError as error:
-            new.unlink(missing_ok=True)
-            raise not_written(self.path, error) from None
         self.frames.remove()
         return opened(self.path, self.identity)
 

@@ -26,7 +26,7 @@ from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
 from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import Method
-from tribo.kernels.force_probe import ROWS
+from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import assemble

@@ -19,7 +19,6 @@ from tribo.validation import InputError, must_be, must_be_one_of
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
 PLACEHOLDER = "X"
-
 # The points of an asperite, each of which is an atom, and its mass.
 POINTS = {"bob": "m1", "bar": "m2"}
 

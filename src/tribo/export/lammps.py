@@ -12,14 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.export import lammps_motion as motion
 from tribo.export.lammps_atoms import CONSTANT_FORCES, Atoms, atoms_of, data_file
-from tribo.export.lammps_motion import (
-    group_names,
-    motion_lines,
-    moves_uniformly,
-    omitted_effects,
-    omitted_fields,
-)
 from tribo.export.lammps_pairs import longest_cutoff, pair_lines
 from tribo.files import replace_file
 from tribo.kernels.kinematics import nearest_image
@@ -79,9 +73,10 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     farthest = 2.0 * (extent + atoms.largest_speed * scene.duration) + 1.0
     reach = longest_cutoff(scene, farthest)
     pairs, omitted = pair_lines(scene, atoms.kinds, farthest)
-    omitted += omitted_fields(scene)
+    omitted += motion.omitted_fields(scene)
     for surface in scene.surfaces:
-        omitted += [f'surface "{surface.name}": {text}' for text in omitted_effects(scene, surface)]
+        effects = motion.omitted_effects(scene, surface)
+        omitted += [f'surface "{surface.name}": {effect}' for effect in effects]
     folder = as_path(directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -89,13 +84,10 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
         raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
     files = LammpsFiles(folder / DATA, folder / FORCES, folder / RUN, tuple(omitted))
     replace_file(files.data, data_file(scene, atoms, max(reach, 1.0)).encode())
-    replace_file(files.forces, _text(_forces(scene, atoms, pairs, reach)))
-    replace_file(files.run, _text(_run(scene, atoms, files.omitted)))
+    forces, run = _forces(scene, atoms, pairs, reach), _run(scene, atoms, files.omitted)
+    for path, lines in ((files.forces, forces), (files.run, run)):
+        replace_file(path, ("\n".join(lines) + "\n").encode())
     return files
-
-
-def _text(lines: list[str]) -> bytes:
-    return ("\n".join(lines) + "\n").encode()
 
 
 def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[str]:
@@ -115,7 +107,7 @@ def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[
         stiffness = dict.fromkeys(atoms.stiffness.tolist())
         lines += [f"bond_coeff {i} {0.5 * k!r} 0" for i, k in enumerate(stiffness, 1)]
     lines += pairs
-    for index, group in enumerate(group_names(scene)):
+    for index, group in enumerate(motion.group_names(scene)):
         lines.append(f"group {group} type {' '.join(map(str, atoms.types_of(index)))}")
     return lines
 
@@ -132,10 +124,10 @@ def _longest(scene: Scene, atoms: Atoms) -> float:
 def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
     """The commands that run the scene and write what is found."""
     lines = [f"# Omitted: {text}" for text in omitted]
-    lines += [f"include {FORCES}", *motion_lines(scene, atoms), "# Output"]
+    lines += [f"include {FORCES}", *motion.motion_lines(scene, atoms), "# Output"]
     series = "step time pe ke"
-    for surface, group in zip(scene.surfaces, group_names(scene), strict=True):
-        if moves_uniformly(scene, surface):
+    for surface, group in zip(scene.surfaces, motion.group_names(scene), strict=True):
+        if motion.moves_uniformly(scene, surface):
             lines.append(f"variable {group}_force_x equal fcm({group},x)")
             series += f" v_{group}_force_x"
     step = scene.numerics.step or _step(scene, atoms)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -25,25 +25,29 @@ def group_names(scene: Scene) -> list[str]:
     return [f"surface{k}" for k in range(1, len(names) + 1)]
 
 
-def motion_lines(scene: Scene, atoms: Atoms) -> list[str]:
+def motion_lines(scene: Scene, atoms: Atoms) -> Iterator[str]:
     """The commands that move all surfaces."""
-    lines = ["compute unwrapped all property/atom xu"] if scene.fields else []
+    if scene.fields:
+        yield "compute unwrapped all property/atom xu"
     for index, (surface, group) in enumerate(zip(scene.surfaces, group_names(scene), strict=True)):
-        lines.append(f'# Surface "{surface.name}"')
+        yield f'# Surface "{surface.name}"'
         if moves_uniformly(scene, surface):
             vx, vy = surface.velocity
-            lines.append(f"fix {group}_motion {group} move linear {vx!r} {vy!r} 0")
-        else:
-            lines.append(f"fix {group}_motion {group} nve")
-            lines += _cancelled(surface, group)
-            lines += _drive(surface, group)
-            mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
-            if np.any(atoms.constant_forces[mine]):  # of springs and stages
-                lines += _added(group, "constant", "atom", ["d_constant_x", "d_constant_y"])
-            lines += _reservoir(surface, group, atoms, index, scene.seed)
-            lines += _fields(scene, surface, group)
-            lines.append(f"fix {group}_plane {group} setforce NULL NULL 0")
-    return lines
+            yield f"fix {group}_motion {group} move linear {vx!r} {vy!r} 0"
+            continue
+        yield f"fix {group}_motion {group} nve"
+        if axes := _cancelled_axes(surface):
+            zeros = " ".join("0" if axis in axes else "NULL" for axis in "xy")
+            yield f"fix {group}_cancelled {group} setforce {zeros} NULL"
+        if isinstance(surface.drive, Free) and surface.drive.rigid:
+            yield f"fix {group}_shared {group} aveforce 0 NULL NULL"
+        yield from _drive(surface, group)
+        mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
+        if np.any(atoms.constant_forces[mine]):  # of springs and stages
+            yield from _added(group, "constant", "atom", ["d_constant_x", "d_constant_y"])
+        yield from _reservoir(surface, group, atoms, index, scene.seed)
+        yield from _fields(scene, surface, group)
+        yield f"fix {group}_plane {group} setforce NULL NULL 0"
 
 
 def moves_uniformly(scene: Scene, surface: Surface) -> bool:
@@ -51,7 +55,7 @@ def moves_uniformly(scene: Scene, surface: Surface) -> bool:
     return not (scene.slides_along_x(surface) or scene.slides_along_y(surface))
 
 
-def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
+def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
     """What of a surface the files leave out."""
     present = {
         "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
@@ -68,14 +72,13 @@ def omitted_effects(scene: Scene, surface: Surface) -> list[str]:
         "the temperature of the start": bool(surface.initial.temperature),
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
     }
-    omitted = [text for text, here in present.items() if here]
+    yield from (text for text, here in present.items() if here)
     axes = " and ".join(_cancelled_axes(surface))
     if axes and not moves_uniformly(scene, surface):
         if scene.has_contact_within(surface):
-            omitted.append(f"contact within the surface along {axes}, cancelled with other contact")
+            yield f"contact within the surface along {axes}, cancelled with other contact"
         if surface.springs and not surface.springs.turned and "x" in axes:
-            omitted.append(f"lattice springs along {axes}, cancelled with contact")
-    return omitted
+            yield f"lattice springs along {axes}, cancelled with contact"
 
 
 def omitted_fields(scene: Scene) -> list[str]:
@@ -94,45 +97,33 @@ def _cancelled_axes(surface: Surface) -> list[str]:
     return ["x"] * isinstance(drive, Forced) + ["y"] * along_y
 
 
-def _cancelled(surface: Surface, group: str) -> list[str]:
-    """Contact that the drive cancels, or shares among all asperites."""
-    axes, lines = _cancelled_axes(surface), []
-    if axes:
-        zeros = " ".join("0" if axis in axes else "NULL" for axis in "xy")
-        lines.append(f"fix {group}_cancelled {group} setforce {zeros} NULL")
-    if isinstance(surface.drive, Free) and surface.drive.rigid:
-        lines.append(f"fix {group}_shared {group} aveforce 0 NULL NULL")
-    return lines
-
-
-def _drive(surface: Surface, group: str) -> list[str]:
+def _drive(surface: Surface, group: str) -> Iterator[str]:
     """The forces of the drive, beyond those that it cancels."""
-    drive, lines, forces = surface.drive, [], ["0", "0"]
+    drive, forces = surface.drive, ["0", "0"]
     if isinstance(drive, Pulled):
         forces[0] = f"{drive.stiffness * drive.speed!r}*time"
-        lines.append(f"fix {group}_spring {group} spring/self {drive.stiffness!r} x")
+        yield f"fix {group}_spring {group} spring/self {drive.stiffness!r} x"
     if isinstance(drive, Pushed):
         pairs = zip(drive.force, drive.rate, strict=True)
         forces = [f"{force!r}+{rate!r}*time" for force, rate in pairs]
     if drive.load is not None:
         forces[1] = repr(-drive.load * surface.facing_sign)
-    return lines + _added(group, "drive", "equal", forces)
+    yield from _added(group, "drive", "equal", forces)
 
 
-def _added(group: str, name: str, style: str, forces: Sequence[str]) -> list[str]:
+def _added(group: str, name: str, style: str, forces: Sequence[str]) -> Iterator[str]:
     """Commands that add a force to each atom of a group, from formulas of x and y."""
-    if all(force == "0" for force in forces):
-        return []
-    both = [f"{group}_{name}_{axis}" for axis in "xy"]
-    lines = [f'variable {v} {style} "{f}"' for v, f in zip(both, forces, strict=True)]
-    return [*lines, f"fix {group}_{name} {group} addforce v_{both[0]} v_{both[1]} 0"]
+    if any(force != "0" for force in forces):
+        for axis, force in zip("xy", forces, strict=True):
+            yield f'variable {group}_{name}_{axis} {style} "{force}"'
+        yield f"fix {group}_{name} {group} addforce v_{group}_{name}_x v_{group}_{name}_y 0"
 
 
-def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> list[str]:
+def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> Iterator[str]:
     """Friction and noise at the bars; LAMMPS has the ratio of mass and friction."""
     reservoir = surface.bar_reservoir
     if reservoir is None or reservoir.gamma == 0.0:
-        return []
+        return
     gamma, temperature, types = reservoir.gamma, reservoir.temperature, atoms.types_of(index)
     masses = [atoms.kinds[i - 1].mass for i in types]
     line = f"fix {group}_friction {group} viscous {gamma!r}"
@@ -143,16 +134,15 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
         for i, mass in zip(types[1:], masses[1:], strict=True):
             line += f" scale {i} {mass / masses[0]!r}"
     mean = surface.velocity if reservoir.velocity is None else reservoir.velocity
-    return [line, *_added(group, "wind", "equal", [repr(gamma * v) if v else "0" for v in mean])]
+    yield line
+    yield from _added(group, "wind", "equal", [repr(gamma * v) if v else "0" for v in mean])
 
 
-def _fields(scene: Scene, surface: Surface, group: str) -> list[str]:
+def _fields(scene: Scene, surface: Surface, group: str) -> Iterator[str]:
     """The corrugations that act on a surface's bobs."""
-    lines = []
     for number, item in enumerate(scene.fields):
         if surface.name in item.on and type(item.potential) is Corrugation:
             q = 2.0 * math.pi / item.potential.period
             x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
             force = f"{-item.potential.amplitude * q!r}*sin({q!r}*({x}))"
-            lines += _added(group, f"field{number}", "atom", [force, "0"])
-    return lines
+            yield from _added(group, f"field{number}", "atom", [force, "0"])

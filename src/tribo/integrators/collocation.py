@@ -68,7 +68,9 @@ class Collocation(NamedTuple):
 
     def workspace(self, model: Model, state: State) -> Nodes:
         """The arrays that a step needs, for Python."""
-        return empty_nodes(self.c.size, state)
+        count, n = self.c.size, state.acceleration.size
+        powers = room((count, state.s.size))
+        return Nodes(room((count, n)), powers, room((2 * n,)), room((n,)), room((n,)))
 
     def step(self, model, neighbours, clock, h, end, state, work):
         """Advance the state to the time `end`, the polynomial found to round-off."""
@@ -93,14 +95,6 @@ class Collocation(NamedTuple):
             copy_state(state, new)
             complete_step(self, model, neighbours, clock, h, end, new, work)
         return error, math.isfinite(error)
-
-
-def empty_nodes(count: int, state: State) -> Nodes:
-    """Room for that many nodes."""
-    n = state.acceleration.size
-    return Nodes(
-        room((count, n)), room((count, state.s.size)), room((2 * n,)), room((n,)), room((n,))
-    )
 
 
 @kernel

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tribo.compiler.plugin_methods import recognize_class
-from tribo.integrators import collocation_tableaux, nystrom_tableaux, tableaux, time_loops
+from tribo.integrators import tableaux, time_loops
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import RungeKutta
@@ -113,21 +113,21 @@ METHODS = {
         Method(
             "rkn8",
             8,
-            nystrom_tableaux.RKN8,
+            tableaux.RKN8,
             "forces that depend on positions only, accuracies from 1e-3 to 1e-10",
             **_NYSTROM,
         ),
         Method(
             "rkn12",
             12,
-            nystrom_tableaux.RKN12,
+            tableaux.RKN12,
             "forces that depend on positions only, accuracies from 1e-10 to 1e-13",
             **_NYSTROM,
         ),
         Method(
             "gauss-radau-15",
             15,
-            collocation_tableaux.RADAU_15,
+            tableaux.RADAU_15,
             "any drive, accuracies from 1e-8 to 1e-13",
             "E. Everhart (1985); H. Rein, D. S. Spiegel, Mon. Not. R. Astron. Soc. 446 (2015) 1424",
             adaptive=True,
@@ -138,7 +138,7 @@ METHODS = {
         Method(
             "gauss-8",
             8,
-            collocation_tableaux.GAUSS_8,
+            tableaux.GAUSS_8,
             "checks: any drive, and a step back undoes a step exactly",
             "J. C. Butcher, Math. Comput. 18 (1964) 50",
             remembers=4,

@@ -6,7 +6,7 @@ Once all forces of a step are known, so are the velocities at its stages,
     V_i = v + h sum_j r_ij f_j,
 
 with a full matrix r, and the ledger's quadrature sum_i v_i P(Q_i, V_i) is of the method's own
-order: see :func:`tribo.integrators.nystrom_tableaux.stage_velocities`.  Forces are therefore
+order: see :func:`tribo.integrators.tableaux.stage_velocities`.  Forces are therefore
 stored, stage by stage, until the step is complete.
 """
 
@@ -55,33 +55,24 @@ class Nystrom(NamedTuple):
 
     def workspace(self, model: Model, state: State) -> Stages:
         """The arrays that a step needs, for Python."""
-        return empty_stages(self.c.size, model, state)
+        count, n = self.c.size, state.acceleration.size
+        rows, asperites = model.bobs.shape
+        tables = model.drive, model.inner, model.external, model.internal
+        others = sum(len(table) for table in tables if table is not None)
+        return Stages(
+            room((count, n)),
+            room((count + 1, n)),
+            room((count + 1, state.s.size)),
+            room((count, rows, asperites)),
+            room((count, others, asperites)),
+            room((n,)),
+        )
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
         error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
         clock.evaluations += self.c.size
         return error, math.isfinite(error)
-
-
-def empty_stages(count: int, model: Model, state: State) -> Stages:
-    """Room for that many stages."""
-    n = state.acceleration.size
-    asperites = model.bobs.shape[1]
-    return Stages(
-        room((count, n)),
-        room((count + 1, n)),
-        room((count + 1, state.s.size)),
-        room((count, model.bobs.shape[0], asperites)),
-        room((count, stored_rows(model), asperites)),
-        room((n,)),
-    )
-
-
-def stored_rows(model: Model) -> int:
-    """Number of rows of all tables of forces that depend on positions but that of the bobs."""
-    tables = model.drive, model.inner, model.external, model.internal
-    return sum(len(table) for table in tables if table is not None)
 
 
 @kernel

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
-from tribo.compiler.jit import expanded, inlined, kernel
-from tribo.compiler.jit_options import NUMPY_ERRORS
+from tribo.compiler.jit import NUMPY_ERRORS, expanded, inlined, kernel
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import active_of

@@ -8,13 +8,7 @@ from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.records import (
-    I2,
-    NU_START,
-    OSCILLATOR_FREQUENCY,
-    OSCILLATOR_MASS,
-    PHI_START,
-)
+from tribo.kernels.records import I2, NU_START, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, PHI_START
 
 
 @kernel

@@ -38,7 +38,6 @@ from tribo.kernels.blocks import (
     last_block,
     stride_of,
 )
-from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
@@ -116,15 +115,6 @@ def block_of(neighbours, is_listed, n):
 
 
 @inlined
-def images(difference, box, axis):
-    """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
-    if box is None:
-        return difference
-    period = box.x if axis == 0 else box.z
-    return nearest_image(difference, period)
-
-
-@inlined
 def without_others(force, species, partners, m):
     """Forces where a block of bobs is of a species by `partner_species`, 0 elsewhere."""
     if species is None:
@@ -142,8 +132,8 @@ def differences(model, x, y, i, m):
     They are from the nearest images.
     """
     zs = model.each[Z]
-    dx = images(x - block(model.bobs[X], m), model.box, 0)
-    dz = images(zs[i] - block(zs, m), model.box, 1)
+    dx = image(x - block(model.bobs[X], m), model.box, 0)
+    dz = image(zs[i] - block(zs, m), model.box, 1)
     return dx, y - block(model.bobs[Y], m), dz
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from tribo.compiler.jit_options import KERNEL
+from tribo.compiler.jit import KERNEL
 
 Number = Any  # a float, or in calls from Python an array
 

@@ -10,8 +10,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.jit_options import OVERLOAD
+from tribo.compiler.jit import OVERLOAD, inlined, kernel
 from tribo.compiler.lanes import broadcast, sqrt, where_less, with_lane
 from tribo.compiler.lanes_functions import exponential
 from tribo.compiler.lanes_memory import block

@@ -24,9 +24,9 @@ from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
 
 
-@kernel
+@inlined
 def image(difference, box, axis):
-    """Separation from the nearest image along x (axis 0) or z (axis 1) of a scene's box."""
+    """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
     if box is None:
         return difference
     return nearest_image(difference, box.x if axis == 0 else box.z)

@@ -1,13 +1,128 @@
-"""Contacts, distances and accelerations at given positions: nothing moves."""
+"""All forces, contacts and accelerations at given positions: nothing moves."""
 
-from tribo.kernels.contact import contact_energy, separation
+from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_functions import sine_cosine
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
+from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
-from tribo.kernels.equations_of_motion import equations_of_motion, update_neighbours
-from tribo.kernels.neighbours import crowded, image, rebuild
-from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.equations_of_motion import (
+    accelerate,
+    bar_angles,
+    drive_forces,
+    equations_of_motion,
+    forces,
+    friction_forces,
+    swing_frictions,
+    update_neighbours,
+)
+from tribo.kernels.kinematics import end_force
+from tribo.kernels.neighbours import crowded, rebuild
+from tribo.kernels.powers import held_torques
+from tribo.kernels.records import (
+    CHARGE,
+    FX,
+    FY,
+    INVERSE_BAR_LENGTH,
+    LEFT_X,
+    LEFT_Y,
+    RIGHT_X,
+    RIGHT_Y,
+    X,
+    Y,
+    Z,
+)
+from tribo.kernels.samples import PULL_X, PULL_Y
+from tribo.kernels.user_forces import custom_forces
+
+# Rows of what is found, each but the last with the row of y behind that of x: contact, contact
+# within, fields, drive, springs, bath, left and right end, friction; acceleration of the swing.
+F1, WITHIN, FIELD, F2, SPRING, BATH, LEFT, RIGHT, FRICTION, SWING = range(0, 20, 2)
+ROWS = SWING + 1
 
 
-def contact_probe(model, neighbours, columns, positions, charges, begin, energies, forces):
+@inlined
+def set_pair(found, row, i, x, y):
+    """Set x and y of a block of forces."""
+    set_block(found[row], i, x)
+    set_block(found[row + 1], i, y)
+
+
+@inlined
+def add_bath(internal, found, baths, i):
+    """Note the springs' forces on a block of bars, and add the recorded ones of the bath."""
+    x, y = vectors(internal, i)
+    set_pair(found, SPRING, i, x, y)
+    if internal is not None:
+        if baths.shape[0] > 0:
+            pull_x = block(baths[PULL_X], i)
+            pull_y = block(baths[PULL_Y], i)
+            set_pair(found, BATH, i, pull_x, pull_y)
+            set_vectors(internal, i, x + pull_x, y + pull_y)
+
+
+@kernel
+def set_ends(model, end_forces, s, i, t, q, found):
+    """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
+    if s.dof_phi < 0:
+        c = column_of_constants(s, i)
+        phi = bar_angles(model, s, i, t, q)
+        torque = held_torques(model, model.fixed, s, i, phi, q)
+        sin, cos = sine_cosine(phi)
+        x, y = end_force(torque, block(model.constants[INVERSE_BAR_LENGTH], c), sin, cos)
+        set_pair(found, LEFT, i, x, y)
+        set_pair(found, RIGHT, i, -x, -y)
+    if end_forces is not None:
+        if s.user_ends == 1:
+            set_pair(found, LEFT, i, block(end_forces[LEFT_X], i), block(end_forces[LEFT_Y], i))
+            set_pair(found, RIGHT, i, block(end_forces[RIGHT_X], i), block(end_forces[RIGHT_Y], i))
+
+
+@kernel
+def note_forces(model, s, i, t, q, acceleration, found):
+    """Set what is found of a block, forces and accelerations in place."""
+    set_pair(found, F1, i, block(model.bobs[FX], i), block(model.bobs[FY], i))
+    set_pair(found, WITHIN, i, *vectors(model.inner, i))
+    set_pair(found, FIELD, i, *vectors(model.external, i))
+    set_pair(found, F2, i, *vectors(model.drive, i))
+    set_pair(found, FRICTION, i, *vectors(model.friction, i))
+    set_ends(model, model.end_forces, s, i, t, q, found)
+    set_block(found[SWING], i, block(acceleration, i))
+
+
+def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceleration, found):
+    """Find the forces in one sample after another, from `begin` on.
+
+    Returns the number of the samples that are done: fewer than all where the neighbour list needs
+    more room.  `places` of the sampled coordinates in q, y (times, 2 places), baths as in
+    :class:`tribo.kernels.samples.Record`, found (times, ROWS, n), and scratch q, v, acceleration.
+    """
+    for k in range(begin, times.size):
+        t = times[k]
+        for m in range(places.size):
+            q[places[m]] = y[k, m]
+            v[places[m]] = y[k, places.size + m]
+        if not update_neighbours(model, neighbours, t, q):
+            return k
+        forces(model, neighbours, t)
+        for j in range(model.surfaces.shape[0]):
+            s = model.surfaces[j]
+            for i in range(s.start, s.stop, LANES):
+                add_bath(model.internal, found[k], baths[k], i)
+        drive_forces(model, None, t, q)
+        friction_forces(model, model.friction, v)
+        swing_frictions(model, model.swing_friction, v)
+        custom_forces(model, t, q, v)
+        accelerate(model, 1.0, t, q, acceleration)
+        for j in range(model.surfaces.shape[0]):
+            s = model.surfaces[j]
+            for i in range(s.start, s.stop, LANES):
+                note_forces(model, s, i, t, q, acceleration, found[k])
+    return times.size
+
+
+def contact_probe(model, neighbours, begin, columns, positions, charges, energies, forces):
     """Compute the contact energy, and the force on every bob, of arrangements from `begin` on.
 
     Returns the number of those that are done: fewer than all where the neighbour list needs more
@@ -36,23 +151,12 @@ def contact_probe(model, neighbours, columns, positions, charges, begin, energie
     return positions.shape[0]
 
 
-def distance_probe(model, positions, i, distances):
-    """Compute the distance from bob i to the nearest image of every bob.
-
-    positions (n, 3), distances (n,).
-    """
-    for j in range(positions.shape[0]):
-        dx = image(positions[i, 0] - positions[j, 0], model.box, 0)
-        dz = image(positions[i, 2] - positions[j, 2], model.box, 1)
-        distances[j] = separation(dx, positions[i, 1] - positions[j, 1], dz)
-
-
-def acceleration_probe(model, neighbours, t, q, v, acceleration):
+def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
     """Compute q'' of all coordinates.
 
-    Returns whether the neighbour list had room; q'' is not set otherwise.
+    Returns 1, or `begin`, which is 0, where the neighbour list needs more room.
     """
     if not update_neighbours(model, neighbours, t, q):
-        return False
+        return begin
     equations_of_motion(model, neighbours, t, q, v, acceleration)
-    return True
+    return 1

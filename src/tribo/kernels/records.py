@@ -9,6 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+# The groups of accounts, see `kernels.powers`.
+GROUPS = (
+    *("acc_contact", "acc_slide", "acc_drive", "acc_ends", "acc_user_ends"),
+    *("acc_internal", "acc_field", "acc_thermal", "acc_swing"),
+)
+
 # What each asperite is and where its numbers stand, for code outside of the kernels.  A slot of -1
 # means that the asperite has no such degree of freedom, or no such account.
 ASPERITE = np.dtype(
@@ -34,15 +40,7 @@ ASPERITE = np.dtype(
         ("dof_y", "i4"),
         ("dof_phi", "i4"),
         ("dof_bath", "i4"),  # first of its bath's: all x, all y, then the torsional
-        ("acc_contact", "i4"),  # first slots in the vector of accounts, see kernels.powers
-        ("acc_slide", "i4"),
-        ("acc_drive", "i4"),
-        ("acc_ends", "i4"),
-        ("acc_user_ends", "i4"),
-        ("acc_internal", "i4"),
-        ("acc_field", "i4"),
-        ("acc_thermal", "i4"),
-        ("acc_swing", "i4"),
+        *((group, "i4") for group in GROUPS),  # first slots in the vector of accounts
     ],
     align=True,
 )
@@ -111,15 +109,7 @@ SURFACE = np.dtype(
         ("constants_mask", "i8"),  # of an asperite's place in its surface: its constants' place
         ("account_stride", "i8"),  # from one account of a group to the next
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
-        ("acc_contact", "i8"),
-        ("acc_slide", "i8"),
-        ("acc_drive", "i8"),
-        ("acc_ends", "i8"),
-        ("acc_user_ends", "i8"),
-        ("acc_internal", "i8"),
-        ("acc_field", "i8"),
-        ("acc_thermal", "i8"),
-        ("acc_swing", "i8"),
+        *((group, "i8") for group in GROUPS),  # those of its first asperite
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
     ],
     align=True,

@@ -32,16 +32,6 @@ def coordinate(slot, s, i, q):
 
 
 @kernel
-def velocity_of_bar(model, s, i, v):
-    """Velocity of bar i's centre in the surface's first frame, bobs in place."""
-    vx = coordinate(s.dof_x, s, i, v)
-    vy = coordinate(s.dof_y, s, i, v)
-    tx = model.bobs[TX, i]
-    ty = model.bobs[TY, i]
-    return bar_velocity(vx, vy, v[i], model.constants[L2, column_of_constants(s, i)], tx, ty)
-
-
-@kernel
 def custom_drives(model, drives, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     if drives is not None:
@@ -51,11 +41,13 @@ def custom_drives(model, drives, t, q, v):
             s = model.surfaces[drive.surface]
             for i in range(s.start, s.end):
                 c = column_of_constants(s, i)
-                x, y = bar_position(b[X, i], b[Y, i], a[L1, c] + a[L2, c], b[TX, i], b[TY, i])
+                tx, ty = b[TX, i], b[TY, i]
+                x, y = bar_position(b[X, i], b[Y, i], a[L1, c] + a[L2, c], tx, ty)
                 now = lane_of(t, i)
                 x = x + drive.origin[0] + drive.velocity[0] * now
                 y = y + drive.origin[1] + drive.velocity[1] * now
-                vx, vy = velocity_of_bar(model, s, i, v)
+                vx, vy = coordinate(s.dof_x, s, i, v), coordinate(s.dof_y, s, i, v)
+                vx, vy = bar_velocity(vx, vy, v[i], a[L2, c], tx, ty)
                 vx += s.vx + drive.velocity[0]
                 vy += s.vy + drive.velocity[1]
                 gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, b[FX, i], b[FY, i])

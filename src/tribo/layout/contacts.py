@@ -7,17 +7,21 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
+from tribo.model.drives import DrivenBars, Forced
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
-from tribo.validation import InputError, inside
+from tribo.validation import inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
 # lists cost more in each evaluation, shorter ones have to be rebuilt more often.
 SKIN = 0.1
 # Pairs of bobs up to which every pair is visited, rather than a neighbour list.
 UNLISTED_PAIRS = 4096
+# How much farther than the list of neighbours the active blocks reach, in units of its skin: more
+# active blocks cost more in each step, a shorter margin has them selected more often.
+MARGIN = 10.0
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
 EXTRA_ROOM = 1.5
@@ -64,8 +68,11 @@ def lay_out_contacts(
     return tuple(between), tuple(within) or None, rows, SKIN * longest
 
 
-def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> Neighbours:
-    """An empty neighbour list of so many rows, which the first evaluation of forces fills."""
+def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:
+    """An empty neighbour list of so many rows, which the first evaluation of forces fills.
+
+    It reaches by `skin` farther than the cutoff [length].
+    """
     contacts = (*model.contacts, *(model.within or ()))
     all_species = (-1, -1)
     blocks = model.each.shape[1] // LANES
@@ -88,11 +95,41 @@ def neighbours(model: Model, rows: int, skin: float, active: Active | None) -> N
         made=np.zeros(1, np.int64),
         crossed=np.zeros(1, np.int64),
         listed=np.full(1, np.nan),
-        active=active,
+        active=active_blocks(scene, model, skin) if splits else None,
         own=empty_boxes(blocks),
         others=empty_boxes(blocks),
         cells=empty_cells(blocks),
     )
+
+
+def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
+    """All blocks, before the first selection; None where no asperite can be inactive."""
+    contacts = (*model.contacts, *(model.within or ()))
+    unlisted = {int(k) for each in contacts for k in each.pairs[each.rows < 0].ravel()}
+    eligible = [
+        _is_eligible(scene, k) and k not in unlisted and not model.surfaces[k].turning
+        for k in range(len(scene.surfaces))
+    ]
+    if model.calculators is not None or not any(eligible):
+        return None
+    count, surfaces = model.each.shape[1], model.surfaces
+    return Active(
+        blocks=np.arange(count // LANES),
+        first=np.append(surfaces.start, surfaces.stop[-1:]) // LANES,
+        since=np.full(count // LANES, np.nan),
+        eligible=np.array(eligible, np.int64),
+        place=nowhere(count),
+        selected=np.full(1, np.nan),
+        margin=MARGIN * skin,
+    )
+
+
+def _is_eligible(scene: Scene, index: int) -> bool:
+    """Whether nothing but contact acts on a surface's asperites, and its bars move uniformly."""
+    surface = scene.surfaces[index]
+    uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
+    acted_on = scene.has_uncancelled_forces(surface) or surface.swing_reservoir is not None
+    return uniform and not acted_on and surface.bath.inertias.size == 0
 
 
 def empty_boxes(count: int) -> Boxes:
@@ -129,52 +166,32 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     )
 
 
-def raise_calculator_errors(calls: tuple[Call, ...]) -> None:
-    """Raise InputError for an error that a calculator raised when kernels called it."""
-    for call in calls:
-        if call.error is not None:
-            raise InputError("potential", f"the calculator raises {call.failure}")
-
-
-def calculator_calls(scene: Scene, depths: list[np.ndarray]) -> tuple[Call, ...]:
-    """What compiled code calls for interactions that ASE calculators compute.
+def calculators(
+    scene: Scene, depths: list[np.ndarray]
+) -> tuple[tuple[Calculator, ...] | None, tuple[Call, ...]]:
+    """ASE calculators as kernels read them, None without any, and what compiled code calls.
 
     `depths` are z of the bobs of each surface.
     """
-    found = []
+    found: list[Calculator] = []
+    calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):
         if isinstance(interaction.potential, Live):
-            indices = _surfaces_of(scene, interaction)
+            indices = sorted({k for pair in scene.pairs(interaction) for k in pair})
             surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
                 symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
-            found.append(
-                Call(
-                    interaction.potential.calculator,
-                    symbols,
-                    np.concatenate([depths[k] for k in indices]),
-                    [s.count for s in surfaces],
-                    (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
-                )
+            call = Call(
+                interaction.potential.calculator,
+                symbols,
+                np.concatenate([depths[k] for k in indices]),
+                [s.count for s in surfaces],
+                (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
             )
-    return tuple(found)
-
-
-def calculators(scene: Scene, calls: tuple[Call, ...]) -> tuple[Calculator, ...] | None:
-    """The calculators as kernels read them; None without any."""
-    live = [item for item in scene.interactions if isinstance(item.potential, Live)]
-    found = [
-        Calculator(
-            call.address, np.array(_surfaces_of(scene, item)), call.place, call.force, call.energy
-        )
-        for item, call in zip(live, calls, strict=True)
-    ]
-    return tuple(found) or None
-
-
-def _surfaces_of(scene: Scene, interaction: Interaction) -> list[int]:
-    """Indices of the surfaces that an interaction is between."""
-    return sorted({k for pair in scene.pairs(interaction) for k in pair})
+            calls.append(call)
+            arrays = call.place, call.force, call.energy
+            found.append(Calculator(call.address, np.array(indices), *arrays))
+    return tuple(found) or None, tuple(calls)
 
 
 def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:

@@ -65,7 +65,11 @@ class InitialState:
         (members,).  Raises InputError if a name cannot be used.
         """
         if any(key.endswith(".phi") for key in values) or _twice(values):
-            return np.array([self._of_member(values, m, int(s)) for m, s in enumerate(seeds)])
+            each = (
+                {k: v[m] if v.shape[1] > 1 else float(v[m, 0]) for k, v in values.items()}
+                for m in range(seeds.size)
+            )
+            return np.array([self(own, int(s)) for own, s in zip(each, seeds, strict=True)])
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:
             draw_starts(*self._scene, y, seeds.tolist())
@@ -75,10 +79,6 @@ class InitialState:
         if self._has_baths:
             start_baths(*self._scene, y, seeds.tolist())
         return y
-
-    def _of_member(self, values: Mapping[str, np.ndarray], m: int, seed: int) -> np.ndarray:
-        own = {key: rows[m] for key, rows in values.items()}
-        return self({key: v if v.size > 1 else float(v[0]) for key, v in own.items()}, seed)
 
     def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
         """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""

@@ -10,11 +10,13 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels import records
-from tribo.kernels.records import Contact, Model
+from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model
 from tribo.layout import slots
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import with_scratch
-from tribo.layout.tables import model_tables
+from tribo.layout.loop_memory import together, with_scratch
+from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.tables import constants_of, model_tables
+from tribo.model.scene import Scene
 
 # Tables with a column for each asperite of each member, and what says where these stand.
 OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs")
@@ -28,6 +30,10 @@ class Interleaved(NamedTuple):
     # (accounts,) where they have what s has, for the first member; the others follow it.
     s: np.ndarray
     room: tuple[int, int]  # coordinates and accounts of the kernels
+    # Numbers in which members differ, tables of `model` in one array, and where each lane has its
+    # own there, (8, numbers).
+    memory: np.ndarray
+    numbers: np.ndarray
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
@@ -61,10 +67,12 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
         members=room((theirs.columns,)),
         team=None,
     )
+    memory, numbers = np.empty(0), np.empty((LANES, 0), np.int64)
     if own_numbers:
-        model = _with_own_numbers(model)
+        model, memory, numbers = _in_one_array(scene, _with_own_numbers(model))
     q = np.array([each.q for each in places])
-    return Interleaved(model, q, places[0].s, (theirs.coordinates, theirs.accounts))
+    size = theirs.coordinates, theirs.accounts
+    return Interleaved(model, q, places[0].s, size, memory, numbers)
 
 
 def _shared_accounts(layout: Layout) -> int:
@@ -86,6 +94,41 @@ def _with_own_numbers(model: Model) -> Model:
             table = with_spare_lanes(np.repeat(numbers[:, None], LANES, axis=1))
             contacts = (contacts[0]._replace(numbers=table),)
     return model._replace(own=own, contacts=contacts)
+
+
+def _in_one_array(scene: Scene, model: Model) -> tuple[Model, np.ndarray, np.ndarray]:
+    """The model with all numbers in which members differ in one array, and their places in it."""
+    of_contacts = tuple(contact.numbers for contact in model.contacts)
+    tables = model.constants, model.each, model.own, of_contacts
+    (constants, each, own, of_contacts), memory = together(tables)
+
+    def places(table: np.ndarray) -> np.ndarray:
+        first = (table.ctypes.data - memory.ctypes.data) // table.itemsize
+        return first + np.arange(table.size).reshape(table.shape)
+
+    columns = LANES * np.arange(scene.count) + np.arange(LANES)[:, None]
+    of_asperites = places(constants), places(each)[[X_START, Y_START, CHARGE]], places(own)
+    found = [table[:, columns].swapaxes(0, 1).reshape(LANES, -1) for table in of_asperites]
+    found += [places(table).T for table in of_contacts if table is not None]
+    contacts = zip(model.contacts, of_contacts, strict=True)
+    model = model._replace(
+        constants=constants,
+        each=each,
+        own=own,
+        contacts=tuple(contact._replace(numbers=table) for contact, table in contacts),
+    )
+    return model, memory, np.concatenate(found, axis=1)
+
+
+def rows_of_numbers(scene: Scene, numbers: MemberNumbers) -> np.ndarray:
+    """The numbers of members, in the order of `Interleaved.numbers`, (members, numbers)."""
+    a = numbers.asperites
+    constants = constants_of(scene, a.ravel()).reshape(-1, *a.shape)
+    y = a["y"] + a["facing"] * a["pivot"]
+    others = np.stack([a["x"], y, numbers.charges])
+    of_surfaces = np.moveaxis(numbers.of_surfaces[:, a["surface"][0]], 2, 0)
+    tables = np.concatenate([constants, others, of_surfaces]).swapaxes(0, 1)
+    return np.concatenate([tables.reshape(len(a), -1), numbers.potential], axis=1)
 
 
 def _unlisted(contact: Contact) -> Contact:

@@ -14,11 +14,9 @@ from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
-from tribo.layout.active import active_blocks
-from tribo.layout.force_records import fields_on_surfaces, user_forces
 from tribo.layout.ledger_view import LedgerView
 from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.scene_records import resting_bobs, scene_records
+from tribo.layout.scene_records import fields_on_surfaces, resting_bobs, scene_records, user_forces
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.layout.threads import shares
@@ -161,8 +159,7 @@ class Layout:
         """
         if self.rows == 0:
             return None
-        active = active_blocks(self.scene, self.model, self.skin) if splits else None
-        return contacts.neighbours(self.model, self.rows, self.skin, active)
+        return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 
 def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarray]:
@@ -226,7 +223,7 @@ def lay_out(scene: Scene) -> Layout:
             asperites[name] = -1
     start = start_of(asperites, scene, parts, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    calls = contacts.calculator_calls(scene, [own[:, 2] for own in bobs])
+    calculators, calls = contacts.calculators(scene, [own[:, 2] for own in bobs])
     between, within, rows, skin = contacts.lay_out_contacts(scene)
     orders = _orders(scene, bobs, rows > 0 and not calls)
     places = slots.places(mine, theirs, np.arange(shared), orders)
@@ -234,7 +231,7 @@ def lay_out(scene: Scene) -> Layout:
         contacts=between,
         within=within,
         inner=True if within else None,
-        calculators=contacts.calculators(scene, calls),
+        calculators=calculators,
         fields=fields,
         external=True if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),

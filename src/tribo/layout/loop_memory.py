@@ -1,4 +1,4 @@
-"""The arrays that belong to a time loop: those that kernels write, and its memory in one array.
+"""What belongs to a time loop of a scene: machine code, arrays that kernels write, and probes.
 
 A layout is only read, so that several threads can run it.
 """
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
@@ -17,7 +18,10 @@ from tribo.kernels.records import BOB_ROWS, Model
 from tribo.layout import contacts
 from tribo.layout.layout import Layout
 from tribo.layout.threads import new_team
+from tribo.plugins.compile_errors import compiling
+from tribo.plugins.sources import source_stamp
 from tribo.potentials.from_ase import Call
+from tribo.validation import InputError
 
 # Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
 # model of a layout they are True where a loop needs them.
@@ -30,27 +34,40 @@ SCRATCH = {
 }
 
 
+def loop_of(layout: Layout, function: Any) -> Any:
+    """A time loop for a scene, compiled at its first call."""
+    return time_loop(function, source_stamp(layout.plugins))
+
+
+def entry_point(
+    layout: Layout, function: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+) -> EntryPoint:
+    """A time loop for a scene, compiled or loaded for arguments `fixed` and like `examples`.
+
+    Raises InputError if a plug-in does not compile.
+    """
+    loop = loop_of(layout, function)
+    with compiling(loop, layout.named_plugins):
+        return EntryPoint(loop, fixed, examples)
+
+
 def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
     """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
     model = with_scratch(layout.model, layout.model.each.shape[1])
     calls: tuple[Call, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
-        calls = contacts.calculator_calls(layout.scene, depths)
-        model = model._replace(calculators=contacts.calculators(layout.scene, calls))
+        calculators, calls = contacts.calculators(layout.scene, depths)
+        model = model._replace(calculators=calculators)
     team = None if model.team is None else new_team(layout.scene, model)
     return model._replace(surfaces=model.surfaces.copy(), team=team), calls
 
 
 def with_scratch(model: Model, columns: int) -> Model:
     """The model of a layout with the tables that a loop writes, with so many columns."""
-    tables: dict[str, Any] = {name: room((SCRATCH[name], columns)) for name in _needed(model)}
+    needed = (name for name in SCRATCH if getattr(model, name) is not None)
+    tables: dict[str, Any] = {name: room((SCRATCH[name], columns)) for name in needed}
     return model._replace(**tables)
-
-
-def _needed(model: Model) -> list[str]:
-    """The names of the tables that loops of a layout write."""
-    return [name for name in SCRATCH if getattr(model, name) is not None]
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
@@ -79,3 +96,30 @@ def arrays_in(item: object) -> Iterator[np.ndarray]:
     elif isinstance(item, tuple):
         for each in item:
             yield from arrays_in(each)
+
+
+class Probe:
+    """A kernel that computes something of arrangements of a scene's bobs, one after another.
+
+    Its first arguments are the model, the neighbour list, and the first arrangement.  It returns
+    the number of those that are done: fewer than all where the list needs more room.
+    """
+
+    def __init__(self, layout: Layout, kernel: Any) -> None:
+        self.model, self._calls = own_model(layout)
+        self._layout, self._neighbours = layout, layout.neighbours()
+        self._kernel = loop_of(layout, kernel)
+
+    def __call__(self, count: int, *arguments: Any) -> None:
+        """Compute so many arrangements with further arguments.
+
+        Raises InputError if a plug-in does not compile, or a calculator fails.
+        """
+        done = 0
+        with compiling(self._kernel, self._layout.named_plugins):
+            while done < count:
+                self._neighbours = contacts.with_room(self._neighbours)
+                done = self._kernel(self.model, self._neighbours, done, *arguments)
+        for call in self._calls:
+            if call.error is not None:
+                raise InputError("potential", f"the calculator raises {call.failure}")

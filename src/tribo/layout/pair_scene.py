@@ -20,15 +20,13 @@ ARC1, ARC2 = ENERGY, ENERGY + 1
 FIRST_ACCOUNT = J + 1
 
 
-def factors_of(
-    layout: Layout, asperites: np.ndarray, mobility: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
 
-    `asperites` and `mobility` are (..., 2), with the slots of the layout.  For the meaning of the
-    accounts see :mod:`tribo.kernels.powers`.
+    `asperites` are (..., 2), with the slots of the layout.  For the meaning of the accounts see
+    :mod:`tribo.kernels.powers`.
     """
-    n, shape = layout.coordinates, asperites.shape[:-1]
+    n, shape, mobility = layout.coordinates, asperites.shape[:-1], _mobility_of(layout, asperites)
     to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
     to_accounts = np.zeros((*shape, layout.accounts, ENERGY + 2))
     columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
@@ -55,20 +53,18 @@ def factors_of(
     return to_state, to_accounts
 
 
-def mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
+def _mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
     """(..., 2) displacement of each centre of mass for k = 1."""
     free = layout.surfaces.drive == FREE
     return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
 
 
-def record_of(
-    asperites: np.ndarray, depths: np.ndarray, charges: np.ndarray, mobility: np.ndarray
-) -> np.ndarray:
+def record_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> np.ndarray:
     """Scenes as the loop reads them, (...) of PAIR; driven bars take the place of centres of mass.
 
-    Asperites, charges and mobility are (..., 2); `depths` are z of the two bobs.
+    Asperites and charges are (..., 2).
     """
-    a = asperites
+    a, depths, mobility = asperites, layout.depths, _mobility_of(layout, asperites)
     record = np.zeros(a.shape[:-1], PAIR)
     for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
         record[name] = a[of][..., 0] - a[of][..., 1]

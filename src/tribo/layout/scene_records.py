@@ -1,14 +1,33 @@
-"""The asperites and the surfaces of a scene as records: one for each."""
+"""A scene as records: its asperites and surfaces, external fields, lattice springs, user forces."""
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import BARS, CUSTOM, FORCED, FREE, PULLED, PUSHED, RIGID
+from tribo.kernels.records import (
+    BARS,
+    CUSTOM,
+    FORCED,
+    FREE,
+    PULLED,
+    PUSHED,
+    RIGID,
+    Custom,
+    FieldOn,
+    Springs,
+)
 from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
+from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
+
+Records = np.recarray[Any, Any]  # whose fields are read as attributes
 
 
 def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
@@ -72,23 +91,17 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
-    if isinstance(drive, Forced):
-        record["drive"] = FORCED
-    elif isinstance(drive, Free):
-        # A rigid body of one asperite is a free asperite.
-        record["drive"] = RIGID if surface.moves_as_one else FREE
-    elif isinstance(drive, DrivenBars):
-        record["drive"] = BARS
-    elif isinstance(drive, Pulled):
-        record["drive"] = PULLED
+    # A rigid body of one asperite is a free asperite.
+    free = RIGID if surface.moves_as_one else FREE
+    kinds = {Forced: FORCED, Free: free, DrivenBars: BARS, Pulled: PULLED, Pushed: PUSHED}
+    record["drive"] = kinds.get(type(drive), CUSTOM)
+    if isinstance(drive, Pulled):
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]
     elif isinstance(drive, Pushed):
-        record["drive"], record["loaded"] = PUSHED, 1
+        record["loaded"] = 1
         record["push"], record["load"] = drive.force
         record["push_rate"], record["load_rate"] = drive.rate
-    else:
-        record["drive"] = CUSTOM
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign
@@ -99,3 +112,117 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         if reservoir.velocity is not None:
             record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
             record["reservoir_y"] = reservoir.velocity[1] - surface.velocity[1]
+
+
+def fields_on_surfaces(
+    scene: Scene, origin: np.ndarray, accounts: int | None
+) -> tuple[tuple[FieldOn, ...] | None, int]:
+    """The external fields; each moving field has an account for the work of moving it.
+
+    The first is that with number `accounts`; their number with these is returned too.  None: there
+    are no accounts.
+    """
+    names = [surface.name for surface in scene.surfaces]
+    velocity = np.array(scene.surfaces[0].velocity)
+    fields, count = [], accounts or 0
+    for item in scene.fields:
+        drift = np.array(item.velocity)
+        moves = accounts is not None and bool(np.any(drift != 0.0))
+        fields.append(
+            FieldOn(
+                potential=item.potential,
+                surfaces=np.array([names.index(name) for name in item.on]),
+                origin=_in_frame_of(item, origin),
+                velocity=velocity - drift,
+                drift=drift,
+                anchor=np.zeros(2),
+                account=count if moves else -1,
+            )
+        )
+        count += moves
+    return tuple(fields) or None, count
+
+
+def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
+    """The scene's origin in the field's own frame at t = 0 (2,).
+
+    In a corrugation whole periods are left out, so that its phase keeps all digits far from x = 0;
+    fmod is exact.
+    """
+    if type(field.potential) is Corrugation:
+        x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))
+        return np.array([x - start, 0.0])
+    return origin - np.array(field.origin)
+
+
+def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
+    """All lattice springs between bars with the columns (n, members); None without any."""
+    periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
+    tables, chains = [], []
+    count = 0
+    for k, surface in enumerate(scene.surfaces):
+        ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
+        i, j = (count + ends).T
+        count += surface.count
+        table = np.zeros((3, len(ends)))
+        table[records.STIFFNESS] = stiffness
+        turned = surface.springs.turned
+        if turned != 0.0:
+            # The distance of the resting bars, minus the same distance turned.
+            bars = np.array(
+                [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
+            )
+            x, y = bars[:, i] - bars[:, j]
+            less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
+            table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
+        tables.append(np.repeat(table, columns.shape[1], axis=1))
+        chains.append(_chains(columns[i].ravel(), columns[j].ravel(), k))
+    every = np.concatenate(chains)
+    return _in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
+
+
+def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
+    """The springs of chains, each of which begins with a block and fills its last one."""
+    whole = -(-chains["count"] // LANES) * LANES
+    chains["first"] = np.cumsum(whole) - whole
+    table = room((springs.shape[0], int(np.sum(whole))))
+    first = 0
+    for chain in chains:
+        place = slice(chain["first"], chain["first"] + chain["count"])
+        table[:, place] = springs[:, first : first + chain["count"]]
+        first += chain["count"]
+    return Springs(chains.view(np.recarray), table)
+
+
+def stiffness_at_bars(springs: Springs, count: int) -> np.ndarray:
+    """Sum of the stiffnesses of all springs at each bar of the kernels' columns."""
+    total = np.zeros(count)
+    for chain in springs.chains:
+        each = np.arange(chain.count)
+        stiffness = springs.table[records.STIFFNESS, chain.first + each]
+        for first in (chain.i, chain.j):
+            np.add.at(total, first + each, stiffness)
+    return total
+
+
+def _chains(i: np.ndarray, j: np.ndarray, surface: int) -> np.ndarray:
+    """Runs of springs, each of which joins the neighbours of the bars of the one before it."""
+    begins = np.flatnonzero((np.diff(i, prepend=-2) != 1) | (np.diff(j, prepend=-2) != 1))
+    chains = np.zeros(begins.size, records.CHAIN)
+    chains["i"], chains["j"] = i[begins], j[begins]
+    chains["count"] = np.diff(begins, append=i.size)
+    chains["surface"] = surface
+    return chains
+
+
+def user_forces(
+    scene: Scene, origin: np.ndarray, place: str, kind: type
+) -> tuple[Custom, ...] | None:
+    """User forces at one place, "drive" or "bars", of the surfaces; None without any."""
+    velocity = np.array(scene.surfaces[0].velocity)
+    own = [
+        Custom(getattr(surface, place).force, k, origin, velocity)
+        for k, surface in enumerate(scene.surfaces)
+        if isinstance(getattr(surface, place), kind)
+    ]
+    return tuple(own) or None

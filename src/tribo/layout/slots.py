@@ -19,18 +19,9 @@ from tribo.model.drives import Ends
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
-# Groups of accounts, one number an asperite or a lane each, and how many accounts each group has.
-GROUPS = {
-    "acc_contact": CONTACT,
-    "acc_slide": SLIDE,
-    "acc_drive": DRIVE,
-    "acc_ends": ENDS,
-    "acc_user_ends": USER_ENDS,
-    "acc_internal": POINT,
-    "acc_field": POINT,
-    "acc_thermal": POINT,
-    "acc_swing": SWING,
-}
+# How many accounts each group has, of one number an asperite or a lane each.
+SIZES = CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, POINT, POINT, SWING
+GROUPS = dict(zip(records.GROUPS, SIZES, strict=True))
 
 
 @dataclass(frozen=True)
@@ -63,7 +54,13 @@ def number(
     for name, first in (("oscillators", "first_oscillator"), ("torsionals", "first_torsional")):
         surfaces[name] = _whole(surfaces[name], width)
         surfaces[first] = np.cumsum(surfaces[name]) - surfaces[name]
-    core = _number_coordinates(scene, surfaces, int(stops[-1]))
+    own, core = scene.surfaces, int(stops[-1])
+    for name, wanted in (  # after the swings
+        ("dof_phi", [s.bars != "clamped" for s in own]),
+        ("dof_x", [scene.slides_along_x(s) for s in own]),
+        ("dof_y", [scene.slides_along_y(s) for s in own]),
+    ):
+        surfaces[name], core = _slots(wanted, surfaces["stop"] - surfaces["start"], core)
     sizes = counts * (2 * surfaces["oscillators"] + surfaces["torsionals"])
     ends = core + np.cumsum(sizes)
     surfaces["dof_bath"] = np.where(sizes > 0, ends - sizes, -1)
@@ -86,18 +83,6 @@ def _slots(
     sizes = np.where(wanted, sizes, 0)
     stops = first + np.cumsum(sizes)
     return np.where(wanted, stops - sizes, -1), int(stops[-1])
-
-
-def _number_coordinates(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
-    """Assign the asperites' slots of q after the swings'; returns their number."""
-    own = scene.surfaces
-    for name, wanted in (
-        ("dof_phi", [s.bars != "clamped" for s in own]),
-        ("dof_x", [scene.slides_along_x(s) for s in own]),
-        ("dof_y", [scene.slides_along_y(s) for s in own]),
-    ):
-        surfaces[name], stop = _slots(wanted, surfaces["stop"] - surfaces["start"], stop)
-    return stop
 
 
 def slide(scene: Scene) -> np.ndarray:
@@ -196,10 +181,7 @@ def spatial_order(bobs: np.ndarray) -> np.ndarray:
     strip = np.zeros(len(bobs), np.int64)
     if area > 0.0:
         strip = np.floor((z - np.min(z)) / np.sqrt(LANES * area / len(bobs))).astype(np.int64)
-    order = np.lexsort((z, np.where(strip % 2 == 0, x, -x), strip))
-    place = np.empty(len(bobs), np.int64)
-    place[order] = np.arange(len(bobs))
-    return place
+    return np.argsort(np.lexsort((z, np.where(strip % 2 == 0, x, -x), strip)))
 
 
 def places(
@@ -233,13 +215,11 @@ def places(
 
 def _place_baths(here: np.void, there: np.void, order: np.ndarray, q: np.ndarray) -> None:
     """Set the places of a surface's oscillators."""
-    first, width = [], []
-    for record, place in ((here, np.arange(order.size)), (there, order)):
-        width.append(2 * record["oscillators"] + record["torsionals"])
-        first.append(record["dof_bath"] + place[:, None] * width[-1])
-    parts = ((0, "oscillators"), (1, "oscillators"), (2, "torsionals"))
-    for before, name in parts:
+    mine, theirs = (
+        record["dof_bath"] + place[:, None] * (2 * record["oscillators"] + record["torsionals"])
+        for record, place in ((here, np.arange(order.size)), (there, order))
+    )
+    for before, name in ((0, "oscillators"), (1, "oscillators"), (2, "torsionals")):
         n = np.arange(here[name])
-        if n.size:
-            mine = first[0] + before * here["oscillators"] + n
-            q[mine] = first[1] + before * there["oscillators"] + n
+        slots = mine + before * here["oscillators"] + n
+        q[slots] = theirs + before * there["oscillators"] + n

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tribo.kernels.records import FORCED
-from tribo.layout.force_records import Records
+from tribo.layout.scene_records import Records
 
 # Asperites of a span: more of them would make the temporary arrays of a ledger large.
 SPAN_SIZE = 50_000

@@ -51,11 +51,7 @@ def start_of(asperites: np.ndarray, scene: Scene, parts: Parts, numbering: Numbe
 
 
 def draw_starts(
-    asperites: np.ndarray,
-    scene: Scene,
-    parts: Parts,
-    y: np.ndarray,
-    seeds: Sequence[int],
+    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
 ) -> None:
     """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
 
@@ -87,19 +83,15 @@ def draw_starts(
 
 
 def start_baths(
-    asperites: np.ndarray,
-    scene: Scene,
-    parts: Parts,
-    y: np.ndarray,
-    seeds: Sequence[int],
+    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
 ) -> None:
     """Start oscillators at the bars, or drawn about them at temperature T, likewise."""
     q, v = np.split(y, 2, axis=1)
+    hang_baths(asperites, scene, parts, q)
     for index, surface in enumerate(scene.surfaces):
-        part, bath = parts[surface.name], surface.bath
-        hang_baths(asperites[part], bath, part, q)
-        if bath.temperature > 0.0:
-            _draw_baths(asperites[part], bath, q, v, Draws(seeds, index, 1))
+        if surface.bath.temperature > 0.0:
+            draws = Draws(seeds, index, 1)
+            _draw_baths(asperites[parts[surface.name]], surface.bath, q, v, draws)
 
 
 def _draw_baths(
@@ -120,19 +112,21 @@ def _draw_baths(
         v[:, slots] = rate
 
 
-def hang_baths(asperites: np.ndarray, bath: Bath, part: slice, q: np.ndarray) -> None:
-    """Put the oscillators of a surface where they exert no force: at their bars.
+def hang_baths(asperites: np.ndarray, scene: Scene, parts: Parts, q: np.ndarray) -> None:
+    """Put all oscillators where they exert no force: at their bars.
 
     q is (coordinates,), or (runs, coordinates) of several runs.
     """
-    n, first = bath.masses.size, asperites["dof_bath"]
-    if n:
-        slots = first[:, None] + np.arange(n)
-        x, y = displaced_bars(asperites, part, q)
-        q[..., slots], q[..., slots + n] = x[..., None], y[..., None]
-    if bath.inertias.size:
-        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
-        q[..., slots] = q[..., asperites["dof_phi"], None]
+    for surface in scene.surfaces:
+        own, part = asperites[parts[surface.name]], parts[surface.name]
+        n, torsionals = surface.bath.masses.size, surface.bath.inertias.size
+        if n:
+            slots = own["dof_bath"][:, None] + np.arange(n)
+            x, y = displaced_bars(own, part, q)
+            q[..., slots], q[..., slots + n] = x[..., None], y[..., None]
+        if torsionals:
+            slots = own["dof_bath"][:, None] + 2 * n + np.arange(torsionals)
+            q[..., slots] = q[..., own["dof_phi"], None]
 
 
 def displaced_bars(

@@ -9,15 +9,16 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Box, Model
 from tribo.layout import contacts, slots
-from tribo.layout.force_records import springs
-from tribo.layout.scene_records import resting_bobs
+from tribo.layout.scene_records import resting_bobs, springs
 from tribo.model.scene import Scene
 
 # Fields of an asperite from which all other constants follow.
 PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "phi", "nu")
-# Constants of those that fill up a block which are 1, as are their inverses; others are 0.
-ONES = [records.MASS, records.INERTIA, records.I2, records.BAR_LENGTH, records.COS_PHI]
-ONES += [records.INVERSE_MASS, records.INVERSE_INERTIA, records.INVERSE_BAR_LENGTH]
+# Constants of those that fill up a block, (rows, 1): these and their inverses are 1, others 0.
+ONES = ("mass", "inertia", "i2", "bar_length", "cos_phi")
+OF_FILLING = np.array(
+    [[float(name.removeprefix("inverse_") in ONES)] for name in records.CONSTANTS]
+)
 
 
 def model_tables(
@@ -39,11 +40,11 @@ def model_tables(
         numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
     )
     lattice = springs(scene, asperites, columns)
-    pulls = lattice is not None or bath is not None
+    pulls, pivots = lattice is not None or bath is not None, asperites["pivot"][None]
     on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
     on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
     return Model(
-        constants=_constants(scene, asperites, numbering.surfaces, shared),
+        constants=_table(constants_of(scene, asperites), numbering.surfaces, shared, OF_FILLING),
         each=_each(scene, asperites, columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
@@ -57,7 +58,7 @@ def model_tables(
         displaced=True if pulls else None,
         friction=True if on_bars else None,
         swing_friction=True if on_swings else None,
-        pivots=_pivots(asperites, numbering.surfaces, shared),
+        pivots=_table(pivots, numbering.surfaces, shared, 0.0) if np.any(pivots > 0.0) else None,
         fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
         turning=True if np.any(numbering.surfaces["turning"]) else None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
@@ -86,13 +87,6 @@ def _place_constants(surfaces: np.ndarray, asperites: np.ndarray, apart: bool) -
         first += LANES if alike else surface["stop"] - surface["start"]
 
 
-def count_of_constants(surfaces: np.ndarray) -> int:
-    """Columns of the table of constants."""
-    last = surfaces[-1]
-    size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
-    return int(last["first_constants"] + size)
-
-
 def columns_of_constants(
     surfaces: np.ndarray, owners: np.ndarray, columns: np.ndarray
 ) -> np.ndarray:
@@ -117,17 +111,21 @@ def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) 
     return table
 
 
-def _constants(
-    scene: Scene, asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray
+def _table(
+    values: np.ndarray, surfaces: np.ndarray, columns: np.ndarray, others: np.ndarray | float
 ) -> np.ndarray:
-    """The table of constants, in which the columns of all asperites are `columns`.
+    """A table like that of constants, of values (rows, asperites) that have some columns.
 
-    Others fill up blocks of asperites that are not alike, and feel no force.
+    Others fill up blocks of asperites that are not alike, and feel no force.  Of asperites that are
+    alike, the first gives its column to the whole block that they share.
     """
-    table = room((len(records.CONSTANTS), count_of_constants(surfaces)))
-    table[ONES] = 1.0
-    table[:, columns] = constants_of(scene, asperites)[:, :, None]
-    _fill_blocks(table, surfaces)
+    last = surfaces[-1]
+    size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
+    table = room((len(values), int(last["first_constants"] + size)))
+    table[:] = others
+    table[:, columns] = values[:, :, None]
+    for first in surfaces["first_constants"][surfaces["constants_mask"] == 0]:
+        table[:, first : first + LANES] = table[:, first : first + 1]
     return table
 
 
@@ -151,12 +149,6 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
     return table
 
 
-def _fill_blocks(table: np.ndarray, surfaces: np.ndarray) -> None:
-    """Give the first column of those that are alike to the whole block that they share."""
-    for first in surfaces["first_constants"][surfaces["constants_mask"] == 0]:
-        table[:, first : first + LANES] = table[:, first : first + 1]
-
-
 def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
     """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
     driven = asperites["pivot"] > 0.0
@@ -165,16 +157,6 @@ def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
     table[records.MASS, driven] = np.inf
     table[records.L1, driven] += a["pivot"]
     table[records.L2, driven] = 0.0
-
-
-def _pivots(asperites: np.ndarray, surfaces: np.ndarray, columns: np.ndarray) -> np.ndarray | None:
-    """The table of :mod:`tribo.kernels.levers`; None without driven bars."""
-    if not np.any(asperites["pivot"] > 0.0):
-        return None
-    pivots = room((1, count_of_constants(surfaces)))
-    pivots[0, columns] = asperites["pivot"][:, None]
-    _fill_blocks(pivots, surfaces)
-    return pivots
 
 
 def _oscillators(

@@ -7,7 +7,8 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -67,13 +68,7 @@ class Accounts(dict[str, Account]):
 
 
 class Integrals:
-    """The integrals that the kernels record, by span and force.
-
-    Parameters
-    ----------
-    s : ndarray, (times, accounts)
-        The integrals.
-    """
+    """The integrals that the kernels record, (times, accounts), by span and force."""
 
     def __init__(self, s: np.ndarray) -> None:
         self.s = s
@@ -138,19 +133,14 @@ def _right_end(span: Span, s: np.ndarray) -> Account:
 
 def _thermal(span: Span, s: np.ndarray) -> Account:
     """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
-    jx, jy, about, pseudo = _columns(span, "acc_thermal", range(4), s)
-    swing = Accounts(span, s).swing_work
-    return Account(about + swing, jx, jy, pseudo)
+    bars, swing = _point("acc_thermal", span, s), Accounts(span, s).swing_work
+    return replace(bars, about=bars.about + swing)
 
 
-def _point(group: str) -> Callable[[Span, np.ndarray], Account]:
+def _point(group: str, span: Span, s: np.ndarray) -> Account:
     """A force with accounts of its own."""
-
-    def account(span: Span, s: np.ndarray) -> Account:
-        jx, jy, about, pseudo = _columns(span, group, range(4), s)
-        return Account(about, jx, jy, pseudo)
-
-    return account
+    jx, jy, about, pseudo = _columns(span, group, range(4), s)
+    return Account(about, jx, jy, pseudo)
 
 
 # The account of every force on an asperite, by the name of its work.
@@ -159,8 +149,8 @@ FORCES: dict[str, Callable[[Span, np.ndarray], Account]] = {
     "w2": _drive,
     "wL": _left_end,
     "wR": _right_end,
-    "w_int": _point("acc_internal"),
-    "w_field": _point("acc_field"),
+    "w_int": partial(_point, "acc_internal"),
+    "w_field": partial(_point, "acc_field"),
     "w_T": _thermal,
 }
 # The names of the external ones, and of those by which outside agents do work on a surface.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import KDTree
 
-from tribo.kernels.kinematics import bob_position
+from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import motions, swing_direction
@@ -16,18 +16,10 @@ from tribo.ledger.samples import Samples
 
 
 class Closest(NamedTuple):
-    """The two bobs of two surfaces that are closest to one another.
+    """The two bobs of two surfaces that are closest to one another."""
 
-    Attributes
-    ----------
-    distance : float
-        [length].
-    one, other : int
-        Numbers of their asperites.
-    """
-
-    distance: float
-    one: int
+    distance: float  # [length]
+    one: int  # numbers of their asperites
     other: int
 
 
@@ -62,15 +54,21 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
 
 def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places of bobs in the scene's box, and its lengths along each axis, 0 where there is none."""
-    box = np.zeros(3)
-    if layout.model.box is not None:
-        box[:] = layout.model.box.x, 0.0, layout.model.box.z
-        periodic = box > 0.0
-        places = places.copy()
-        places[..., periodic] %= box[periodic]
-        # The remainder of a tiny negative number is the period itself, which trees refuse.
+    x, z = layout.model.box or (0.0, 0.0)
+    box, places = np.array([x, 0.0, z]), places.copy()
+    periodic = box > 0.0
+    for _ in range(2):  # the remainder of a tiny negative number is a period, which trees refuse
         places[..., periodic] %= box[periodic]
     return places, box
+
+
+def nearest_images(layout: Layout, between: np.ndarray) -> np.ndarray:
+    """Vectors between bobs, (..., 3), as those between nearest images in the scene's box."""
+    box = layout.model.box
+    if box is None:
+        return between
+    x, y, z = np.moveaxis(between, -1, 0)
+    return np.stack([nearest_image(x, box.x), y, nearest_image(z, box.z)], axis=-1)
 
 
 def bob_places(layout: Layout, samples: Samples) -> np.ndarray:

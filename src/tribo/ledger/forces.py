@@ -12,42 +12,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import time_loop
 from tribo.compiler.lanes_memory import room
-from tribo.kernels import force_probe
+from tribo.kernels import probe
 from tribo.kernels.records import BARS
-from tribo.layout.contacts import raise_calculator_errors, with_room
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import own_model
+from tribo.layout.loop_memory import Probe
 from tribo.layout.span import Span
-from tribo.ledger.accounts import Integrals
+from tribo.ledger.accounts import Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
+
+# Whether a surface of a scene has something.
+Has = Callable[[Scene, Surface], bool]
+
+
+def always(scene: Scene, surface: Surface) -> bool:
+    """Every surface has it."""
+    return True
 
 
 class Force(NamedTuple):
-    """A force on asperites.
+    """A force on asperites."""
 
-    Attributes
-    ----------
-    row : int
-        Of its x in what the kernels find.
-    meaning : str
-        In a few words.
-    work : str
-        The name of its work; empty where it never has noise.
-    acts : callable
-        Whether it acts on the asperites of a surface of a scene.
-    """
-
-    row: int
-    meaning: str
-    work: str = ""
-    acts: Callable[[Scene, Surface], bool] = lambda scene, surface: True
+    row: int  # of its x in what the kernels find
+    meaning: str  # in a few words
+    work: str = ""  # the name of its work; empty where it never has noise
+    acts: Has = always  # on the asperites of a surface
 
     def is_known(self, scene: Scene, surface: Surface) -> bool:
         """Whether it acts, and has a series.
@@ -61,30 +53,26 @@ class Force(NamedTuple):
 
 
 FORCES = {
-    "f1": Force(force_probe.F1, "contact force on the bob"),
+    "f1": Force(probe.F1, "contact force on the bob"),
     "f_within": Force(
-        force_probe.WITHIN,
-        "contact force of bobs of the same surface",
-        acts=Scene.has_contact_within,
+        probe.WITHIN, "contact force of bobs of the same surface", acts=Scene.has_contact_within
     ),
-    "f_field": Force(
-        force_probe.FIELD, "force of external fields on the bob", acts=Scene.has_field
-    ),
-    "f2": Force(force_probe.F2, "drive on the bar", "w2"),
+    "f_field": Force(probe.FIELD, "force of external fields on the bob", acts=Scene.has_field),
+    "f2": Force(probe.F2, "drive on the bar", "w2"),
     "f_spring": Force(
-        force_probe.SPRING,
+        probe.SPRING,
         "force of lattice springs on the bar",
         acts=lambda scene, surface: bool(surface.springs),
     ),
     "f_bath": Force(
-        force_probe.BATH,
+        probe.BATH,
         "force of the bath on the bar",
         acts=lambda scene, surface: surface.bath.masses.size > 0,
     ),
-    "fL": Force(force_probe.LEFT, "force on the bar's left end", "wL"),
-    "fR": Force(force_probe.RIGHT, "force on the bar's right end", "wR"),
+    "fL": Force(probe.LEFT, "force on the bar's left end", "wL"),
+    "fR": Force(probe.RIGHT, "force on the bar's right end", "wR"),
     "f_T": Force(
-        force_probe.FRICTION,
+        probe.FRICTION,
         "force of the reservoir on the bar",
         "w_T",
         lambda scene, surface: surface.bar_reservoir is not None,
@@ -93,15 +81,7 @@ FORCES = {
 
 
 class Forces:
-    """The forces on all asperites in the sampled states.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    samples : Samples
-        The raw samples of a run.
-    """
+    """The forces on all asperites of a scene in the states of raw samples."""
 
     def __init__(self, layout: Layout, samples: Samples) -> None:
         self.layout = layout
@@ -122,9 +102,8 @@ class Forces:
 
     def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
         """The mean of a force over the interval that ends at each sample; NaN at the first."""
-        accounts = Integrals(self._samples.s).of(span)
-        account = accounts[work]
-        impulse = accounts.whole((account.jx, account.jy)[axis])
+        accounts = Accounts(span, self._samples.s)
+        impulse = accounts.whole((accounts[work].jx, accounts[work].jy)[axis])
         mean = np.full(impulse.shape, np.nan)
         mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
         return mean
@@ -132,7 +111,7 @@ class Forces:
     def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
         a, (tx, ty) = motion.span.asperites, motion.direction
-        turning, inward = self._found(motion.span, force_probe.SWING), motion.omega**2
+        turning, inward = self._found(motion.span, probe.SWING), motion.omega**2
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
@@ -143,17 +122,9 @@ class Forces:
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, ROWS, columns)."""
         layout, samples = self.layout, self._samples
-        columns, coordinates = layout.model.each.shape[1], layout.room[0]
-        found = room((samples.t.size, force_probe.ROWS, columns))
-        scratch = [room((coordinates,)) for _ in range(3)]
-        neighbours, done = layout.neighbours(), 0
-        model, calls = own_model(layout)
+        found = room((samples.t.size, probe.ROWS, layout.model.each.shape[1]))
+        scratch = [room((layout.room[0],)) for _ in range(3)]
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
-        probe = time_loop(force_probe.force_probe, source_stamp(layout.plugins))
-        with compiling(probe, layout.named_plugins):
-            while done < samples.t.size:
-                neighbours = with_room(neighbours)
-                arrays = places, samples.t, y, samples.baths
-                done = probe(model, neighbours, *arrays, done, *scratch, found)
-        raise_calculator_errors(calls)
+        arrays = places, samples.t, y, samples.baths
+        Probe(layout, probe.force_probe)(samples.t.size, *arrays, *scratch, found)
         return found

@@ -49,16 +49,8 @@ class NotKeptError(InputError, KeyError, AttributeError):
 class Series(Mapping[str, np.ndarray]):
     """Series by name, as ``series["theta"]`` or ``series.theta``, each computed when first needed.
 
-    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).
-
-    Parameters
-    ----------
-    names : collection of str
-        Of the quantities.
-    compute : callable
-        Computes the series of a name.
-    kept : tuple of str
-        The names in ``output.keep``, where no others were recorded.
+    Quantities of asperites are (times, asperites), those of a surface as a whole (times,).  `kept`
+    are the names in ``output.keep``, where no others were recorded.
     """
 
     def __init__(
@@ -98,12 +90,11 @@ class Series(Mapping[str, np.ndarray]):
                 f'has only {", ".join(self._kept)}, so that "{name}" was not recorded; add it, and '
                 "run again",
             )
-        return KeyError(self._reason(name))
-
-    def _reason(self, name: str) -> str:
         if needs_accounts(name) and not any(map(needs_accounts, self._names)):
-            return f'"{name}" is not kept; works need another output.ledger, as "asperites"'
-        return f"no quantity {name!r}; there are {', '.join(self._names)}"
+            return KeyError(
+                f'"{name}" is not kept; works need another output.ledger, as "asperites"'
+            )
+        return KeyError(f"no quantity {name!r}; there are {', '.join(self._names)}")
 
     def __repr__(self) -> str:
         text = f"{len(self._names)} series: {', '.join(self._names)}"
@@ -187,17 +178,11 @@ class Ledger:
     def rows(self, selected: slice | np.ndarray) -> Ledger:
         """The ledger at some of its times: a slice, indices or a mask."""
 
-        def rows_of(table: Table) -> Series:
+        def rows_of(table: Table, surface: str) -> Series:
             return Series(table, lambda name: table[name][selected], self.kept)
 
-        return Ledger(
-            self.t[selected],
-            {name: rows_of(table) for name, table in self.surfaces.items()},
-            {name: rows_of(table) for name, table in self.blocks.items()},
-            rows_of(self.system),
-            self.kept,
-            {name: values[selected] for name, values in self.oscillators.items()},
-        )
+        oscillators = {name: values[selected] for name, values in self.oscillators.items()}
+        return self._of_tables(self.t[selected], rows_of, self.kept, oscillators)
 
     def only(self, keep: Sequence[str]) -> Ledger:
         """The ledger of the named quantities alone, as "upper.W", in arrays of their own."""
@@ -209,13 +194,19 @@ class Ledger:
             names = [name for name in table if (f"{surface}." * bool(surface)) + name in kept]
             return known({name: np.array(table[name]) for name in names}, kept)
 
-        return Ledger(
-            np.array(self.t),
-            {name: some(table, name) for name, table in self.surfaces.items()},
-            {name: some(table, name) for name, table in self.blocks.items()},
-            some(self.system, ""),
-            kept,
-        )
+        return self._of_tables(np.array(self.t), some, kept)
+
+    def _of_tables(
+        self,
+        t: np.ndarray,
+        change: Callable[[Table, str], Table],
+        kept: tuple[str, ...],
+        oscillators: Mapping[str, np.ndarray] = NO_OSCILLATORS,
+    ) -> Ledger:
+        """The ledger of tables that are made from those of this one, and names of surfaces."""
+        surfaces = {name: change(table, name) for name, table in self.surfaces.items()}
+        blocks = {name: change(table, name) for name, table in self.blocks.items()}
+        return Ledger(t, surfaces, blocks, change(self.system, ""), kept, oscillators)
 
     def flat(self) -> dict[str, np.ndarray]:
         """All series by their full names, as "upper.W"."""

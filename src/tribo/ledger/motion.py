@@ -15,21 +15,20 @@ from tribo.ledger.samples import Samples
 Position = tuple[np.ndarray, np.ndarray]  # x and y
 
 
+def _of_centre(group: str, table: str, place: int) -> cached_property[np.ndarray]:
+    """A coordinate of the centres of mass, or its rate: a group of slots, and about pivots."""
+    return cached_property(
+        lambda motion: motion._column(group, getattr(motion, table)) + motion._about_pivots[place]
+    )
+
+
 class Motion:
     """The motion of a span, and its energies.
 
     Every array is (times, asperites), and computed when it is first needed.  The displacements x
     and y and the velocities vx and vy are relative to the uniform motion with the initial velocity
-    of the surface; positions and velocities are in the laboratory.
-
-    Parameters
-    ----------
-    view : LedgerView
-        The places of the samples' numbers.
-    span : Span
-        Some asperites of one surface.
-    samples : Samples
-        The raw samples of a run, the first of which is the start of the run.
+    of the surface; positions and velocities are in the laboratory.  The first of the raw samples is
+    the start of the run.
     """
 
     def __init__(self, view: LedgerView, span: Span, samples: Samples) -> None:
@@ -70,25 +69,9 @@ class Motion:
         """Rate of phi."""
         return self._column("dof_phi", self._v, lambda: self.span.asperites.nu)
 
-    @cached_property
-    def x(self) -> np.ndarray:
-        """Displacement of the centre of mass from its uniform motion."""
-        return self._column("dof_x", self._q) + self._about_pivots[0]
-
-    @cached_property
-    def y(self) -> np.ndarray:
-        """The same along y."""
-        return self._column("dof_y", self._q) + self._about_pivots[1]
-
-    @cached_property
-    def vx(self) -> np.ndarray:
-        """Rate of `x`."""
-        return self._column("dof_x", self._v) + self._about_pivots[2]
-
-    @cached_property
-    def vy(self) -> np.ndarray:
-        """Rate of `y`."""
-        return self._column("dof_y", self._v) + self._about_pivots[3]
+    # Displacements of the centre of mass from its uniform motion, and their rates.
+    x, y = _of_centre("dof_x", "_q", 0), _of_centre("dof_y", "_q", 1)
+    vx, vy = _of_centre("dof_x", "_v", 2), _of_centre("dof_y", "_v", 3)
 
     @cached_property
     def theta(self) -> np.ndarray:

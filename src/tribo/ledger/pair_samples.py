@@ -51,22 +51,14 @@ class Factors:
 class PairSamples(Samples):
     """The samples of a pair, which stay in the loop's record until they are asked for.
 
-    Parameters
-    ----------
-    t : ndarray, (times x runs,)
-        When they were recorded.
-    record : ndarray, (times x runs, COLUMNS)
-        Rows of the loop's record.
-    first : ndarray, (runs, COLUMNS)
-        The first row of each run.
-    factors : Factors
-        Of the scene's layout.
+    `record` (times x runs, COLUMNS) has rows of the loop's record, and `first` (runs, COLUMNS) the
+    first row of each run; `factors` are those of the scene's layout.
     """
 
     def __init__(
         self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
     ) -> None:
-        self.t = t
+        self.t, self.contact, self.baths = t, record[:, ENERGY], np.empty((t.size, 0, 0))
         self._record = record
         self._first = first
         self._factors = factors
@@ -92,11 +84,6 @@ class PairSamples(Samples):
             )
         return s
 
-    @property
-    def contact(self) -> np.ndarray:  # type: ignore[override]
-        """Energy of the contact, (times,)."""
-        return self._record[:, ENERGY]
-
     @cached_property
     def field(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times,)."""
@@ -106,11 +93,6 @@ class PairSamples(Samples):
     def stored(self) -> np.ndarray:  # type: ignore[override]
         """Zeros, (times, 2, STORED)."""
         return np.zeros((self.t.size, 2, STORED))
-
-    @property
-    def baths(self) -> np.ndarray:  # type: ignore[override]
-        """Empty, (times, 0, 0)."""
-        return np.empty((self.t.size, 0, 0))
 
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
@@ -160,7 +142,8 @@ class PairSamples(Samples):
         record = np.concatenate([each._record for each in parts])
         return PairSamples(t, record, self._first, self._factors)
 
-    def _rows(self, selected: np.ndarray | slice) -> PairSamples:
+    def rows(self, selected: np.ndarray | slice) -> PairSamples:
+        """The samples of one run at some places."""
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:

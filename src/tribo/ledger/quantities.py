@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
-from tribo.layout.contact_distance import has_contact_distance
-from tribo.ledger.forces import FORCES
+from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
-from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
+from tribo.ledger.separation import has_contact_distance
+from tribo.ledger.totals import Linear, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -32,24 +32,12 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a reported quantity is.
+    """What a reported quantity is."""
 
-    Attributes
-    ----------
-    kind : str
-        A key of `UNITS`; accuracies are relative to one scale per kind.
-    long_name : str
-        Its meaning in a few words.
-    of : callable
-        Its series, from some asperites, a surface or the system.
-    present : callable
-        Whether it can be asked for, of a surface of a scene.
-    """
-
-    kind: str
-    long_name: str
-    of: Callable[..., np.ndarray]
-    present: Callable[[Scene, Surface], bool] = lambda scene, surface: True
+    kind: str  # a key of `UNITS`; accuracies are relative to one scale per kind
+    long_name: str  # its meaning in a few words
+    of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
+    present: Has = always  # whether it can be asked for
 
     @property
     def units(self) -> str:
@@ -57,12 +45,30 @@ class Quantity:
         return UNITS[self.kind]
 
 
-def _each(value: Callable[[Motion], np.ndarray]) -> Callable[[AsperiteSeries], np.ndarray]:
-    return lambda group: group.each(value)
+def _moving(kind: str, long_name: str, value: Callable[[Motion], np.ndarray]) -> Quantity:
+    """A quantity that follows from the motion of asperites."""
+    return Quantity(kind, long_name, lambda group: group.each(value))
 
 
-def _accounted(name: str) -> Linear:
-    return Linear(lambda group, integrals: group.accounted(integrals, name))
+def _accounted(name: str, long_name: str) -> Quantity:
+    """A quantity that follows from their accounts."""
+    return Quantity(
+        "energy", long_name, Linear(lambda group, integrals: group.accounted(integrals, name))
+    )
+
+
+def _works(agents: Mapping[str, str]) -> dict[str, Quantity]:
+    """The works of agents, and behind them the pseudoworks but those of single ends."""
+    works = {name: _accounted(name, f"work of {agent}") for name, agent in agents.items()}
+    return works | {
+        f"{name}_ps": _accounted(f"{name}_ps", f"pseudowork of {agent}")
+        for name, agent in agents.items()
+        if name not in ("wL", "wR")
+    }
+
+
+def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
+    return Quantity("energy", long_name, of, present)
 
 
 def _summed(name: str) -> Linear:
@@ -71,92 +77,73 @@ def _summed(name: str) -> Linear:
 
 # Of each asperite, in the order in which they are reported.
 ASPERITE_QUANTITIES = {
-    "theta": Quantity("angle", "pendulum angle", _each(lambda e: e.theta)),
-    "phi": Quantity("angle", "bar angle", _each(lambda e: e.phi)),
-    "omega": Quantity("rate", "angular velocity of the pendulum", _each(lambda e: e.omega)),
-    "nu": Quantity("rate", "angular velocity of the bar", _each(lambda e: e.nu)),
-    "x_cm": Quantity("length", "x of the centre of mass", _each(lambda e: e.centre[0])),
-    "y_cm": Quantity("length", "y of the centre of mass", _each(lambda e: e.centre[1])),
-    "vx_cm": Quantity(
-        "velocity", "x velocity of the centre of mass", _each(lambda e: e.velocity[0])
+    "theta": _moving("angle", "pendulum angle", lambda e: e.theta),
+    "phi": _moving("angle", "bar angle", lambda e: e.phi),
+    "omega": _moving("rate", "angular velocity of the pendulum", lambda e: e.omega),
+    "nu": _moving("rate", "angular velocity of the bar", lambda e: e.nu),
+    "x_cm": _moving("length", "x of the centre of mass", lambda e: e.centre[0]),
+    "y_cm": _moving("length", "y of the centre of mass", lambda e: e.centre[1]),
+    "vx_cm": _moving("velocity", "x velocity of the centre of mass", lambda e: e.velocity[0]),
+    "vy_cm": _moving("velocity", "y velocity of the centre of mass", lambda e: e.velocity[1]),
+    "x_bob": _moving("length", "x of the bob", lambda e: e.bob[0]),
+    "y_bob": _moving("length", "y of the bob", lambda e: e.bob[1]),
+    "x_bar": _moving("length", "x of the bar's centre", lambda e: e.bar[0]),
+    "y_bar": _moving("length", "y of the bar's centre", lambda e: e.bar[1]),
+    **_works(
+        {
+            "w1": "the contact force",
+            "w2": "the drive",
+            "wL": "the force on the bar's left end",
+            "wR": "the force on the bar's right end",
+            "w_int": "internal forces of the surface",
+            "w": "all forces",
+        }
     ),
-    "vy_cm": Quantity(
-        "velocity", "y velocity of the centre of mass", _each(lambda e: e.velocity[1])
+    "delta_k_trans": _moving(
+        "energy", "change of translational kinetic energy", lambda e: e.kinetic
     ),
-    "x_bob": Quantity("length", "x of the bob", _each(lambda e: e.bob[0])),
-    "y_bob": Quantity("length", "y of the bob", _each(lambda e: e.bob[1])),
-    "x_bar": Quantity("length", "x of the bar's centre", _each(lambda e: e.bar[0])),
-    "y_bar": Quantity("length", "y of the bar's centre", _each(lambda e: e.bar[1])),
-    "w1": Quantity("energy", "work of the contact force", _accounted("w1")),
-    "w2": Quantity("energy", "work of the drive", _accounted("w2")),
-    "wL": Quantity("energy", "work of the force on the bar's left end", _accounted("wL")),
-    "wR": Quantity("energy", "work of the force on the bar's right end", _accounted("wR")),
-    "w_int": Quantity("energy", "work of internal forces of the surface", _accounted("w_int")),
-    "w": Quantity("energy", "work of all forces", _accounted("w")),
-    "w1_ps": Quantity("energy", "pseudowork of the contact force", _accounted("w1_ps")),
-    "w2_ps": Quantity("energy", "pseudowork of the drive", _accounted("w2_ps")),
-    "w_int_ps": Quantity(
-        "energy", "pseudowork of internal forces of the surface", _accounted("w_int_ps")
-    ),
-    "w_ps": Quantity("energy", "pseudowork of all forces", _accounted("w_ps")),
-    "delta_k_trans": Quantity(
-        "energy", "change of translational kinetic energy", _each(lambda e: e.kinetic)
-    ),
-    "delta_e_int": Quantity("energy", "change of internal energy", _each(lambda e: e.internal)),
-    "swing_energy": Quantity(
+    "delta_e_int": _moving("energy", "change of internal energy", lambda e: e.internal),
+    "swing_energy": _moving(
         "energy",
         "internal energy; on driven bars, of the motion about the bar",
-        _each(lambda e: e.swinging),
+        lambda e: e.swinging,
     ),
 }
 # Of each asperite of a surface with a field.
-FIELD_QUANTITIES = {
-    "w_field": Quantity("energy", "work of external fields", _accounted("w_field")),
-    "w_field_ps": Quantity("energy", "pseudowork of external fields", _accounted("w_field_ps")),
-}
+FIELD_QUANTITIES = _works({"w_field": "external fields"})
 # Of each asperite of a surface with a reservoir.
-RESERVOIR_QUANTITIES = {
-    "w_T": Quantity("energy", "work of the reservoir", _accounted("w_T")),
-    "w_T_ps": Quantity("energy", "pseudowork of the reservoir", _accounted("w_T_ps")),
-    "heat": Quantity("energy", "heat given to the reservoirs", _accounted("heat")),
+RESERVOIR_QUANTITIES = _works({"w_T": "the reservoir"}) | {
+    "heat": _accounted("heat", "heat given to the reservoirs")
 }
 # Of each asperite of a surface with reservoirs at its bars and on its swings.
 SECOND_RESERVOIR_QUANTITIES = {
-    "heat_swing": Quantity(
-        "energy", "heat given to the reservoir on the swing", _accounted("heat_swing")
-    ),
+    "heat_swing": _accounted("heat_swing", "heat given to the reservoir on the swing")
 }
 OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES | SECOND_RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": Quantity("energy", "work of external forces on the surface", Linear(SurfaceSeries.work)),
-    "W_ps": Quantity(
-        "energy", "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
+    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work)),
+    "W_ps": _energy(
+        "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
     ),
-    "delta_K": Quantity(
-        "energy",
-        "change of the surface's bulk kinetic energy",
-        lambda whole: whole.change_of_kinetic,
+    "delta_K": _energy(
+        "change of the surface's bulk kinetic energy", lambda whole: whole.change_of_kinetic
     ),
-    "delta_E_int": Quantity(
-        "energy", "change of the surface's internal energy", lambda whole: whole.change_of_internal
+    "delta_E_int": _energy(
+        "change of the surface's internal energy", lambda whole: whole.change_of_internal
     ),
-    "friction_work": Quantity(
-        "energy",
-        "work against the contact force at the surface's velocity",
-        Linear(SurfaceSeries.friction),
+    "friction_work": _energy(
+        "work against the contact force at the surface's velocity", Linear(SurfaceSeries.friction)
     ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
-    "contact_energy": Quantity(
-        "energy", "potential energy of contacts between surfaces", SystemSeries.contact_energy
+    "contact_energy": _energy(
+        "potential energy of contacts between surfaces", lambda system: system.samples.contact
     ),
-    "total_energy_change": Quantity(
-        "energy", "change of the total energy", SystemSeries.change_of_energy
-    ),
-    "applied_work": Quantity(
-        "energy", "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
+    "total_energy_change": _energy("change of the total energy", SystemSeries.change_of_energy),
+    "applied_work": _energy(
+        "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
     ),
 }
 # Those that have an accuracy.
@@ -172,8 +159,10 @@ def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
     return lambda whole: whole.force(name, axis)
 
 
-def _along_x(*names: str) -> Callable[[SurfaceSeries], np.ndarray]:
-    return lambda whole: whole.force_along_x(*names)
+def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
+    """The x component of the sum of some forces on a surface."""
+    meaning = f"x of {force} on the surface"
+    return Quantity("force", meaning, lambda whole: whole.force_along_x(*names), present)
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -188,65 +177,46 @@ FURTHER_OF_ASPERITES = {
     for name, force in FORCES.items()
     for axis, along in enumerate("xy")
 } | {
-    "k_trans": Quantity("energy", "translational kinetic energy", _each(lambda e: e.translation)),
-    "k_swing": Quantity(
-        "energy", "kinetic energy of the pendulum's rotation", _each(lambda e: e.energies[0])
+    "k_trans": _moving("energy", "translational kinetic energy", lambda e: e.translation),
+    "k_swing": _moving(
+        "energy", "kinetic energy of the pendulum's rotation", lambda e: e.energies[0]
     ),
-    "k_bar": Quantity(
-        "energy", "kinetic energy of the bar's rotation", _each(lambda e: e.energies[1])
-    ),
-    "e_torsion": Quantity("energy", "energy of the torsion spring", _each(lambda e: e.energies[2])),
+    "k_bar": _moving("energy", "kinetic energy of the bar's rotation", lambda e: e.energies[1]),
+    "e_torsion": _moving("energy", "energy of the torsion spring", lambda e: e.energies[2]),
 }
 # Of each surface as a whole, likewise.
 FURTHER_OF_SURFACES = {
-    "friction_force": Quantity(
-        "force", "x of contact and fields on the surface", _along_x("f1", "f_field")
-    ),
-    "contact_force": Quantity(
-        "force", "x of the contact force on the surface", _along_x("f1"), Scene.has_field
-    ),
-    "field_force": Quantity(
-        "force", "x of the fields' force on the surface", _along_x("f_field"), Scene.has_field
-    ),
-    "pull_force": Quantity(
-        "force", "x of the drive's force on the surface", _along_x("f2"), FORCES["f2"].is_known
-    ),
+    "friction_force": _along_x("contact and fields", "f1", "f_field"),
+    "contact_force": _along_x("the contact force", "f1", present=Scene.has_field),
+    "field_force": _along_x("the fields' force", "f_field", present=Scene.has_field),
+    "pull_force": _along_x("the drive's force", "f2", present=FORCES["f2"].is_known),
     "time_without_contact": Quantity(
         "share",
         "share of time without contact: 1 where no bob is in contact, else 0",
         lambda whole: whole.without_contact,
         has_contact_distance,
     ),
-    "e_springs": Quantity(
-        "energy",
+    "e_springs": _energy(
         "energy of the lattice springs",
         lambda whole: whole.stored(SPRINGS),
         FORCES["f_spring"].acts,
     ),
-    "e_within": Quantity(
-        "energy",
+    "e_within": _energy(
         "energy of contact within the surface",
         lambda whole: whole.stored(WITHIN),
         Scene.has_contact_within,
     ),
-    "k_bath": Quantity(
-        "energy", "kinetic energy of the bath", lambda whole: whole.kinetic_of_bath, _has_bath
-    ),
-    "e_bath": Quantity(
-        "energy", "potential energy of the bath", lambda whole: whole.potential_of_bath, _has_bath
-    ),
-    "heat_bath": Quantity(
-        "energy", "heat given to the bath", lambda whole: whole.heat_of_bath, _has_bath
-    ),
+    "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
+    "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
+    "heat_bath": _energy("heat given to the bath", lambda w: w.heat_of_bath, _has_bath),
 }
 # Those of which the average over time is kept at the end of a run, not the value at that time.
 AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
-    "field_energy": Quantity(
-        "energy",
+    "field_energy": _energy(
         "potential energy in fields",
-        SystemSeries.field_energy,
+        lambda system: system.samples.field,
         lambda scene, surface: bool(scene.fields),
     )
 }
@@ -286,13 +256,7 @@ SUMMED_QUANTITIES = {
 
 @dataclass(frozen=True)
 class Reported:
-    """The quantities that a scene reports, by name.
-
-    Attributes
-    ----------
-    asperites, blocks, system : dict
-        Of each asperite, of each surface as a whole, and of the system.
-    """
+    """The quantities that a scene reports: of asperites, of surfaces as wholes, of the system."""
 
     asperites: Mapping[str, Quantity]
     blocks: Mapping[str, Quantity]
@@ -303,40 +267,24 @@ class Reported:
 def reported(
     ledger: str, field: bool, reservoirs: int, further: frozenset[str] = frozenset()
 ) -> Reported:
-    """The quantities that are reported.
+    """The quantities that are reported, with those on request whose names are `further`.
 
-    Parameters
-    ----------
-    ledger : str
-        Of what works are kept: "asperites", "surfaces" or "none".
-    field : bool
-        Whether a field acts on the surface.
-    reservoirs : int
-        How many reservoirs it has.
-    further : frozenset of str
-        The names of those that are reported on request.
+    `ledger` says of what works are kept: "asperites", "surfaces" or "none"; `field` whether a field
+    acts on the surface, and `reservoirs` how many reservoirs it has.
     """
-    usual = _usual(ledger, field, reservoirs)
-    asked = (
-        {name: each for name, each in table.items() if name in further}
-        for table in (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
-    )
-    tables = zip((usual.asperites, usual.blocks, usual.system), asked, strict=True)
-    return Reported(*({**table, **more} for table, more in tables))
-
-
-def _usual(ledger: str, field: bool, reservoirs: int) -> Reported:
-    """The quantities that are reported without being asked for."""
     own = ASPERITE_QUANTITIES | (FIELD_QUANTITIES if field else {})
     own |= RESERVOIR_QUANTITIES if reservoirs else {}
     own |= SECOND_RESERVOIR_QUANTITIES if reservoirs == 2 else {}
-    if ledger == "asperites":
-        return Reported(own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES)
-    motion, whole, system = (
-        {name: each for name, each in table.items() if not needs_accounts(name)}
-        for table in (own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES)
-    )
-    if ledger == "none":
-        return Reported(motion, whole, system)
-    sums = {name: each for name, each in SUMMED_QUANTITIES.items() if name in own}
-    return Reported(motion, BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES)
+    tables = [own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES]
+    if ledger == "surfaces":
+        sums = {name: each for name, each in SUMMED_QUANTITIES.items() if name in own}
+        tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
+    elif ledger == "none":
+        tables = list(map(_without_accounts, tables))
+    on_request = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
+    asked = ({name: t[name] for name in t if name in further} for t in on_request)
+    return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
+
+
+def _without_accounts(table: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    return {name: each for name, each in table.items() if not needs_accounts(name)}

@@ -49,24 +49,24 @@ class Samples:
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
         found = times[np.searchsorted(times, self.t).clip(max=times.size - 1)] == self.t
-        return self if found.all() else self._rows(found)
+        return self if found.all() else self.rows(found)
 
-    def rows(self, selected: slice) -> Samples:
-        """The samples at some places: views of these."""
-        return self._rows(selected)
+    def rows(self, selected: np.ndarray | slice) -> Samples:
+        """The samples of one run at some places: indices, a mask, or a slice, of views."""
+        return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
 
     def first(self) -> Samples:
         """The first sample alone."""
-        return self._rows(np.array([0]))
+        return self.rows(np.array([0]))
 
     def last(self) -> Samples:
         """The last sample alone."""
-        return self._rows(np.array([-1]))
+        return self.rows(np.array([-1]))
 
     def last_interval(self, beginning: float = 0.0) -> Samples:
         """The first sample, the first one from `beginning` on, and the last two."""
         last = self.t.size - 1
-        return self._rows(np.unique([0, self.index_from(beginning), max(last - 1, 0), last]))
+        return self.rows(np.unique([0, self.index_from(beginning), max(last - 1, 0), last]))
 
     def index_from(self, time: float) -> int:
         """The index of the first sample from a time on, or else of the last."""
@@ -74,7 +74,7 @@ class Samples:
 
     def ends(self) -> Samples:
         """The first and the last sample."""
-        return self._rows(np.unique([0, self.t.size - 1]))
+        return self.rows(np.unique([0, self.t.size - 1]))
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
@@ -90,7 +90,7 @@ class Samples:
     def of_members(self, selected: np.ndarray) -> Samples:
         """The samples of some of the runs, by their indices or a mask."""
         rows = np.arange(self.t.size).reshape(-1, self.runs)[:, selected]
-        samples = self._rows(rows.ravel())
+        samples = self.rows(rows.ravel())
         samples.runs = rows.shape[1]
         return samples
 
@@ -108,9 +108,6 @@ class Samples:
     def change(self, series: np.ndarray) -> np.ndarray:
         """A series of these samples less its value at the start of the run."""
         return np.asarray(series - self.at_start(series))
-
-    def _rows(self, selected: np.ndarray | slice) -> Samples:
-        return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
 
 
 def sample_columns(layout: Layout, *shape: int) -> tuple[np.ndarray, ...]:

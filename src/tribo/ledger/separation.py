@@ -1,17 +1,26 @@
-"""Contact between surfaces over time, and notes where they part for good or never meet."""
+"""Contact between surfaces over time, and notes where they part for good or never meet.
+
+Two bobs are in contact within the range of a potential that ends.  Of a potential that decays
+without an end, they are so within the largest distance at which its energy is a fraction of the
+energies that it competes with.  A potential that states no distance beyond which it is weak has no
+such distance, as that of Coulomb.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from tribo.layout.contact_distance import contact_distance
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import bob_places, in_box
+from tribo.ledger.closest_bobs import bob_places, in_box, nearest_images
 from tribo.ledger.samples import Samples
+from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 
 # Time without contact at the end of a run after which surfaces count as parted: at least so much of
 # the run, and so many times the longest time between two contacts before.  A surface that hops or
@@ -21,41 +30,38 @@ LEAST_PART, LONGER = 0.1, 2.0
 PART = "part for good"
 # Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
 MOST_PAIRS = 400
+# Energy of two bobs in contact, at least, as a fraction of torsion by 1 rad and of k_B T.
+IN_CONTACT = 0.01
+# Distances at which a decaying potential is looked at, in units of that beyond which it is weak:
+# a tail r^-6 falls by 4e3 up to the largest, and steps of 2 % resolve the smallest.
+DISTANCES = np.geomspace(4.0, 0.05, 220)
 
 
 class Reach(NamedTuple):
-    """The distance of two bobs in contact.
+    """The distance of two bobs in contact."""
 
-    Attributes
-    ----------
-    distance : float
-        [length].
-    ends : bool
-        Whether their potential is zero beyond it.
-    species : tuple of str, or None
-        The species of the two bobs; None for any.
-    """
-
-    distance: float
-    ends: bool
-    species: tuple[str, str] | None
+    distance: float  # [length]
+    ends: bool  # whether their potential is zero beyond it
+    species: tuple[str, str] | None  # of the two bobs; None for any
 
 
 def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
     """Whether no bob of a surface is in contact with one of another surface, (times,)."""
-    places = bob_places(layout, samples)
-    pairs = {pair: each for pair, each in _reaches(layout.scene).items() if index in pair}
-    touches = [_in_contact(layout, places, pair, each) for pair, each in pairs.items()]
-    return ~np.any(touches, axis=0)
+    return ~np.any(touching(layout, samples, lambda pair: index in pair), axis=1)
 
 
-def touching(layout: Layout, samples: Samples) -> np.ndarray:
-    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs)."""
-    pairs = _reaches(layout.scene)
+def touching(
+    layout: Layout, samples: Samples, counts: Callable[[tuple[int, int]], bool] = lambda pair: True
+) -> np.ndarray:
+    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs).
+
+    `counts` says which pairs of surfaces are looked at.
+    """
+    pairs = [item for item in _reaches(layout.scene).items() if counts(item[0])]
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
     places = bob_places(layout, samples)
-    return np.column_stack([_in_contact(layout, places, *each) for each in pairs.items()])
+    return np.column_stack([_in_contact(layout, places, *each) for each in pairs])
 
 
 def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[str, ...]:
@@ -84,16 +90,13 @@ def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[
 
 def parted(layout: Layout, samples: Samples) -> np.ndarray:
     """Whether two surfaces with a load part for good in each of several runs, (members,)."""
-    scene, members = layout.scene, samples.runs
-    found = np.zeros(members, dtype=bool)
-    for pair, reach in _reaches(scene).items():
-        if all(scene.surfaces[k].drive.load is None for k in pair):
-            continue
-        touches = _in_contact(layout, bob_places(layout, samples), pair, reach)
-        t = samples.t[::members]
-        for member, each in enumerate(touches.reshape(-1, members).T):
-            found[member] |= _part(t, t[each])
-    return found
+
+    def is_loaded(pair: tuple[int, int]) -> bool:
+        return any(layout.scene.surfaces[k].drive.load is not None for k in pair)
+
+    t = samples.t[:: samples.runs]
+    touches = touching(layout, samples, is_loaded).reshape(t.size, samples.runs, -1)
+    return np.array([any(_part(t, t[each]) for each in own.T) for own in touches.swapaxes(0, 1)])
 
 
 def _part(t: np.ndarray, met: np.ndarray) -> bool:
@@ -150,19 +153,57 @@ def _any_within(
         gap = np.maximum(y.min(axis=1) - their_y.max(axis=1), their_y.min(axis=1) - y.max(axis=1))
         near = np.isfinite(mine).all(axis=(1, 2)) & np.isfinite(theirs).all(axis=(1, 2))
         near &= gap < distance
-    (mine, box), (theirs, _) = in_box(layout, mine[near]), in_box(layout, theirs[near])
+    mine, theirs = mine[near], theirs[near]
     if mine.shape[1] * theirs.shape[1] <= MOST_PAIRS:
-        found[near] = _nearest(mine, theirs, box) < distance
+        between = nearest_images(layout, mine[:, :, None] - theirs[:, None])
+        found[near] = np.linalg.norm(between, axis=-1).min(axis=(1, 2)) < distance
         return found
+    (mine, box), (theirs, _) = in_box(layout, mine), in_box(layout, theirs)
     for k, own, others in zip(np.flatnonzero(near), mine, theirs, strict=True):
         nearest, _ = KDTree(others, boxsize=box).query(own, distance_upper_bound=distance)
         found[k] = np.min(nearest) < distance
     return found
 
 
-def _nearest(mine: np.ndarray, theirs: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """The smallest distance of any two places in a box, (times,)."""
-    between = mine[:, :, None] - theirs[:, None]
-    periodic = box > 0.0
-    between[..., periodic] -= box[periodic] * np.round(between[..., periodic] / box[periodic])
-    return np.asarray(np.sqrt(np.min(np.sum(between**2, axis=-1), axis=(1, 2))))
+def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
+    """The distance of two bobs in contact [length]; None without a range, or without bobs."""
+    potential = interaction.potential
+    if math.isfinite(ends := potential.range()):
+        return float(ends)
+    if not hasattr(potential, "feature"):  # a calculator, or code that is not loaded
+        return None
+    weak_from = float(potential.feature()[1])
+    if not 0.0 < weak_from < math.inf:
+        return None
+    surfaces = [scene.surfaces[k] for pair in scene.pairs(interaction) for k in pair]
+    if not surfaces:
+        return None
+    least = IN_CONTACT * (_torsion(surfaces) + max(map(_temperature, surfaces)))
+    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
+    distances = (weak_from * DISTANCES).tolist()
+    try:
+        with np.errstate(all="ignore"):
+            energies = [abs(potential.energy_between(r, charge, charge)) for r in distances]
+    except Exception:  # a user's energy may raise anything: it is reported when it is compiled
+        return weak_from
+    strong = (r for r, energy in zip(distances, energies, strict=True) if energy >= least)
+    return next(strong, 0.0) if least > 0.0 else weak_from
+
+
+def has_contact_distance(scene: Scene, surface: Surface) -> bool:
+    """Whether all contacts of a surface with others have a range, or decay."""
+    index = [each.name for each in scene.surfaces].index(surface.name)
+    mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
+    return bool(mine) and all(contact_distance(scene, i) is not None for i in mine)
+
+
+def _torsion(surfaces: list[Surface]) -> float:
+    """The energy of torsion by 1 rad of the softest asperite; 0 if all are rigid."""
+    stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
+    finite = stiffness[np.isfinite(stiffness)]
+    return 0.5 * float(np.min(finite)) if finite.size else 0.0
+
+
+def _temperature(surface: Surface) -> float:
+    """The largest temperature of a surface's reservoirs and baths, times k_B."""
+    return max(surface.bath.temperature, *(each.temperature for each in surface.reservoirs), 0.0)

@@ -14,21 +14,11 @@ from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSer
 
 
 class SeriesTable(NamedTuple):
-    """All series of a run side by side.
+    """All series of a run side by side."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "w1", or "upper.w1" for that of one surface.
-    starts : ndarray, (names,)
-        The first column of each.
-    values : ndarray, (times, columns)
-        The series.
-    """
-
-    names: tuple[str, ...]
-    starts: np.ndarray
-    values: np.ndarray
+    names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
+    starts: np.ndarray  # (names,) the first column of each
+    values: np.ndarray  # (times, columns)
 
     def rows(self, selected: slice | np.ndarray) -> SeriesTable:
         """The same series at some of the times."""
@@ -45,36 +35,26 @@ class SeriesTable(NamedTuple):
 
 
 def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
-    """All series of a run, and further ones by `names`, as "upper.W".
+    """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
     Those that are linear in the integrals of the kernels are computed together; their last bits may
     differ from those of a series that is computed alone.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    group
-        all asperites
-    names
-        of further quantities
     """
-    items = _items(layout, group)
-    linear = [(item, item.of) for item in items if isinstance(item.of, Linear)]
-    rest = [item for item in items if not isinstance(item.of, Linear)]
+    items = sorted(_items(layout, group), key=lambda item: not isinstance(item.of, Linear))
 
     def together(integrals: Integrals) -> np.ndarray:
         count = len(integrals.s)
+        linear = ((item, item.of) for item in items if isinstance(item.of, Linear))
         values = [of.value(each, integrals) for item, of in linear for each in item.sources]
         none = np.empty((count, 0))
         return np.concatenate([none, *(value.reshape(count, -1) for value in values)], axis=1)
 
     values = [group.samples.linear("columns", together)]
+    rest = (item for item in items if not isinstance(item.of, Linear))
     series = (item.of(each) for item in rest for each in item.sources)
     values += [each.reshape(len(values[0]), -1) for each in series]
-    ordered = [*(item for item, _ in linear), *rest]
-    starts = np.cumsum([0, *(item.width for item in ordered[:-1])])
-    columns = SeriesTable(tuple(i.name for i in ordered), starts, np.concatenate(values, axis=1))
+    starts = np.cumsum([0, *(item.width for item in items[:-1])])
+    columns = SeriesTable(tuple(i.name for i in items), starts, np.concatenate(values, axis=1))
     return _with(layout, columns, names)
 
 

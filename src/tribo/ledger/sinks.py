@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from tribo.kernels.force_probe import ROWS
+from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import first_lost, passed_through
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.passing import passed_through
 from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
-from tribo.ledger.runaway import first_lost
 from tribo.ledger.samples import Samples
 from tribo.ledger.watched import Watched, look_interval
 
@@ -33,14 +32,8 @@ class StreamedLedger:
     """The ledger of a run whose samples arrive in portions.
 
     It has the complete series that ``output.keep`` names; without it, those of the surfaces as
-    wholes and of the system, while those of the asperites are left out.
-
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    guarded : bool
-        Whether the energy may run away, as with equal steps.
+    wholes and of the system, while those of the asperites are left out.  It is `guarded` where the
+    energy may run away, as with equal steps.
     """
 
     def __init__(self, layout: Layout, guarded: bool = False) -> None:
@@ -56,9 +49,8 @@ class StreamedLedger:
 
         These are the first of the run and the last two, which changes and means over an interval
         are relative to, and the first from the layout's beginning on, where the series begin.
-        Returns the index of the first sample at which the energy has run away, or
-        surfaces have passed through each other, if there is one, and its status; samples after it
-        are left out.
+        Returns the index of the first sample at which the energy has run away, or surfaces have
+        passed through each other, if there is one, and its status; those after it are left out.
         """
         ledger, lost = assemble(self._layout, samples), None
         if self._guarded:
@@ -69,29 +61,23 @@ class StreamedLedger:
         end = min(ends, default=None)
         first = max(earlier, samples.index_from(self._layout.beginning))
         kept = slice(first, None if end is None else end[0] + 1)
-        self._watch(samples.rows(kept))
-        self._keep(ledger.rows(kept))
+        self._keep(samples.rows(kept), ledger.rows(kept))
         return end
-
-    def _watch(self, samples: Samples) -> None:
-        """Keep what notes need of new samples."""
-        done = sum(portion[TIMES].size for portion in self._portions)
-        every = look_interval(self._layout.times.size)
-        self._watched.append(Watched.of(self._layout, samples, -done % every, every))
 
     @property
     def watched(self) -> Watched:
         """What notes need of all samples so far."""
         return Watched.joined(self._watched)
 
-    def _keep(self, ledger: Ledger) -> None:
-        """Keep what the scene asks for."""
-        keep = self._layout.scene.output.keep
+    def _keep(self, samples: Samples, ledger: Ledger) -> None:
+        """Keep what notes need of new samples, and the series that the scene asks for."""
+        done = sum(portion[TIMES].size for portion in self._portions)
+        every, keep = look_interval(self._layout.times.size), self._layout.scene.output.keep
+        self._watched.append(Watched.of(self._layout, samples, -done % every, every))
         some = Ledger(ledger.t, {}, ledger.blocks, ledger.system)
-        series = some.flat() if keep is None else ledger.only(keep).flat()
+        series = {TIMES: ledger.t} | (some if keep is None else ledger.only(keep)).flat()
         # Copies: the loop writes the next portion into the same arrays.
-        copies = {name: np.array(values) for name, values in series.items()}
-        self._portions.append({TIMES: np.array(ledger.t), **copies})
+        self._portions.append({name: np.array(values) for name, values in series.items()})
 
     def new_arrays(self) -> dict[str, np.ndarray]:
         """The portions since the last call, and what the next one needs, as arrays for a file."""

@@ -8,15 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.records import BARS
-from tribo.kernels.samples import (
-    BATH,
-    KINETIC,
-    MOMENTUM_X,
-    MOMENTUM_Y,
-    SPRINGS,
-    TORSIONAL,
-    WITHIN,
-)
+from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.ledger_view import LedgerView
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
@@ -246,14 +238,6 @@ class SystemSeries:
         self.samples = samples
         self.spans: tuple[Span, ...] = ()
         self._wholes = wholes
-
-    def contact_energy(self) -> np.ndarray:
-        """The potential energy of contacts between surfaces."""
-        return self.samples.contact
-
-    def field_energy(self) -> np.ndarray:
-        """The potential energy in external fields."""
-        return self.samples.field
 
     @_with_infinities
     def change_of_energy(self) -> np.ndarray:

@@ -12,7 +12,6 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import touching
 from tribo.model.drives import DrivenBars, Forced
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 
 # Recorded times at which notes look for contact, at most.
 MOST_LOOKS = 256
@@ -21,24 +20,12 @@ ALIKE = 1e-9
 
 
 class Watched(NamedTuple):
-    """What notes need of all samples.
+    """What notes need of all samples."""
 
-    Attributes
-    ----------
-    looks : ndarray, (looks,)
-        Times at which contact was looked for.
-    touching : ndarray, (looks, pairs)
-        Whether any bobs were in contact then, of each pair of `tribo.ledger.separation.reaches`.
-    t : ndarray, (times,)
-        Times of the works; none where forced drives cannot pump heat.
-    works : ndarray, (times, 2)
-        The work of all drives, and friction times distance.
-    """
-
-    looks: np.ndarray
-    touching: np.ndarray
-    t: np.ndarray
-    works: np.ndarray
+    looks: np.ndarray  # (looks,) times at which contact was looked for
+    touching: np.ndarray  # (looks, pairs) as :func:`tribo.ledger.separation.touching` then
+    t: np.ndarray  # (times,) of the works; none where forced drives cannot pump heat
+    works: np.ndarray  # (times, 2) of all drives, and friction times distance
 
     @classmethod
     def of(cls, layout: Layout, samples: Samples, first: int = 0, every: int | None = None) -> Self:
@@ -61,7 +48,13 @@ def look_interval(times: int) -> int:
 
 def levers(scene: Scene) -> np.ndarray:
     """The part of its energy that each asperite receives at the bob; all of it on driven bars."""
-    return np.concatenate([_lever(surface) for surface in scene.surfaces])
+    each = ((s.each["m1"], s.each["m2"], s.drive) for s in scene.surfaces)
+    return np.concatenate(
+        [
+            np.ones(m1.size) if isinstance(drive, DrivenBars) else m2 / (m1 + m2)
+            for m1, m2, drive in each
+        ]
+    )
 
 
 def may_pump(layout: Layout) -> bool:
@@ -70,7 +63,11 @@ def may_pump(layout: Layout) -> bool:
     parts = levers(scene)
     held = all(isinstance(surface.drive, Forced | DrivenBars) for surface in scene.surfaces)
     alike = np.ptp(parts) <= ALIKE * np.max(parts)
-    return bool(held and not alike and any(map(_is_warm, scene.surfaces)) and layout.model.ledger)
+    warm = any(
+        any((s.bath.temperature, s.initial.temperature, *(r.temperature for r in s.reservoirs)))
+        for s in scene.surfaces
+    )
+    return bool(held and not alike and warm and layout.model.ledger)
 
 
 def _works(layout: Layout, samples: Samples) -> np.ndarray:
@@ -83,16 +80,3 @@ def _works(layout: Layout, samples: Samples) -> np.ndarray:
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
         friction -= np.sum(along, axis=1)
     return np.column_stack([work, friction])
-
-
-def _lever(surface: Surface) -> np.ndarray:
-    each = surface.each
-    if isinstance(surface.drive, DrivenBars):
-        return np.ones(surface.count)
-    return np.asarray(each["m2"] / (each["m1"] + each["m2"]))
-
-
-def _is_warm(surface: Surface) -> bool:
-    """Whether a reservoir, a bath or a start of a surface has a temperature."""
-    own = (surface.bath.temperature, surface.initial.temperature)
-    return any((*own, *(each.temperature for each in surface.reservoirs)))

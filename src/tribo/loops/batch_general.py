@@ -56,12 +56,21 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
 
         Seeds matter where there is noise.  The samples of members that did not complete are zeros.
         """
-        self._set_up(setting)
+        self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
+        if isinstance(setting, Tolerance):
+            clock = self._fresh[1]
+            clock["h"] = first_step_at(setting, self._longest, self._method.order)
+            clock["encounter_fraction"] = setting.encounter_fraction
         counts = np.empty((len(starts.y), COUNTS), np.int64)
         clock = self.clocks.view(np.ndarray)[0]
         for m, count in enumerate(counts):
             own = tuple(each[m] for each in columns)
-            self._begin(starts.y[m], int(starts.seeds[m]))
+            for array, fresh in zip(self._own, self._fresh, strict=True):
+                array[...] = fresh
+            self.forget_neighbours()
+            self.state.y[self._places] = starts.y[m]
+            if self._noise:
+                self._noise = (np.random.default_rng([int(starts.seeds[m]), 2]),)
             count[CODE] = self._to_end(own)
             count[STEPS], count[EVALUATIONS] = clock["steps"], clock["evaluations"]
             if count[CODE] != COMPLETED:
@@ -69,25 +78,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def _set_up(self, setting: Setting) -> None:
-        """Run members with a setting."""
-        self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
-        if isinstance(setting, Tolerance):
-            clock = self._fresh[1]
-            clock["h"] = first_step_at(setting, self._longest, self._method.order)
-            clock["encounter_fraction"] = setting.encounter_fraction
-
-    def _begin(self, start: np.ndarray, seed: int) -> None:
-        """Forget the last member, and begin the next from y at t = 0."""
-        for array, fresh in zip(self._own, self._fresh, strict=True):
-            array[...] = fresh
-        self.forget_neighbours()
-        self.state.y[self._places] = start
-        if self._noise:
-            self._noise = (np.random.default_rng([seed, 2]),)
-
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
         code: int = self._entry(*self._arguments(times, columns, budget))
         return code
 
@@ -100,10 +91,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         code = self.advance(times, columns, MOST_STEPS)
         if code != PAUSED:  # nearly always
             return code
-        scene = self.layout.scene
-        guard = ProgressGuard(
-            self.clocks, times[0], times[-1], scene.count, most_evaluations(scene)
-        )
+        scene, ends = self.layout.scene, (times[0], times[-1])
+        guard = ProgressGuard(self.clocks, *ends, scene.count, most_evaluations(scene))
         while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
             code = self.advance(times, columns, guard.within(MOST_STEPS))
         return code

@@ -1,4 +1,4 @@
-"""Many runs of one scene of two asperites, one after another."""
+"""Many runs of one scene of two asperites: one after another, or in the lanes of registers."""
 
 from __future__ import annotations
 
@@ -6,23 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
+from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import numbers_of
+from tribo.integrators.lane_queue import queue_of
+from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
-from tribo.kernels.status import COUNTS
-from tribo.layout.layout import Layout
+from tribo.kernels.status import CODE, COUNTS, PAUSED
+from tribo.layout.loop_memory import entry_point
 from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.pair_scene import factors_of, mobility_of, record_of
+from tribo.layout.pair_scene import factors_of, record_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
 from tribo.loops.pair import Pair
-from tribo.pair.loop import COLUMNS
-from tribo.pair.members import pair_members
-from tribo.pair.step_rows import LIMITS, STATE
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
+from tribo.pair import lanes
+from tribo.pair.forces import PairScene
+from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
+from tribo.pair.loop import COLUMNS, pair_members
+from tribo.pair.step_rows import FIRST, LIMITS, OF_J, OF_V1, OF_V2, STATE
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
@@ -41,9 +43,7 @@ class PairMembers:
         self._numbers = np.array([numbers_of(potential)], float)
         self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
         examples = self._arguments(self._record, self._numbers, np.empty((1, self._size)))
-        loop = time_loop(pair_members, source_stamp(pair.layout.plugins))
-        with compiling(loop, pair.layout.named_plugins):
-            self._loop = EntryPoint(loop, (potential,), examples)
+        self._loop = entry_point(pair.layout, pair_members, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with tolerances."""
@@ -52,7 +52,7 @@ class PairMembers:
         self._clocks["encounter_fraction"] = setting.encounter_fraction
         record, potential, numbers = self._record, self._numbers, starts.numbers
         if numbers is not None:
-            record = records_of(self._pair.layout, numbers)
+            record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             potential = np.ascontiguousarray(numbers.potential)
         arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
@@ -94,12 +94,79 @@ def pair_runs(
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
-    mobility = mobility_of(layout, numbers.asperites)
-    own = found.with_factors(*factors_of(layout, numbers.asperites, mobility))
+    own = found.with_factors(*factors_of(layout, numbers.asperites))
     return MemberRuns.of(layout.of_members(numbers), own, counts)
 
 
-def records_of(layout: Layout, numbers: MemberNumbers) -> np.ndarray:
-    """The scene of each member as the pair's loop reads it, (members,)."""
-    mobility = mobility_of(layout, numbers.asperites)
-    return record_of(numbers.asperites, layout.depths, numbers.charges, mobility)
+def has_lanes(pair: Pair) -> bool:
+    """Whether all that is reported of a scene follows from its motion by conservation of energy.
+
+    At most one asperite may be free, and neither surface may move along y.
+    """
+    along_x = all(surface.velocity[1] == 0.0 for surface in pair.layout.scene.surfaces)
+    return bool(along_x and _follow_from_motion(pair.scene_arguments[0])[0])
+
+
+def _follow_from_motion(records: np.ndarray) -> np.ndarray:
+    """Whether the ledgers of pairs that do not move along y do so, (members,)."""
+    used = [records[name] != 0.0 for name in ("arm1", "arm2", "lever_x1", "lever_x2", "gap_y")]
+    forced = [records[f"lever_x{i}"] == records[f"lever_y{i}"] for i in (1, 2)]
+    return np.asarray(np.logical_and.reduce(used) & np.logical_or.reduce(forced))
+
+
+class PairLanes:
+    """A loop over members of a scene with `has_lanes`, by an explicit method.
+
+    Members whose ledger does not follow from their motion have the status PAUSED.  Raises
+    InputError if the potential does not compile.
+    """
+
+    def __init__(self, pair: Pair, method: Nystrom, own_numbers: bool = False) -> None:
+        self._pair = pair
+        self._times = np.array([0.0, pair.layout.scene.duration])
+        self._stages = method.c.size
+        flat = coefficients(method)
+        self._table = np.zeros((-(-flat.size // LANES), LANES))
+        self._table.flat[: flat.size] = flat
+        (record,), potential = pair.scene_arguments
+        numbers = len(PairScene._fields) + len(numbers_of(potential))
+        scenes = np.zeros((1, numbers)) if own_numbers else None
+        self._rows = GROUPS * (lanes.F + 3 * self._stages + (numbers if own_numbers else 0))
+        starts = np.empty((1, pair.layout.start.size))
+        examples = self._arguments(scenes, np.zeros((1, LANES)), starts)
+        fixed = PairScene(*record.item()), potential
+        self._loop = entry_point(pair.layout, pair_members_in_lanes, fixed, examples)
+
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+        """Run members with tolerances."""
+        assert isinstance(setting, Tolerance)
+        y, numbers = np.ascontiguousarray(starts.y), starts.numbers
+        scenes, others = None, np.zeros(len(y), bool)
+        if numbers is not None:
+            records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
+            scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
+            others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
+        arguments = self._arguments(scenes, self._bounds(setting), y)
+        self._loop(*arguments)
+        samples, queue = arguments[-3:-1]
+        queue.counts[others, CODE] = PAUSED
+        return pair_runs(self._pair, self._times, samples, queue.counts, numbers)
+
+    def _bounds(self, tolerance: Tolerance) -> np.ndarray:
+        """The bounds on steps, (1, 8)."""
+        limits = self._pair.limits(tolerance)[0]
+        bounds = np.zeros((1, LANES))
+        bounds[0, [lanes.UNIT1, lanes.UNIT2, lanes.UNITK]] = 1.0 / limits[[OF_V1, OF_V2, OF_J]]
+        bounds[0, lanes.FIRST] = limits[FIRST]
+        bounds[0, lanes.NEAR] = tolerance.encounter_fraction
+        bounds[0, lanes.END] = self._times[-1]
+        bounds[0, lanes.MOST_TRIALS] = MOST_STEPS
+        return bounds
+
+    def _arguments(
+        self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the scene; samples and queue before the last."""
+        memory, samples = np.zeros((self._rows, LANES)), np.empty((2, len(starts), COLUMNS))
+        queue = queue_of(len(starts), GROUPS * LANES)
+        return scenes, memory, self._table, bounds, starts, samples, queue, self._stages

@@ -7,10 +7,8 @@ from tribo.layout.layout import Layout
 from tribo.loops.batch import Batch, Pool
 from tribo.loops.batch_general import GeneralMembers
 from tribo.loops.batch_pair import PairMembers
-from tribo.loops.lane_loop import fit_lanes
-from tribo.loops.nystrom_lanes import NystromLanes
+from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
 from tribo.loops.pair import Pair
-from tribo.loops.splitting_lanes import SplittingLanes
 
 
 def choose_batch(

@@ -1,6 +1,7 @@
 """Append-only files of frames: what runs, ensembles and sweeps have computed, while they go on.
 
-A frame is the length of its content, a checksum of both, and arrays in the format of numpy.savez.
+A frame is the length of its content, a checksum of both, and arrays in the format of numpy.savez,
+one of which is its name: what Python writes for a text, a number, or tuples of these.
 They follow the word `MAGIC`, and the first says what is computed.  A frame that was not completed,
 or is damaged, ends the file: what follows is computed again.  A frame may replace an earlier one of
 the same name; the file is written again without those, once they take more room than the others.
@@ -14,9 +15,10 @@ import json
 import os
 import struct
 import time
+from ast import literal_eval
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO, Self
+from typing import Any, BinaryIO, Self
 
 import numpy as np
 
@@ -39,8 +41,10 @@ INTERVAL = 1.0
 RELATIVE_INTERVAL = 20.0
 # Bytes of frames that later ones have replaced, after which the file is written again without.
 MOST_REPLACED = 2**26
-# Of the first frame.
+# The name of the first frame, and of its array.
 IDENTITY = "identity"
+# Of the array with the name of a frame.
+NAME = "frame"
 
 
 class Frames:
@@ -56,7 +60,6 @@ class Frames:
         self._end = len(MAGIC)  # of the frames
         # Offset and size of the frames that are needed, by their names.
         self._places: dict[object, tuple[int, int]] = {}
-        self._last = (0, 0)  # the frame that was read last
         self._due_from = time.perf_counter()
         self._took = 0.0  # to write all frames since then
         self._file = self._open()
@@ -82,25 +85,18 @@ class Frames:
             self._file.close()
         self.path.unlink(missing_ok=True)
 
-    def read(self) -> Iterator[Arrays]:
-        """The frames behind the first up to one that is not complete.
-
-        Each has to be given a name, by :meth:`name_last`, before the next one is read.
-        """
-        while IDENTITY in self._places and (arrays := self._next_frame()) is not None:
-            yield arrays
-
-    def name_last(self, name: object) -> None:
-        """Say which frame was read last; it replaces one of the same name."""
-        self._places[name] = self._last
+    def read(self) -> Iterator[tuple[Any, Arrays]]:
+        """The frames behind the first up to one that is not complete, each with its name."""
+        while IDENTITY in self._places and (frame := self._next_frame()) is not None:
+            yield frame
 
     def again(self, name: object) -> Arrays:
         """The content of a frame that was read or written before.  Raises InputError."""
         offset, size = self._places[name]
-        arrays = self._frame_at(offset)
-        if arrays is None:
+        frame = self._frame_at(offset)
+        if frame is None:
             raise InputError(str(self.path), f"is damaged within {size} bytes from byte {offset}")
-        return arrays
+        return frame[1]
 
     @property
     def names(self) -> list[object]:
@@ -150,17 +146,14 @@ class Frames:
         self._file.seek(0)
         if not MAGIC.startswith(self._file.read(len(MAGIC))):
             raise InputError(str(self.path), "is no such file; start again without resume")
-        identity = self._next_frame()
-        if identity is None or IDENTITY not in identity:
-            self._end = len(MAGIC)
-            return  # stopped before its first frame was complete
-        refuse_other(self.path, json.loads(identity[IDENTITY].tobytes()), self._identity)
-        self.name_last(IDENTITY)
+        first = self._next_frame()
+        if first is not None:  # else the file was left before its first frame was complete
+            refuse_other(self.path, json.loads(first[1][IDENTITY].tobytes()), self._identity)
 
     def _write(self, name: object, arrays: Arrays) -> None:
         """Write a frame behind the others, over the rest of one that was not completed."""
         content = io.BytesIO()
-        np.savez(content, **arrays)  # type: ignore[arg-type]
+        np.savez(content, **arrays, **{NAME: as_bytes(repr(name))})  # type: ignore[arg-type]
         header = _header(content.getvalue())
         frame = memoryview(MAGIC * (not self._places) + header + content.getvalue())
         begin = self._end - len(MAGIC) * (not self._places)
@@ -177,15 +170,17 @@ class Frames:
         self._places[name] = (self._end, begin + len(frame) - self._end)
         self._end = begin + len(frame)
 
-    def _next_frame(self) -> Arrays | None:
-        """The content of the next frame; None at the end, or where one is not complete."""
-        arrays = self._frame_at(self._end)
-        if arrays is not None:
-            self._last = (self._end, self._file.tell() - self._end)
+    def _next_frame(self) -> tuple[Any, Arrays] | None:
+        """The next frame, which replaces one of its name; None at the end of those complete."""
+        frame, begin = self._frame_at(self._end), self._end
+        if frame is not None:
             self._end = self._file.tell()
-        return arrays
+            self._places.pop(frame[0], None)  # the order is that of the file
+            self._places[frame[0]] = (begin, self._end - begin)
+        return frame
 
-    def _frame_at(self, offset: int) -> Arrays | None:
+    def _frame_at(self, offset: int) -> tuple[Any, Arrays] | None:
+        """The name and the content of a frame; None if it is not complete."""
         self._file.seek(offset)
         header = self._file.read(HEADER.size)
         if len(header) < HEADER.size:
@@ -196,8 +191,10 @@ class Frames:
         content = self._file.read(size)
         if _header(content) != header:
             return None
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return dict(arrays)
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            arrays = dict(file)
+        name = arrays.pop(NAME, None)
+        return None if name is None else (literal_eval(name.tobytes().decode()), arrays)
 
     def _compact(self) -> None:
         """Write the file again, without the frames that others have replaced."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import time_loop, undisturbed
+from tribo.compiler.jit import undisturbed
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
@@ -20,12 +20,11 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import own_model
+from tribo.layout.loop_memory import loop_of, own_model
 from tribo.layout.threads import assisted
 from tribo.ledger.samples import Samples, sample_columns
-from tribo.loops.integrate import Columns, Memory, Setting
+from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
 from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")
@@ -33,7 +32,7 @@ LISTS = ("start", "index", "place", "made", "listed")
 SELECTION = ("blocks", "first", "since", "place", "selected")
 
 
-class GeneralLoop:
+class GeneralLoop(TimeLoop):
     """The time loop of a method for one scene, and the state of its run.
 
     It begins from `start`, y at t = 0, with the step, or the tolerances and the first step [time],
@@ -76,17 +75,13 @@ class GeneralLoop:
         if method.adaptive:
             self._scratch += (empty_state(self.state),)
         self._constants = (method.coefficients, in_blocks(setting, layout))
-        self.compiled = time_loop(method.loop, source_stamp(layout.plugins))
-        self._assist: Any = None
-        if self._assistants:
-            self._assist = time_loop(assist, source_stamp(layout.plugins))
+        self.compiled = loop_of(layout, method.loop)
+        self._assist: Any = loop_of(layout, assist) if self._assistants else None
 
     def room(self, samples: int) -> Columns:
-        """Arrays for so many samples."""
         return sample_columns(self.layout, samples)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
         model, arguments = self.model, self._arguments(times, columns, budget)
         with assisted(model.team, self._assistants, self.assist):
             code: int = self.compiled(model, *arguments)
@@ -112,7 +107,6 @@ class GeneralLoop:
         )
 
     def forget_neighbours(self) -> None:
-        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
         if self._neighbours is not None:
             self._neighbours.place[:] = np.nan
 
@@ -131,7 +125,6 @@ class GeneralLoop:
         return sum({id(array): array.nbytes for array in arrays}.values())
 
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue, until this one goes on."""
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self._neighbours is not None:
@@ -146,7 +139,6 @@ class GeneralLoop:
         return memory
 
     def restore(self, memory: Memory) -> None:
-        """Continue where another loop of this kind was."""
         set_numbers(self.clocks, memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
@@ -166,7 +158,6 @@ class GeneralLoop:
             generator.bit_generator.state = json.loads(noise.tobytes())
 
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
-        """The first samples in `columns`, which were recorded at `times`."""
         return Samples(times, *(column[: times.size] for column in columns))
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -39,35 +40,34 @@ LARGEST_CHUNK = 1_000_000_000
 LEAST_SECONDS = 1e-6
 
 
-class TimeLoop(Protocol):
+class TimeLoop(ABC):
     """A compiled time loop, and the state of its run."""
 
     layout: Layout
     adaptive: bool  # whether it chooses its steps
+    calls: tuple[Call, ...] = ()  # ASE calculators that it calls
+    clocks: Any  # (1,) of CLOCK: how far the run has come
 
-    @property
-    def calls(self) -> tuple[Call, ...]:
-        """ASE calculators that the loop calls."""
-
-    @property
-    def clocks(self) -> np.ndarray:
-        """How far the run has come, (1,) of :data:`tribo.kernels.records.CLOCK`."""
-
+    @abstractmethod
     def room(self, samples: int) -> Columns:
         """Arrays for so many samples."""
 
+    @abstractmethod
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
 
-    def forget_neighbours(self) -> None:
+    def forget_neighbours(self) -> None:  # noqa: B027 (a pair has none)
         """Let the next call make its neighbour list, if it has one, from the bobs' places."""
 
+    @abstractmethod
     def memory(self) -> Memory:
         """All that another loop of this kind needs to continue, until this one goes on."""
 
+    @abstractmethod
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
 
+    @abstractmethod
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
         """The first samples in `columns`, which were recorded at `times`."""
 
@@ -129,6 +129,11 @@ class Integration:
         """The same with the first sample and the last two alone."""
         few = self.samples.last_interval()
         return replace(self, recorded=lambda: few, _samples=few)
+
+    def up_to(self, last: int, status: Status) -> Integration:
+        """The part of the run up to a sample, with another status."""
+        kept = self.samples.at(self.samples.t[: last + 1])
+        return replace(self, recorded=lambda: kept, _samples=kept, status=status, cut=True)
 
     @property
     def steps(self) -> int:

@@ -8,10 +8,9 @@ integrations from the journal and continues the last one.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 from pathlib import Path
-from typing import Self
+from typing import Any
 
 import numpy as np
 
@@ -21,44 +20,14 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.frames import PART, Arrays, Frames, as_bytes
 from tribo.loops.integrate import Columns, Memory, Reached, Setting, TimeLoop
-from tribo.loops.state import below
+from tribo.loops.state import below, under
 from tribo.model.identity import Identity
 from tribo.validation import InputError
 
 __all__ = ["PART", "Journal", "key_of"]
 
 
-@dataclass
-class KeptIntegration:
-    """What a journal has of one integration."""
-
-    key: bytes
-    # Samples of portions that were under way, by the numbers of the portion and of the part.
-    parts: dict[tuple[int, int], Columns] = field(default_factory=dict)
-    # By the number of portions up to there, of a streamed run.
-    portions: dict[int, Arrays] = field(default_factory=dict)
-    memory: Memory | None = None
-    status: Status | None = None
-
-    def take_in(self, arrays: Arrays) -> object:
-        """Add a frame; returns its name."""
-        if "key" in arrays:
-            return "key"
-        if "status" in arrays:
-            self.memory = below("memory_", arrays)
-            status = arrays["status"].tobytes().decode()
-            self.status = Status(status) if status else None
-            return "memory"
-        if "portions" in arrays:
-            number = int(arrays["portions"])
-            self.portions[number] = below("portion_", arrays)
-            return "portions", number
-        place, columns = tuple(arrays["place"].tolist()), below("column_", arrays)
-        self.parts[place] = tuple(columns[str(k)] for k in range(len(columns)))
-        return place
-
-
-class Journal:
+class Journal(Frames):
     """The journal of a run; a context manager.
 
     With `resume` it continues what the file has; else the first integration replaces the file.
@@ -66,28 +35,18 @@ class Journal:
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
-        self._kept: list[KeptIntegration] = []
+        super().__init__(path, identity, resume)
+        self._integrations: list[JournaledIntegration] = []
         self._number = 0  # of integrations that were begun or repeated
-        self._frames = Frames(path, identity, resume)
-        for arrays in self._frames.read():
-            number = int(arrays["number"])
-            if "key" in arrays:
-                self._kept.append(KeptIntegration(arrays["key"].tobytes()))
-            self._frames.name_last((self._kept[number].take_in(arrays), number))
+        for (part, number), arrays in self.read():
+            if part == "key":
+                self._add(arrays["key"].tobytes())
+            else:
+                self._integrations[number].take_in(part, arrays)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._frames.__exit__(*error)
-
-    def remove(self) -> None:
-        """Remove the file, as the result is complete."""
-        self._frames.remove()
-
-    def is_due(self) -> bool:
-        """Whether it is time to write what was reached."""
-        return self._frames.is_due()
+    def _add(self, key: bytes) -> None:
+        number = len(self._integrations)
+        self._integrations.append(JournaledIntegration(self, number, key))
 
     def integration(self, key: bytes) -> JournaledIntegration:
         """The next integration of the run; `key` identifies its settings.
@@ -97,91 +56,93 @@ class Journal:
         """
         number = self._number
         self._number += 1
-        if number == len(self._kept):
-            self._kept.append(KeptIntegration(key))
-            self.write(number, "key", {"key": as_bytes(key)})
-        elif self._kept[number].key != key:
+        if number == len(self._integrations):
+            self._add(key)
+            self._integrations[number].write("key", {"key": as_bytes(key)})
+        found = self._integrations[number]
+        if found.key != key:
             raise InputError(
-                str(self._frames.path),
-                "is of a run with other settings; start again without --resume",
+                str(self.path), "is of a run with other settings; start again without --resume"
             )
-        return JournaledIntegration(self, number, self._kept[number])
-
-    def forget(self, number: int, names: Iterable[object]) -> None:
-        """Need some frames of an integration no longer."""
-        self._frames.forget((name, number) for name in names)
-
-    def write(self, number: int, name: object, arrays: Arrays) -> None:
-        """Append a frame of an integration; it replaces the last one of the same name.
-
-        Raises InputError.
-        """
-        self._frames.append((name, number), {"number": np.array(number)} | arrays)
+        return found
 
 
 class JournaledIntegration:
     """One integration in a journal; :class:`tribo.loops.integrate.Checkpoints`."""
 
-    def __init__(self, journal: Journal, number: int, kept: KeptIntegration) -> None:
-        self._journal = journal
-        self._number = number
-        self._kept = kept
+    def __init__(self, journal: Journal, number: int, key: bytes) -> None:
+        self.key, self._journal, self._number = key, journal, number
         self.due = journal.is_due
+        # Samples of portions that were under way, by the numbers of the portion and of the part.
+        self._columns: dict[tuple[int, int], Columns] = {}
+        # By the number of portions up to there, of a streamed run.
+        self._kept: dict[int, Arrays] = {}
+        self._memory: Memory | None = None
+        self._status: Status | None = None
         # What the journal has: portions, and of the next one parts and samples in them.
         self._portions, self._parts, self._samples = 0, 0, 0
 
+    def take_in(self, part: Any, arrays: Arrays) -> None:
+        """Take in a frame of the file: the memory, portions, or a part of the next portion."""
+        if part == "memory":
+            self._memory = below("memory_", arrays)
+            status = arrays["status"].tobytes().decode()
+            self._status = Status(status) if status else None
+        elif part[0] == "portions":
+            self._kept[part[1]] = arrays
+        else:
+            self._columns[part] = tuple(arrays[f"column_{k}"] for k in range(len(arrays)))
+
     def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
         """Fill in what the journal has, if anything: portions, samples of the next one, memory."""
-        kept, memory = self._kept, self._kept.memory
+        memory = self._memory
         if memory is None:
             return Reached()
         self._portions = last = int(memory["portions"])
         chain = []  # a kill may have left portions without the memory after them
         while last > 0:
-            chain.append(kept.portions[last])
+            chain.append(self._kept[last])
             last = int(chain[-1]["first"])
         for arrays in reversed(chain):
             assert streamed is not None
             streamed.take_back(arrays)
-        while (values := kept.parts.get((self._portions, self._parts))) is not None:
+        while (values := self._columns.get((self._portions, self._parts))) is not None:
             stop = self._samples + len(values[0])
             for column, some in zip(columns, values, strict=True):
                 column[self._samples : stop] = some
             self._parts, self._samples = self._parts + 1, stop
-        kept.parts, kept.portions = {}, {}
+        self._columns, self._kept = {}, {}
         loop.restore(below("loop_", memory))
         held = below("held_", memory)
-        return Reached(self._portions, Samples(**held) if held else None, kept.status)
+        return Reached(self._portions, Samples(**held) if held else None, self._status)
 
     def keep(
         self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
     ) -> None:
         """Write the portions and samples since the last call, and the memory."""
-        number, done_with = np.array(reached.portions), list[tuple[int, int]]()
+        done_with = list[tuple[int, int]]()
         if reached.portions > self._portions:
             assert streamed is not None
             new = streamed.new_arrays() | {"first": np.array(self._portions)}
-            arrays = {f"portion_{name}": array for name, array in new.items()}
-            self._write(("portions", reached.portions), arrays | {"portions": number})
+            self.write(("portions", reached.portions), new)
             done_with = [(self._portions, part) for part in range(self._parts)]
             self._portions, self._parts, self._samples = reached.portions, 0, 0
         done = int(loop.clocks["sample"][0])
         if done > self._samples:
             arrays = {f"column_{k}": c[self._samples : done] for k, c in enumerate(columns)}
-            place = self._portions, self._parts
-            self._write(place, arrays | {"place": np.array(place)})
+            self.write((self._portions, self._parts), arrays)
             self._parts, self._samples = self._parts + 1, done
-        memory = {f"loop_{name}": array for name, array in loop.memory().items()}
+        memory = under("loop_", loop.memory()) | {"portions": np.array(reached.portions)}
         if reached.held is not None:
-            memory |= {f"held_{f.name}": getattr(reached.held, f.name) for f in fields(Samples)}
-        memory = {
-            f"memory_{name}": array for name, array in (memory | {"portions": number}).items()
-        }
-        self._write("memory", memory | {"status": as_bytes(str(reached.status or ""))})
-        self._journal.forget(self._number, done_with)
+            held = {f.name: getattr(reached.held, f.name) for f in fields(Samples)}
+            memory |= under("held_", held)
+        status = as_bytes(str(reached.status or ""))
+        self.write("memory", under("memory_", memory) | {"status": status})
+        self._journal.forget((name, self._number) for name in done_with)
 
-    def _write(self, name: object, arrays: Arrays) -> None:
-        self._journal.write(self._number, name, arrays)
+    def write(self, name: object, arrays: Arrays) -> None:
+        """Append a frame; it replaces the last one of the same name.  Raises InputError."""
+        self._journal.append((name, self._number), arrays)
 
 
 def key_of(setting: Setting, times: np.ndarray, start: np.ndarray) -> bytes:

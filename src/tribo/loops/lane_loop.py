@@ -1,4 +1,4 @@
-"""Many runs of one scene, eight side by side in the lanes of registers."""
+"""Members of an ensemble, eight side by side in the lanes of registers."""
 
 from __future__ import annotations
 
@@ -7,26 +7,42 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
+from tribo.integrators.lane_queue import Queue, queue_of
+from tribo.integrators.members import (
+    LOST,
+    TRIED,
+    WATCHED,
+    Starts,
+    nystrom_members,
+    splitting_members,
+)
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
-from tribo.integrators.step_control import LARGEST
-from tribo.kernels.samples import Record, initial_state
-from tribo.kernels.status import CODE, COMPLETED, PAUSED
-from tribo.layout.interleaved import interleaved
-from tribo.layout.lane_numbers import LaneNumbers
+from tribo.integrators.step_control import LARGEST, Tolerance, count_of_steps
+from tribo.kernels.langevin import Deviates
+from tribo.kernels.records import CLOCK
+from tribo.kernels.samples import Record, empty_state, initial_state
+from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
+from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import together
-from tribo.loops.batch import MemberStarts, Pool, RecordingLoop
+from tribo.layout.loop_memory import entry_point, together
+from tribo.ledger.samples import sample_columns
+from tribo.loops.batch import MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.batch_general import GeneralMembers
-from tribo.loops.integrate import Columns, Setting
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
+from tribo.loops.general import unit_setting
+from tribo.loops.integrate import Columns, Setting, first_step_at
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
 # registers as well.
 MOST_ASPERITES = 64
+# Trials of a call of the loop, since an interrupt waits for its end: of 64 asperites some 0.3 s.
+TRIALS = 1024
+# Equal steps of a call, at most, likewise.
+MOST_STEPS = 4096
+# Normal deviates that are drawn at once for a member, at most: 256 kB for eight.
+MOST_DEVIATES = 4096
 
 
 def fit_lanes(layout: Layout, method: Method) -> bool:
@@ -57,14 +73,8 @@ class LaneLoop(RecordingLoop):
     ) -> None:
         self.layout = layout
         self._longest, self._order, self._alone = first_step, method.order, alone
-        eight = interleaved(layout, own_numbers)
-        self._memory, self._places_of_numbers = np.empty(0), np.empty((LANES, 0), np.int64)
-        self._numbers: LaneNumbers | None = None
-        if own_numbers:
-            self._numbers = own = LaneNumbers(layout, eight.model)
-            eight = eight._replace(model=own.model)
-            self._memory, self._places_of_numbers = own.memory, own.places
-        self.eight = eight
+        self._own_numbers = own_numbers
+        self.eight = eight = interleaved(layout, own_numbers)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -79,7 +89,7 @@ class LaneLoop(RecordingLoop):
 
     @abstractmethod
     def prepare(self, layout: Layout, method: Method) -> None:
-        """Make what else the loop needs, and compile it."""
+        """Make clocks and scratch, and compile the loop."""
 
     @abstractmethod
     def fill_lanes(
@@ -91,12 +101,11 @@ class LaneLoop(RecordingLoop):
         """
 
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
-        """Run members, fill in their samples, and return their counts."""
         members = len(starts.y)
         numbers = np.empty((members, 0))
-        if self._numbers is not None:
+        if self._own_numbers:
             assert starts.numbers is not None
-            numbers = self._numbers.rows(starts.numbers)
+            numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(
             each.reshape(each.shape[0] * each.shape[1], *each.shape[2:]) for each in columns
         )
@@ -122,16 +131,6 @@ class LaneLoop(RecordingLoop):
         """These arrays for the loop."""
         return Record(*columns, *self._recorded)  # type: ignore[call-arg]
 
-    def compile(self, loop: Any, arguments: tuple[Any, ...]) -> EntryPoint:
-        """Compile the loop, or load it, for arguments like these behind the model.
-
-        Raises InputError if a plug-in does not compile.
-        """
-        layout = self.layout
-        compiled = time_loop(loop, source_stamp(layout.plugins))
-        with compiling(compiled, layout.named_plugins):
-            return EntryPoint(compiled, (self.eight.model,), arguments)
-
     def keep(self, items: tuple[Any, ...], others: list[np.ndarray]) -> Any:
         """Nested tuples in memory that :meth:`forget` restores, as it does some other arrays."""
         moved, numbers = together(items)
@@ -143,3 +142,141 @@ class LaneLoop(RecordingLoop):
         """Forget the members that were run before."""
         for array, fresh in zip(self._own, self._fresh, strict=True):
             array[...] = fresh
+
+
+class NystromLanes(LaneLoop):
+    """The loop of a Nystrom method."""
+
+    def prepare(self, layout: Layout, method: Method) -> None:
+        self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
+        speeds = room((3, self.eight.model.each.shape[1]))
+        tried, new = room((TRIED, LANES)), empty_state(self._state)
+        self._state, *self._scratch = self.keep(
+            (self._state, tried, self._work, speeds, new), [self._clocks]
+        )
+        tolerance = unit_setting(layout, method)
+        assert isinstance(tolerance, Tolerance)
+        none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
+        columns = sample_columns(layout, 1)
+        examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
+        self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
+
+    def fill_lanes(
+        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
+    ) -> np.ndarray:
+        """Run members side by side; their motion has no noise, and takes no seeds."""
+        assert isinstance(setting, Tolerance)
+        self.forget()
+        self._clocks["encounter_fraction"] = setting.encounter_fraction
+        queue, y = queue_of(len(starts.y), LANES), np.ascontiguousarray(starts.y)
+        arguments = self._arguments(setting, queue, y, numbers, columns, TRIALS)
+        while self._entry(*arguments) == PAUSED:
+            pass
+        return queue.counts
+
+    def _arguments(
+        self,
+        tolerance: Tolerance,
+        queue: Queue,
+        starts: np.ndarray,
+        numbers: np.ndarray,
+        columns: Columns,
+        budget: int,
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model; tolerances of what fills blocks are 1."""
+        y, s = np.ones_like(self._state.y), np.ones_like(self._state.s)
+        y[self._places] = tolerance.y
+        s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
+        first_step = first_step_at(tolerance, self._longest, self._order)
+        places = self._places, numbers, self.eight.numbers
+        return (
+            self.coefficients,
+            tolerance._replace(y=y, s=s),
+            self._clocks,
+            self._state,
+            self.layout.times,
+            self.record(columns),
+            budget,
+            queue,
+            Starts(starts, *places, self.eight.memory, first_step),
+            *self._scratch,
+        )
+
+
+class SplittingLanes(LaneLoop):
+    """The loop of a splitting method."""
+
+    def prepare(self, layout: Layout, method: Method) -> None:
+        self._clocks = np.zeros(1, CLOCK).view(np.recarray)
+        watch = room((WATCHED, LANES))
+        self._state, self._work, self._watch = self.keep(
+            (self._state, self._work, watch), [self._clocks]
+        )
+        self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
+        columns = sample_columns(layout, LANES)
+        examples = self._arguments(1.0, columns, 0, np.empty((0, LANES)))
+        self._entry = entry_point(layout, splitting_members, (self.eight.model,), examples)
+
+    def fill_lanes(
+        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
+    ) -> np.ndarray:
+        """Run members eight by eight: with equal steps, all of them end together."""
+        assert isinstance(setting, float)
+        members, times = len(starts.y), self.layout.times.size
+        chosen = np.arange(padded(members)).clip(max=members - 1)
+        counts = np.empty((members, COUNTS), np.int64)
+        for first in range(0, members, LANES):
+            own = chosen[first : first + LANES]
+            rows = slice(first * times, (first + LANES) * times)
+            some = tuple(each[rows] for each in columns)
+            self.eight.memory[self.eight.numbers] = numbers[own]
+            lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
+            counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
+            clock = self._clocks[0]
+            counts[own, STEPS], counts[own, EVALUATIONS] = clock.steps, clock.evaluations
+        return counts
+
+    def _run_eight(
+        self, step: float, starts: np.ndarray, seeds: list[int], columns: Columns
+    ) -> np.ndarray:
+        """Run eight members; which of them need a loop of their own, (8,)."""
+        self.forget()
+        self._state.y[self._places] = starts
+        generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
+        left = int(np.sum(count_of_steps(np.diff(self.layout.times), step)))
+        code = PAUSED
+        while code == PAUSED:
+            budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
+            deviates = np.empty((budget * self._draws, LANES))
+            for lane, generator in enumerate(generators):
+                deviates[:, lane] = generator.standard_normal(len(deviates))
+            code = self._entry(*self._arguments(step, columns, budget, deviates))
+            left -= budget
+        lost: np.ndarray = (self._watch[LOST] > 0.0) | (code != COMPLETED)
+        return lost
+
+    def _arguments(
+        self, step: float, columns: Columns, budget: int, deviates: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model."""
+        return (
+            self.coefficients,
+            step,
+            self._clocks,
+            self._state,
+            self.layout.times,
+            self.record(columns),
+            budget,
+            self._watch,
+            Deviates(deviates, np.zeros(1, np.int64)),
+            self._work,
+        )
+
+
+def deviates_of_substep(layout: Layout) -> int:
+    """Normal deviates that a member takes for a substep of its reservoirs."""
+    noisy = [s for s in layout.surfaces if max(s["temperature"], s["swing_temperature"]) > 0.0]
+    return sum(
+        int(s["end"] - s["start"]) * (4 * (s["gamma"] > 0.0) + 2 * (s["swing_gamma"] > 0.0))
+        for s in noisy
+    )

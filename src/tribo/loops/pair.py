@@ -7,15 +7,15 @@ import time
 import numpy as np
 from numba import config
 
-from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE, Z
+from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
-from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, mobility_of, record_of
+from tribo.layout.loop_memory import entry_point
+from tribo.layout.pair_scene import FIRST_ACCOUNT, factors_of, record_of
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of, set_numbers
@@ -25,6 +25,7 @@ from tribo.loops.integrate import (
     Integration,
     Memory,
     Progress,
+    TimeLoop,
     first_step_at,
     integrate,
 )
@@ -32,8 +33,6 @@ from tribo.model.effects import Effect
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
 from tribo.pair.step_rows import FIRST, LEVEL, LIMITS, OF_J, OF_V1, OF_V2, ROWS, STATE, V1, V2, J
-from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
 
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
@@ -87,12 +86,11 @@ class Pair:
         began = time.perf_counter()
         self.layout = layout
         asperites = np.asarray(layout.asperites)
-        mobility = mobility_of(layout, asperites)
-        depths, charges = layout.model.each[[Z, CHARGE]][:, layout.places.columns]
-        record = record_of(asperites[None], depths, charges, mobility)
+        charges = layout.model.each[CHARGE, layout.places.columns]
+        record = record_of(layout, asperites[None], charges)
         self.scene_arguments = record, layout.model.contacts[0].potential
         driven = layout if layout.model.pivots is not None else None
-        self.factors = Factors(*factors_of(layout, asperites, mobility), {}, driven)
+        self.factors = Factors(*factors_of(layout, asperites), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
@@ -143,25 +141,21 @@ class Pair:
         return both
 
 
-class PairLoop:
-    """The time loop of a pair, and all that it writes; :class:`tribo.loops.integrate.TimeLoop`."""
+class PairLoop(TimeLoop):
+    """The time loop of a pair, and all that it writes."""
 
     adaptive = True
-    calls = ()
 
     def __init__(self, pair: Pair) -> None:
-        """Compile the loop, or load it from disk."""
         self.layout = layout = pair.layout
         self._pair = pair
         self._tolerance: Tolerance | None = None  # from which the limits in the rows were made
         self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._start = layout.start
-        loop = time_loop(pair_collocation, source_stamp(layout.plugins))
         fixed = (*pair.scene_arguments, self._rows, self.clocks)
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        with compiling(loop, layout.named_plugins):
-            self._loop = EntryPoint(loop, fixed, examples)
+        self._loop = entry_point(layout, pair_collocation, fixed, examples)
 
     def begin(self, tolerance: Tolerance, start: np.ndarray) -> None:
         """Begin a run from `start`, y of the scene's layout."""
@@ -192,28 +186,20 @@ class PairLoop:
         )
 
     def room(self, samples: int) -> Columns:
-        """Arrays for so many samples."""
         return (np.empty((samples, COLUMNS)),)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
         code: int = self._loop(self._start, times, columns[0], budget)
         return code
 
-    def forget_neighbours(self) -> None:
-        """Nothing, as a pair has no list."""
-
     def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue."""
         return _memory(self.clocks, self._rows[STATE:].copy())
 
     def restore(self, memory: Memory) -> None:
-        """Continue where another loop of this kind was."""
         set_numbers(self.clocks, memory["clock"])
         self._rows[STATE:] = memory["pair"]
 
     def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
-        """The first samples in `columns`, of the scene's layout, which were recorded at `times`."""
         record = columns[0][: times.size]
         return PairSamples(times, record, record[:1], self._pair.factors)
 

@@ -10,20 +10,11 @@ import numpy as np
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
-from tribo.kernels.records import (
-    FREQUENCY,
-    INERTIA,
-    KAPPA,
-    L1,
-    L2,
-    MASS,
-    OSCILLATOR_FREQUENCY,
-    OWN_STIFFNESS,
-    PULLED,
-)
-from tribo.layout.force_records import stiffness_at_bars
+from tribo.kernels import records as row
+from tribo.kernels.records import OF_MEMBERS, PULLED
 from tribo.layout.layout import Layout
 from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import Corrugation
 
@@ -44,7 +35,7 @@ MOST_DAMPING = 0.25  # of z, where T / kappa is large
 
 def pendulum_frequency(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The angular frequency of the fastest pendulum, also of any of the members [rad / time]."""
-    return float(np.max(_constants(layout, members)[FREQUENCY]))
+    return float(np.max(_constants(layout, members)[row.FREQUENCY]))
 
 
 def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> float:
@@ -54,24 +45,24 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     the largest of the members, where there are any.
     """
     a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
-    pulling = surfaces.stiffness if members is None else members.of_surfaces[..., OWN_STIFFNESS]
+    pulling = surfaces.stiffness if members is None else members.of_surfaces[..., row.OWN_STIFFNESS]
     stiffness = np.where(surfaces.drive == PULLED, pulling, 0.0)[..., a.surface]
     if springs is not None:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
-    return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members), L2))))
+    return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members), row.L2))))
 
 
 def bath_frequency(layout: Layout) -> float:
     """The angular frequency of the fastest oscillator of any bath [rad / time]; 0 without one."""
     baths = (layout.model.bath, layout.model.torsional)
-    fastest = [float(np.max(bath[OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
+    fastest = [float(np.max(bath[row.OSCILLATOR_FREQUENCY])) for bath in baths if bath is not None]
     return max(fastest, default=0.0)
 
 
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
-    mobility, fastest = _mobility(layout.constants, L1), 0.0
+    mobility, fastest = _mobility(layout.constants, row.L1), 0.0
     for field in layout.model.fields or ():
         if type(field.potential) is Corrugation:
             amplitude, period = field.potential
@@ -83,35 +74,29 @@ def corrugation_frequency(layout: Layout) -> float:
 
 def contact_frequency(layout: Layout) -> float:
     """The largest of a bob in the minimum of a potential, without its cutoff, that declares one."""
-    mobility = 2.0 * float(np.max(_mobility(layout.constants, L1)))
+    mobility = 2.0 * float(np.max(_mobility(layout.constants, row.L1)))
     inner = (getattr(i.potential, "potential", i.potential) for i in layout.scene.interactions)
     curvatures = (float(each.minimum()[2]) for each in inner if hasattr(each, "minimum"))
     return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
 
 
-def longest_damped_step(
-    layout: Layout,
-    gamma: np.ndarray | None = None,
-    swing_gamma: np.ndarray | None = None,
-    temperature: np.ndarray | None = None,
-    swing_temperature: np.ndarray | None = None,
-) -> float:
+def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
-    Infinite where no reservoir acts on pendulums that can swing [time].  The numbers of reservoirs
-    are (..., surfaces); without them, those of the scene.
+    Infinite where no reservoir acts on pendulums that can swing [time].  With the numbers of the
+    reservoirs of members, it is that of all of them.
     """
-    a, s, table = layout.asperites, layout.surfaces, layout.constants
-    gamma = s.gamma if gamma is None else gamma
-    swing_gamma = s.swing_gamma if swing_gamma is None else swing_gamma
-    temperature = s.temperature if temperature is None else temperature
-    other = s.swing_temperature if swing_temperature is None else swing_temperature
+    a, table = layout.asperites, layout.constants
+    gamma, swing_gamma, temperature, other = (
+        layout.surfaces[name] if members is None else members.of_surfaces[..., place]
+        for place, name in list(enumerate(OF_MEMBERS))[row.OWN_GAMMA :]
+    )
     warmest = np.maximum(temperature, other)[..., a.surface]
     with np.errstate(divide="ignore", invalid="ignore"):
-        on_bars = gamma[..., a.surface] / table[MASS] * np.isfinite(table[INERTIA])
-        rates = on_bars + swing_gamma[..., a.surface] / table[INERTIA]
-        most = (16.0 * MOST_DAMPED_PHASE / (rates * table[FREQUENCY] ** 4)) ** 0.2
-        torsion = table[KAPPA] / warmest
+        on_bars = gamma[..., a.surface] / table[row.MASS] * np.isfinite(table[row.INERTIA])
+        rates = on_bars + swing_gamma[..., a.surface] / table[row.INERTIA]
+        most = (16.0 * MOST_DAMPED_PHASE / (rates * table[row.FREQUENCY] ** 4)) ** 0.2
+        torsion = table[row.KAPPA] / warmest
         curved = np.maximum(MOST_DAMPING, MOST_DAMPED_SWING * torsion) / on_bars
         curved = np.where(warmest > 0.0, curved, np.inf)
     return float(min(np.nanmin(most, initial=np.inf), np.nanmin(curved, initial=np.inf)))
@@ -157,13 +142,13 @@ def _constants(layout: Layout, members: MemberNumbers | None) -> np.ndarray:
 
 def _mobility(table: np.ndarray, length: int) -> np.ndarray:
     """Velocity of each bob (with L1) or bar (with L2) for a unit of momentum, at most."""
-    mobility: np.ndarray = 1.0 / table[MASS] + table[length] ** 2 / table[INERTIA]
+    mobility: np.ndarray = 1.0 / table[row.MASS] + table[length] ** 2 / table[row.INERTIA]
     return mobility
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates at which a user's forces change places, angles, and velocities."""
-    a, mobility = layout.asperites, _mobility(layout.constants, L2)
+    a, mobility = layout.asperites, _mobility(layout.constants, row.L2)
     for drive in layout.model.drives or ():
         i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))

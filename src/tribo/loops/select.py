@@ -8,9 +8,10 @@ import numpy as np
 
 from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
+from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
-from tribo.loops.cuts import up_to_runaway
 from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
@@ -91,7 +92,16 @@ class Integrator:
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run
-        return up_to_runaway(self.layout, run)
+        lost = lost_sample(self.layout, run.samples)
+        return run if lost is None else run.up_to(lost, Status.ENERGY_RUNAWAY)
+
+
+def up_to_passing(layout: Layout, run: Integration) -> Integration:
+    """The run, or its part up to the first sample at which surfaces have passed."""
+    if run.status != Status.COMPLETED:
+        return run
+    passed = np.flatnonzero(passed_through(layout, run.samples))
+    return run.up_to(int(passed[0]), Status.PASSED_THROUGH) if passed.size else run
 
 
 def _integrator_from(

@@ -98,7 +98,7 @@ class State:
         found = {"t": np.array(self.t), "cut": np.array(self.cut)}
         found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases")}
         found |= {f"first_{f.name}": getattr(self.first, f.name) for f in fields(Samples)}
-        found |= {f"memory_{name}": array for name, array in self.memory.items()}
+        found |= under("memory_", self.memory)
         for surface, table in self.surfaces.items():
             found |= {f"surface_{name}_{surface}": array for name, array in table.items()}
         return found
@@ -125,18 +125,10 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """Where the runs of a scene begin, if not at its start.
-
-    Attributes
-    ----------
-    state : State
-        The state they begin from.
-    same_scene : bool
-        Whether the state is of the same scene, whose accounts go on.
-    """
+    """Where the runs of a scene begin, if not at its start."""
 
     state: State
-    same_scene: bool
+    same_scene: bool  # whether the state is of the same scene, whose accounts go on
 
     @property
     def first(self) -> Samples | None:
@@ -175,35 +167,30 @@ def state_of(layout: Layout, method: str, run: Integration) -> State:
         y = run.memory["y"].reshape(2, -1)[:, layout.places.q].ravel()
     # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
     y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
-    t = float(last.t[0])
-    anchors = layout.anchors
-    return State(
-        t=t,
-        surfaces={name: _surface(layout, part, y) for name, part in layout.parts.items()},
-        y=y,
-        s=last.s[0],
-        first=run.samples.first(),
-        anchors=anchors,
-        phases=anchors + layout.drifts * t,
+    return replace(
+        _state(layout, float(last.t[0]), y, last.s[0], run.samples.first()),
         memory=run.memory,
         method=method,
-        scene=layout.scene,
-        version=version(),
         cut=run.cut,
     )
 
 
 def state_at_rest(layout: Layout, q: np.ndarray) -> State:
     """The state at t = 0 with coordinates q, (coordinates,), that all move with their surfaces."""
-    y = np.concatenate([q, np.zeros(q.size)])
+    first = Samples.at_zero(layout)
+    return _state(layout, 0.0, np.concatenate([q, np.zeros(q.size)]), first.s[0], first)
+
+
+def _state(layout: Layout, t: float, y: np.ndarray, s: np.ndarray, first: Samples) -> State:
+    """The state of a scene at a time, without what a method needs to continue."""
     return State(
-        t=0.0,
+        t=t,
         surfaces={name: _surface(layout, part, y) for name, part in layout.parts.items()},
         y=y,
-        s=np.zeros(layout.accounts),
-        first=Samples.at_zero(layout),
+        s=s,
+        first=first,
         anchors=layout.anchors,
-        phases=layout.anchors,
+        phases=layout.anchors + layout.drifts * t,
         memory={},
         method="",
         scene=layout.scene,
@@ -215,11 +202,7 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     """The coordinates of a surface's asperites and their rates, by name."""
     a, n = layout.asperites[part], layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
-    for name, rate, slots in (
-        ("phi", "nu", a.dof_phi),
-        ("x", "vx", a.dof_x),
-        ("y", "vy", a.dof_y),
-    ):
+    for name, rate, slots in (("phi", "nu", a.dof_phi), ("x", "vx", a.dof_x), ("y", "vy", a.dof_y)):
         table[name] = columns(slots, y[None, :n])[0]
         table[rate] = columns(slots, y[None, n:])[0]
     if np.any(a.pivot > 0.0):
@@ -252,10 +235,12 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
             "earlier state",
         )
     old, new = plain_table(state.scene), plain_table(layout.scene)
-    same_scene = first_difference(_physics(old), _physics(new)) is None
+    before, now = ({k: v for k, v in each.items() if k not in NO_PHYSICS} for each in (old, new))
     # Works go on only where the same ones are kept.
-    same_scene = same_scene and state.scene.output.ledger == layout.scene.output.ledger
-    other = first_difference(_places(old), _places(new))
+    ledgers = state.scene.output.ledger, layout.scene.output.ledger
+    same_scene = first_difference(before, now) is None and ledgers[0] == ledgers[1]
+    places, others = ({"surface": list(map(_places_of, t["surface"]))} for t in (old, new))
+    other = first_difference(places, others)
     if other is not None:
         raise InputError("start", f"must be a state of this scene, but {other}")
     if state.y.size != layout.start.size:
@@ -301,16 +286,6 @@ def _check_shapes(
             raise InputError("start", f"must be a whole state, but its {part}{name} {other}")
 
 
-def _physics(table: dict[str, object]) -> dict[str, object]:
-    return {key: value for key, value in table.items() if key not in NO_PHYSICS}
-
-
-def _places(table: dict[str, object]) -> dict[str, object]:
-    surfaces = table["surface"]
-    assert isinstance(surfaces, list)
-    return {"surface": [_places_of(surface) for surface in surfaces]}
-
-
 def _places_of(surface: dict[str, Any]) -> dict[str, object]:
     """Settings of a surface on which the meaning of its coordinates depends."""
     places = {key: surface.get(key) for key in PLACES}
@@ -319,10 +294,12 @@ def _places_of(surface: dict[str, Any]) -> dict[str, object]:
     return places
 
 
-def below(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def under(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Arrays with a prefix before their names."""
+    return {prefix + name: array for name, array in arrays.items()}
+
+
+def below(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The arrays whose names begin with a prefix, by the rest of their names."""
-    return {
-        name.removeprefix(prefix): array
-        for name, array in arrays.items()
-        if name.startswith(prefix)
-    }
+    names = (name for name in arrays if name.startswith(prefix))
+    return {name.removeprefix(prefix): arrays[name] for name in names}

@@ -47,6 +47,9 @@ OF_SURFACE = (
     *("velocity", "facing", "bob", "shape", "spacing", "depth", "heights", "positions"),
     *("drive", "bars", "species", "springs", "bath", "langevin"),
 )
+# What reads a part of a surface from its table, or from a word.
+READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
+READ |= {"langevin": as_langevin, "springs": as_springs}
 # In place of the name of a surface: all surfaces.
 EVERY = "*"
 # Before the keys of the only interaction and of the only field of a scene.
@@ -222,18 +225,12 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
         if own:
             name, _, on = part.partition(".")
             with inside(f"{surface.name}.{part}"):
-                whole = _made(name, changes.get(name, getattr(surface, name)))
+                whole = changes.get(name, getattr(surface, name))
+                whole = READ[name](whole) if name in READ else whole
                 new = _changed_part(whole[list(PLACES).index(on)] if on else whole, name, own)
             changes[name] = [new if each.on == on else each for each in whole] if on else new
     with inside(surface.name):
         return replace(surface, **changes) if changes else surface
-
-
-def _made(part: str, value: Any) -> Any:
-    """A part of a surface, from its table or a word as in a scene file."""
-    made: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
-    made |= {"langevin": as_langevin, "springs": as_springs}
-    return made[part](value) if part in made else value
 
 
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:

@@ -11,6 +11,7 @@ import math
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
 from tribo.compiler.lanes_memory import rows_of, store
+from tribo.compiler.numbers_in_lanes import with_numbers
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.integrators.step_control import (
     accept_step,
@@ -21,7 +22,15 @@ from tribo.integrators.step_control import (
     time_left,
     underflow_status,
 )
-from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, EVALUATIONS, NOT_FINITE, PAUSED, STEPS
+from tribo.kernels.status import (
+    BOBS_COINCIDE,
+    CODE,
+    COMPLETED,
+    EVALUATIONS,
+    NOT_FINITE,
+    PAUSED,
+    STEPS,
+)
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import (
@@ -82,27 +91,6 @@ def write_sample(pair, potential, clock, work, record):
 
 
 @kernel
-def write_summary(clock, record, last):
-    """Write counts of the run to the last row of a record, behind all samples."""
-    record[last, STEPS] = clock.steps
-    record[last, EVALUATIONS] = clock.evaluations
-
-
-@kernel
-def reset(clock, h):
-    """Set a clock to the start of a run with a first step h."""
-    clock.t = 0.0
-    clock.t_low = 0.0
-    clock.h = h
-    clock.last_step = 0.0
-    clock.sample = 0
-    clock.steps = 0
-    clock.rejected = 0
-    clock.after_rejection = 0
-    clock.not_finite = 0
-
-
-@kernel
 def begin(pair, potential, clock, start, work):
     """Compute accelerations and powers at the start, if a run starts; returns a status."""
     if clock.evaluations > 0:
@@ -110,7 +98,9 @@ def begin(pair, potential, clock, start, work):
     for row in range(STATE, ROWS):
         for i in range(LANES):
             work[row, i] = 0.0
-    reset(clock, work[LIMITS, FIRST])
+    clock.t, clock.t_low, clock.h, clock.last_step = 0.0, 0.0, work[LIMITS, FIRST], 0.0
+    clock.sample, clock.steps, clock.rejected = 0, 0, 0
+    clock.after_rejection, clock.not_finite = 0, 0
     n = start.size // 2
     work[PLACE, Q1], work[PLACE, Q2] = start[0], start[1]
     work[PLACE, V1], work[PLACE, V2] = start[n], start[n + 1]
@@ -165,5 +155,35 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
             continue
         end = end_of_step(clock, goal, h, landing)
         accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
-    write_summary(clock, record, times.size)
+    record[times.size, STEPS], record[times.size, EVALUATIONS] = clock.steps, clock.evaluations
     return status
+
+
+# The loop of a single run, for callers that are compiled.
+integrate_pair = kernel(pair_collocation)
+
+
+def pair_members(
+    potential, pairs, numbers, rows, clocks, starts, start, times, record, samples, counts, budget
+):
+    """Run members one after another with the steps of :func:`pair_collocation`.
+
+    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1, fields) of the potential, without
+    columns if it has others, are those of each member, or of all.  `starts` are (members, 2
+    coordinates); `start` and `record` are memory for one member.  `samples` (times, members,
+    COLUMNS) have no meaning for members that did not complete; `counts` (members, COUNTS) are
+    PAUSED after `budget` steps.
+    """
+    clock = clocks[0]
+    for member in range(starts.shape[0]):
+        for i in range(start.size):
+            start[i] = starts[member, i]
+        clock.evaluations = 0
+        own = member if pairs.size > 1 else 0
+        mine = with_numbers(potential, numbers, own)
+        code = integrate_pair(pairs[own:], mine, rows, clocks, start, times, record, budget)
+        counts[member, CODE] = code
+        counts[member, STEPS], counts[member, EVALUATIONS] = clock.steps, clock.evaluations
+        for k in range(times.size):
+            for m in range(COLUMNS):
+                samples[k, member, m] = record[k, m]

@@ -70,8 +70,7 @@ class Row:
 
     def as_json(self) -> dict[str, object]:
         """The row of ``tribo paper --json``."""
-        names = [name for name in self.__dataclass_fields__ if name not in NOT_IN_JSON]
-        return {name: getattr(self, name) for name in names}
+        return {name: value for name, value in vars(self).items() if name not in NOT_IN_JSON}
 
 
 def compare(cases: Iterable[str]) -> dict[str, list[Row]]:
@@ -117,12 +116,8 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         cause, explanations = _explanations(run, quantity, times, printed)
         own = _from_positions(run, row, printed_rows)
         notes += explanations + ([] if own is None else [f"the paper's positions give {own:.4f}"])
-    elsewhere = {
-        other["printed"]
-        for other in printed_rows
-        if (other["t"], other["quantity"]) == (row["t"], quantity)
-    } - {printed}
-    for other in sorted(elsewhere):
+    same = (r["printed"] for r in printed_rows if (r["t"], r["quantity"]) == (row["t"], quantity))
+    for other in sorted({*same} - {printed}):
         if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
             notes.append(f"the paper also prints {other} for it")
     found = _row(row, computed, run.error(quantity), agreeing, notes, cause)
@@ -232,15 +227,13 @@ def _sign_row(run: Run, row: dict[str, str]) -> Row:
 def boost_error(moving: Run, still: Run) -> float:
     """Largest difference of any quantity of case E from case C or D in a moving frame."""
     u = moving.result.scene.surfaces[0].velocity[0] - still.result.scene.surfaces[0].velocity[0]
-    largest = 0.0
-    mass = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0]
+    mass, largest = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0], 0.0
     t = moving.result.t[:, None]
     for name in ("upper", "lower"):
         new, old = moving.result[name], still.result[name]
         impulse = mass * (old.vx_cm - old.vx_cm[0])
-        expected = {
-            key: old[key] for key in ("theta", "omega", "y_cm", "delta_e_int", "w2", "wL", "wR")
-        }
+        same = ("theta", "omega", "y_cm", "delta_e_int", "w2", "wL", "wR")
+        expected = {key: old[key] for key in same}
         expected |= {"x_cm": old.x_cm + u * t, "vx_cm": old.vx_cm + u}
         if name == "upper":  # f2 has no x component: all of the impulse is that of f1
             expected |= {key: old[key] + u * impulse for key in ("w1", "w1_ps", "w", "w_ps")}

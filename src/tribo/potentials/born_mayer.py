@@ -36,5 +36,4 @@ class BornMayer(Potential):
         return self.A / self.rho * np.exp(-r / self.rho)
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.rho, WEAK_FROM * self.rho

@@ -46,7 +46,6 @@ class Buckingham(Potential):
         return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C * inverse**7
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.rho, WEAK_FROM * self.rho
 
     def _stationary(self, branch):

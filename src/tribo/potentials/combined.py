@@ -85,7 +85,6 @@ class Sum(BetweenCharges):
         return max(low, other_low), min(high, other_high)
 
     def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
         return tuple(map(must_be_potential, self._fields, self))
 
 
@@ -101,31 +100,24 @@ class Wrapper(Potential):
     potential: Potential
 
     def feature(self):
-        """The value of the wrapped potential."""
         return self.potential.feature()
 
     def clearance(self, r):
-        """The value of the wrapped potential."""
         return self.potential.clearance(r)
 
     def range(self):
-        """The value of the wrapped potential."""
         return self.potential.range()
 
     def smoothness(self):
-        """The value of the wrapped potential."""
         return self.potential.smoothness()
 
     def smoothness_within(self):
-        """The value of the wrapped potential."""
         return self.potential.smoothness_within()
 
     def domain(self):
-        """The value of the wrapped potential."""
         return self.potential.domain()
 
     def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (must_be_potential("potential", self.potential),)
 
 

@@ -40,7 +40,6 @@ class WithCutoff(BetweenCharges, Wrapper):
         return max(self.potential.clearance(r), r - self.cutoff)
 
     def range(self):
-        """Distance from which U and the force are zero [length]."""
         return min(self.cutoff, self.potential.range())
 
     def smoothness(self):
@@ -50,7 +49,6 @@ class WithCutoff(BetweenCharges, Wrapper):
         return min(self._at_cutoff, below)
 
     def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
         repeated = type(self.potential) in AT_CUTOFF.values()
         return (
             must_be_potential("potential", self.potential),
@@ -169,7 +167,6 @@ class Switched(WithCutoff):
         return min(2, self.potential.smoothness_within())
 
     def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
         below = f"must be below the cutoff {self.cutoff:g} [length]"
         return (
             *WithCutoff.constraints(self),

@@ -38,5 +38,4 @@ class Gaussian(Potential):
         return self.height / self.width * x * np.exp(-0.5 * x * x)
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.width, WEAK_FROM * self.width

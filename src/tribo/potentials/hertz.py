@@ -38,11 +38,9 @@ class Hertz(Potential):
         return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 0.25 * self.d, self.d
 
     def range(self):
-        """Distance from which U and the force are zero [length]."""
         return self.d
 
     def smoothness(self):

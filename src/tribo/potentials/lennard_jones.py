@@ -34,7 +34,6 @@ class LennardJones(Potential):
         return 24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.sigma / 6.0, 2.0 * self.sigma
 
     def minimum(self):

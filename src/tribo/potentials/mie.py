@@ -43,7 +43,6 @@ class Mie(Potential):
         return scale * (n * s**n - m * s**m) * inverse
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 2.0 * self.sigma / self.n, 2.0 * self.sigma
 
     def minimum(self):
@@ -52,5 +51,4 @@ class Mie(Potential):
         return r, -self.epsilon, self.n * self.m * self.epsilon / (r * r)
 
     def constraints(self):
-        """For each constraint: the parameter, whether it is met, and the message if not."""
         return (*super().constraints(), ("n", self.n > self.m, f"must be above m = {self.m:g}"))

@@ -38,7 +38,6 @@ class Morse(Potential):
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
 
     def minimum(self):

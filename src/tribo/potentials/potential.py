@@ -83,8 +83,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return 1.0
 
     def feature(self) -> tuple[float, float]:
-        """Length over which the force changes [length]: r itself, at all distances."""
-        return 0.0, 0.0
+        """Length over which the force changes, and distance beyond which it is weak [length]."""
+        return 0.0, 0.0  # the length is r itself, at all distances
 
     def clearance(self, r: Real) -> Real:
         """Distance that a pair at r may move before the force changes considerably."""
@@ -92,7 +92,7 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return max(length, r - min(reach, self.range()))
 
     def range(self) -> float:
-        """Distance from which U is zero [length]: infinity."""
+        """Distance from which U and the force are zero [length]; infinity by default."""
         return math.inf
 
     def smoothness(self) -> float:

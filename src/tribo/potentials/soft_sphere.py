@@ -35,5 +35,4 @@ class SoftSphere(Potential):
         return self.n * self.epsilon * (self.sigma * inverse) ** self.n * inverse
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return 2.0 * self.sigma / max(self.n, 2.0), 2.0 * self.sigma

@@ -91,7 +91,6 @@ class Table(Potential):
         return np.sqrt(np.minimum(r - self.r[0], 0.0))
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.length, self.r[-1]
 
     def range(self):

@@ -42,11 +42,9 @@ class WeeksChandlerAndersen(Potential):
         return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
 
     def feature(self):
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
         return self.sigma / 6.0, END * self.sigma
 
     def range(self):
-        """Distance from which U and the force are zero [length]."""
         return END * self.sigma
 
     def smoothness(self):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tribo.kernels.status import Status
@@ -58,14 +56,14 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
     return found._replace(note="; ".join(filter(None, notes)))
 
 
-def recorded_averages(result: RunResult) -> dict[str, Any]:
-    """The averages of friction forces and of drives, where they are recorded, as for JSON."""
+def recorded_averages(result: RunResult) -> dict[str, dict[str, Average]]:
+    """The averages of friction forces and of drives by surface, where they are recorded."""
     later = np.count_nonzero(result.t >= result.scene.output.run_in)
-    averages: dict[str, Any] = {}
+    averages = {}
     for name in ("friction_force", "pull_force"):
         of = [surface for surface, block in result.ledger.blocks.items() if name in block]
         if of and later > 2:  # the first may have no value
-            averages[name] = {s: force_average(result, f"{s}.{name}")._asdict() for s in of}
+            averages[name] = {s: force_average(result, f"{s}.{name}") for s in of}
     return averages
 
 
@@ -85,13 +83,12 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
     return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))
 
 
-def shares_without_contact(result: RunResult) -> dict[str, dict[str, float]]:
+def shares_without_contact(result: RunResult) -> dict[str, float]:
     """The share of time without contact of every surface, where it is recorded, by name."""
     if np.count_nonzero(result.t >= result.scene.output.run_in) < 2:
         return {}
     names = [n for n, b in result.ledger.blocks.items() if "time_without_contact" in b]
-    shares = {name: time_without_contact(result, name) for name in names}
-    return {"time_without_contact": shares} if shares else {}
+    return {name: time_without_contact(result, name) for name in names}
 
 
 def has_mean_friction(scene: Scene) -> bool:

@@ -202,9 +202,8 @@ def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
     )
 
 
-def _on_places(scene: Scene) -> list[str]:
+def _on_places(scene: Scene) -> Iterator[str]:
     """Surfaces of which several asperites are on one place."""
-    notes = []
     for surface in scene.surfaces:
         number = surface.count
         if surface.positions is None:
@@ -214,79 +213,71 @@ def _on_places(scene: Scene) -> list[str]:
         else:
             places, advice = len(np.unique(surface.positions, axis=0)), "give other positions"
         if places < number:
-            notes.append(
+            yield (
                 f'the {number} asperites of "{surface.name}" are on {places} '
                 f"place{'s' * (places > 1)}, where alike ones act as one; {advice}"
             )
-    return notes
 
 
-def _on_angles(scene: Scene) -> list[str]:
+def _on_angles(scene: Scene) -> Iterator[str]:
     """Initial angles beyond a whole turn, which may be degrees."""
-    notes = []
     for surface in scene.surfaces:
         phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
         for name, angles in (("swing from rest", swing), ("phi", phi)):
             largest = 0.0 if angles is None else float(np.max(np.abs(angles)))
             if largest > 2.0 * math.pi:
-                notes.append(
+                yield (
                     f'"{surface.name}" starts with a {name} of {largest:.4g} rad, more than a '
                     f"whole turn; {largest:.4g} degrees would be {math.radians(largest):.4g}"
                 )
-    return notes
 
 
-def _on_potentials(scene: Scene, method: Method) -> list[str]:
+def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
     """Potentials that are less smooth than the method needs them to be."""
-    notes = []
     for interaction in scene.interactions:
         smoothness = interaction.potential.smoothness()
         name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
-            notes.append(
+            yield (
                 f"the energy of {name} jumps, which no force accounts for: the ledger does not "
                 "close where bobs cross the jump"
             )
         elif smoothness < method.smoothness:
-            notes.append(
+            yield (
                 f"{name} has {smoothness} continuous derivatives; {method.name} needs "
                 f"{method.smoothness} for errors of order {method.order}"
             )
-    return notes
 
 
-def _on_cut(layout: Layout, step: float) -> list[str]:
+def _on_cut(layout: Layout, step: float) -> Iterator[str]:
     """A note on steps that are shorter than the given one, since samples are closer together."""
     taken, interval = longest_step(layout, step), float(np.max(np.diff(layout.times)))
-    if taken >= NOTED_CUT * step:
-        return []
     longer = f"a step that divides {interval:.4g} is taken as it is given"
     if step > interval:
         longer = "fewer samples allow longer steps"
-    return [
-        f"steps are at most {taken:.4g} long in place of {step:.4g}: they are equal parts of the "
-        f"time between two samples, at most {interval:.4g}; {longer}"
-    ]
+    if taken < NOTED_CUT * step:
+        yield (
+            f"steps are at most {taken:.4g} long in place of {step:.4g}: they are equal parts of "
+            f"the time between two samples, at most {interval:.4g}; {longer}"
+        )
 
 
-def _on_step(layout: Layout, method: Method, step: float) -> list[str]:
+def _on_step(layout: Layout, method: Method, step: float) -> Iterator[str]:
     """A note on pendulums that a given step of a splitting method hardly resolves."""
     if not method.splits:
-        return []
+        return
     turn = turn_of_step(layout, method, step, pendulum_frequency(layout))
-    if turn <= NOTED_TURN:
-        return []
-    right = 0.5 * turn / math.tan(0.5 * turn)
-    return [
-        f"the fastest pendulum rotates by {turn:.2g} rad from one kick to the next, so constant "
-        f"forces deflect it by {right:.2g} of the right angle; steps up to "
-        f"{step * NOTED_TURN / turn:.2g} keep this error below 2 %",
-    ]
+    if turn > NOTED_TURN:
+        right = 0.5 * turn / math.tan(0.5 * turn)
+        yield (
+            f"the fastest pendulum rotates by {turn:.2g} rad from one kick to the next, so "
+            f"constant forces deflect it by {right:.2g} of the right angle; steps up to "
+            f"{step * NOTED_TURN / turn:.2g} keep this error below 2 %"
+        )
 
 
-def _on_baths(scene: Scene) -> list[str]:
+def _on_baths(scene: Scene) -> Iterator[str]:
     """Baths that represent a continuum for less than the duration of the run."""
-    notes = []
     for surface in scene.surfaces:
         if surface.bath.spectrum is None:
             continue
@@ -295,8 +286,7 @@ def _on_baths(scene: Scene) -> list[str]:
         frequency = float(np.max(np.sqrt(stiffness / each["inertia"])))
         until = valid_until(surface.bath.spectrum, float(np.min(each["mass"])), frequency)
         if until < scene.duration:
-            notes.append(
+            yield (
                 f'the bath of "{surface.name}" stands for a continuum until t = {until:.4g}; the '
                 f"run lasts {scene.duration:g}, so give it more oscillators"
             )
-    return notes

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html as markup
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,8 @@ from tribo.files import replace_file
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
+from tribo.results import force_averages
 from tribo.results.averages import Average
-from tribo.results.force_averages import (
-    has_mean_friction,
-    load_of,
-    recorded_averages,
-    shares_without_contact,
-)
 from tribo.results.run_result import RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
@@ -40,7 +36,7 @@ SHOWN = {
 
 def end(result: RunResult) -> dict[str, Any]:
     """The end state and the cost, as ``tribo run --json`` prints them."""
-    ledger = result.ledger.at_end()
+    ledger, shares = result.ledger.at_end(), force_averages.shares_without_contact(result)
     return {
         "status": result.status,
         "t": float(ledger.t[-1]),
@@ -65,8 +61,11 @@ def end(result: RunResult) -> dict[str, Any]:
         },
         "system": {key: float(values[-1]) for key, values in ledger.system.items()},
         "error_estimate": dict(result.error_estimate),
-        **recorded_averages(result),
-        **shares_without_contact(result),
+        **{
+            name: {surface: average._asdict() for surface, average in averages.items()}
+            for name, averages in force_averages.recorded_averages(result).items()
+        },
+        **({"time_without_contact": shares} if shares else {}),
     }
 
 
@@ -97,28 +96,28 @@ def text(result: RunResult) -> str:
     return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])
 
 
-def _sliding(result: RunResult) -> list[str]:
+def _sliding(result: RunResult) -> Iterator[str]:
     """What is said of sliding, and the share of time without contact, where it is recorded."""
-    shares = shares_without_contact(result).get("time_without_contact", {})
+    if force_averages.has_mean_friction(result.scene):
+        yield from _friction(result)
+        yield from _energies(result)
+    shares = force_averages.shares_without_contact(result)
     each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
-    return _friction(result) + [f"  time without contact: {each}"] * bool(shares)
+    if each:
+        yield f"  time without contact: {each}"
 
 
-def _friction(result: RunResult) -> list[str]:
-    """Friction forces, heat and the energy budget, of scenes in which sliding goes on."""
-    if not has_mean_friction(result.scene):
-        return []
-    averages, lines = recorded_averages(result), []
+def _friction(result: RunResult) -> Iterator[str]:
+    """Friction forces and those of drives."""
+    averages = force_averages.recorded_averages(result)
     for surface in result.scene.surfaces:
         for name, word in (("friction_force", "friction force"), ("pull_force", "drive's force")):
             found = averages.get(name, {}).get(surface.name)
-            drives = found is not None and found["mean"] != 0.0
-            if drives and (name == "friction_force" or isinstance(surface.drive, Pulled)):
-                parts = in_words(Average(**found), surface, name == "friction_force")
-                lines.append(f"  {surface.name:>10}: {word} {parts}")
+            is_friction = name == "friction_force"
+            if found and found.mean != 0.0 and (is_friction or isinstance(surface.drive, Pulled)):
+                yield f"  {surface.name:>10}: {word} {in_words(found, surface, is_friction)}"
     if not averages and not result.ledger.kept:
-        lines = ['  friction force: not recorded; series = ["forces"] under [output] records it']
-    return [*lines, *_energies(result)]
+        yield '  friction force: not recorded; series = ["forces"] under [output] records it'
 
 
 def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
@@ -127,27 +126,26 @@ def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
     parts = [f"{found.mean:.4g}{interval} from t = {found.after:g} on"]
     if surface.count > 1:
         parts.append(f"{found.mean / surface.count:.4g} per asperite")
-    if is_friction and load_of(surface) > 0.0:
-        parts.append(f"{abs(found.mean) / load_of(surface):.4g} of the load")
+    if is_friction and force_averages.load_of(surface) > 0.0:
+        parts.append(f"{abs(found.mean) / force_averages.load_of(surface):.4g} of the load")
     return ", ".join(parts) + f" ({found.note})" * bool(found.note)
 
 
-def _energies(result: RunResult) -> list[str]:
+def _energies(result: RunResult) -> Iterator[str]:
     """The heat given to reservoirs and baths, and how well the energy budget closes."""
-    lines, end = [], result.ledger.at_end()
+    end = result.ledger.at_end()
     for name, block in end.blocks.items():
         table = {**end.surfaces.get(name, {}), **block}
         heats = {"reservoir": table.get("heat"), "bath": table.get("heat_bath")}
         parts = [f"{np.sum(h[-1]):.6g} to the {to}" for to, h in heats.items() if h is not None]
         if parts:
-            lines.append(f"  {name:>10}: heat {', '.join(parts)}")
+            yield f"  {name:>10}: heat {', '.join(parts)}"
     if "applied_work" in end.system and "total_energy_change" in end.system:
         work, change = (end.system[k][-1] for k in ("applied_work", "total_energy_change"))
-        lines.append(
+        yield (
             f"  energy: work applied {work:.6g}, change of the total energy {change:.6g}, "
             f"difference {work - change:.1e}"
         )
-    return lines
 
 
 def html(result: RunResult) -> str:

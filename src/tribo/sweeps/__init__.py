@@ -23,7 +23,7 @@ from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
 from tribo.model.scene import Scene, checked_scene
 from tribo.progress import Shown
-from tribo.sweeps.dataset import Table, coordinates_of
+from tribo.sweeps.dataset import Table
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
@@ -98,13 +98,24 @@ def sweep(
     """
     began = time.perf_counter()
     grid = Grid(checked_scene(scene), values)
-    each = _members(grid, members, vary, seed, sampler, half_width)
+    sources = of_surfaces(scene, vary)
+    if members is None and (sources or sampler is not None) and half_width is None:
+        raise InputError("members", "is missing; vary is what differs between members")
+    number = None if members is None else integer("members", members, 2)
+    sources = sampled(sampler, members, scene, sources)
+    variation = Variation(scene, sources, integer("seed", seed, 0))
+    if number is not None:
+        variation.check_lengths(number)
+    for key in of_each_surface(scene, dict.fromkeys(grid.keys)):
+        if key in sources:
+            raise InputError(f"vary.{key}", "is swept too; give it once")
+    each = PointMembers(number, sources, seed)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
     at = choice("at", at, (END, SAMPLES))
     settings: dict[str, Any] = {"at": at, "accuracy": accuracy, "method": method, "step": step}
     settings["allow_unresolved"] = allow_unresolved
-    request = Request(names, with_errors=each.number is None, **settings)
+    request = Request(names, with_errors=number is None, **settings)
     if at != END and "duration" in grid.keys:
         raise InputError("at", 'must be "end", as "duration" is swept and times differ')
     how = Execution.checked(engine, threads)
@@ -113,7 +124,7 @@ def sweep(
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         if statistics or half_width is not None:
-            own: dict[str, Any] = {"members": each.number, "vary": each.vary, "seed": each.seed}
+            own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
             own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
             ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
             data = point_by_point(grid, ensemble_at, target.frames, progress, began)
@@ -122,32 +133,9 @@ def sweep(
             data = _together(grid, request, each, store, by, began)
         return target.saved(data)
 
-    others: dict[str, object] = {"values": grid.identity(), "members": each.number, **wanted}
-    identity = request.identity(scene, Variation(scene, each.vary, each.seed), others)
+    others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
+    identity = request.identity(scene, variation, others)
     return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
-
-
-def _members(
-    grid: Grid,
-    members: int | None,
-    vary: Mapping[str, Source] | None,
-    seed: int,
-    sampler: Sampler | None,
-    half_width: Mapping[str, float] | None,
-) -> PointMembers:
-    """The members of each point.  Raises InputError."""
-    sources = of_surfaces(grid.scene, vary)
-    if members is None and (sources or sampler is not None) and half_width is None:
-        raise InputError("members", "is missing; vary is what differs between members")
-    number = None if members is None else integer("members", members, 2)
-    sources = sampled(sampler, members, grid.scene, sources)
-    variation = Variation(grid.scene, sources, integer("seed", seed, 0))
-    if number is not None:
-        variation.check_lengths(number)
-    for key in of_each_surface(grid.scene, dict.fromkeys(grid.keys)):
-        if key in sources:
-            raise InputError(f"vary.{key}", "is swept too; give it once")
-    return PointMembers(number, sources, seed)
 
 
 def _together(
@@ -168,13 +156,13 @@ def _together(
     sets, order, simulation = point_sets(grid, request, each)
     report = how.progress
     if report is not None:
-        how = how._replace(progress=lambda done: report(done // each.each))
+        how = how._replace(progress=lambda done: report(done // (each.number or 1)))
     interrupted = how.collect(runs_of(sets, store.done, how, simulation), store)
     table = Table(grid, order, kept, store.values(), each)
     table.check_any_ran()
     return xarray.Dataset(
         table.variables(),
-        coordinates_of(grid, kept, grid.scene, None if each.number is None else sets[0]),
+        table.coordinates(None if each.number is None else sets[0]),
         {"keep": json.dumps(kept.names)}
         | common_attributes(grid.scene, interrupted, table.notes(), began),
     )

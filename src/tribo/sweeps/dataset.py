@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from tribo.ensembles.dataset import COUNTS, times_of, varied_coordinates
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
-from tribo.model.scene import Scene
 from tribo.results.dataset import Variable
 from tribo.results.intervals import interval
 from tribo.sweeps.grid import Axis, Grid
@@ -76,9 +76,9 @@ class Table:
             variables[f"{name}{ERROR}"] = self.dimensions, self.placed(bounds), what
         return variables
 
-    def notes(self) -> list[str]:
+    def notes(self) -> Iterator[str]:
         """What to know of single points."""
-        notes, points = [], self._grid.size
+        points = self._grid.size
         of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
@@ -88,8 +88,20 @@ class Table:
             elif self._members:
                 continue
             if note:
-                notes.append(f"{self._grid.label(index)}: {note}")
-        return notes
+                yield f"{self._grid.label(index)}: {note}"
+
+    def coordinates(self, members: PointSet | None) -> dict[str, Variable]:
+        """The values of the keys, the times, and of members their seeds and varied values."""
+        coordinates = key_coordinates(self._grid)
+        if self._kept.at_samples:
+            coordinates |= times_of(self._kept, self._grid.scene)
+        if members is not None:
+            numbers, each = np.arange(members.seeds.size), ("member",)
+            coordinates["member"] = each, numbers, {"long_name": "member"}
+            name = "member_seed" if "seed" in self._grid.keys else "seed"
+            coordinates[name] = each, members.seeds, {"long_name": "seed of the member"}
+            coordinates |= varied_coordinates(members.vary)
+        return coordinates
 
     def check_any_ran(self) -> None:
         """Raise InputError if no point can be run."""
@@ -105,22 +117,6 @@ def key_coordinates(grid: Grid) -> dict[str, Variable]:
         for axis in grid.axes
         for k, key in enumerate(axis.keys)
     }
-
-
-def coordinates_of(
-    grid: Grid, kept: Kept, scene: Scene, members: PointSet | None
-) -> dict[str, Variable]:
-    """The values of the keys, the times, and of members their seeds and varied values."""
-    coordinates = key_coordinates(grid)
-    if kept.at_samples:
-        coordinates |= times_of(kept, scene)
-    if members is not None:
-        each = members.seeds.size
-        coordinates["member"] = ("member",), np.arange(each), {"long_name": "member"}
-        name = "member_seed" if "seed" in grid.keys else "seed"
-        coordinates[name] = ("member",), members.seeds, {"long_name": "seed of the member"}
-        coordinates |= varied_coordinates(members.vary)
-    return coordinates
 
 
 def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, Any]:

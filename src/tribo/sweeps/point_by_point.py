@@ -34,9 +34,7 @@ def point_by_point(
     import xarray
 
     points: list[Arrays] = []  # "data" of the data set, or a "note" on why there is none
-    for arrays in () if frames is None else frames.read():
-        assert frames is not None
-        frames.name_last(len(points))
+    for _, arrays in () if frames is None else frames.read():
         points.append(arrays)
     interrupted = False
     try:

@@ -36,11 +36,6 @@ class PointMembers(NamedTuple):
     vary: Mapping[str, Source]  # what differs between them
     seed: int  # from which they are drawn
 
-    @property
-    def each(self) -> int:
-        """Runs of a point."""
-        return self.number or 1
-
 
 class PointSet(NamedTuple):
     """Points of a sweep that one plan serves, and their members; it can be pickled."""
@@ -109,7 +104,7 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMem
         for k, name in enumerate(axis.keys)
         for key in _of_surfaces(scene, [name])
     }
-    drawn = Variation(scene, members.vary, members.seed).members(np.arange(members.each))
+    drawn = Variation(scene, members.vary, members.seed).members(np.arange(members.number or 1))
     seeds = np.array([scene.seed]) if members.number is None else drawn.seeds
     return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, members.seed)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 from tribo.integrators import methods
 
@@ -82,12 +82,10 @@ class Cheapest:
 
     def as_json(self) -> dict[str, object]:
         """An item of ``cheapest`` in the output of ``tribo accuracy --json``."""
-        row = None if self.row is None else asdict(self.row)
-        keys = ("method", "setting", "force_evaluations", "seconds")
-        chosen = self.automatic_row
+        keys, chosen = ("method", "setting", "force_evaluations", "seconds"), self.automatic_row
         return {
             "error": self.goal,
-            **{key: None if row is None else row[key] for key in keys},
+            **{key: getattr(self.row, key, None) for key in keys},
             "digit_more": self.digit_more,
             "automatic_method": self.automatic,
             "automatic_seconds": None if chosen is None else chosen.seconds,

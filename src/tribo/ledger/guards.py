@@ -1,0 +1,125 @@
+"""Guards of runs: energy that no work accounts for, and surfaces that pass through each other.
+
+Where bars of one surface are beyond all bobs of the other, they have passed.  Bobs may change their
+order in y without that: rods pass beside each other, and pendulums turn over.  A bar that is lower
+than every bob of a surface below it has passed the rods there too.  Only bars that move along y
+can: those with a load, a drive of the user's own, or uncancelled forces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
+from tribo.layout.layout import Layout
+from tribo.ledger.ledger import assemble
+from tribo.ledger.motion import motions
+from tribo.ledger.quantities import Table
+from tribo.ledger.samples import Samples
+
+# Energy that appears, in units of that at the start, from which a run counts as lost: a step that
+# is too long for a spring multiplies it by 1e3 in tens of steps, an inaccurate one does not.
+RUNAWAY = 1e3
+# Part of the bars of a surface that must pass for the surface to count as passed.
+MOST = 0.5
+
+
+def lost_sample(layout: Layout, samples: Samples) -> int | None:
+    """The index of the first sample at which the energy has run away, if there is one.
+
+    Without a ledger it is not known.
+    """
+    if layout.model.ledger is None or not np.any(grows(layout, samples)):
+        return None
+    return first_lost(layout, samples, assemble(layout, samples).system)[0]
+
+
+def first_lost(
+    layout: Layout, samples: Samples, system: Table, known: float = 0.0
+) -> tuple[int | None, float]:
+    """The index of the first sample at which the energy has run away, if there is one.
+
+    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
+    the applied work by more than any applied work and any energy of contact or of fields so far.
+    `system` is the ledger of the system at these samples of a run, the first of which is its start.
+    `known` is the largest of those works and energies before; the largest so far is returned too.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
+        excess = np.abs(system["total_energy_change"] - system["applied_work"])
+        terms = np.abs([samples.contact, samples.field, system["applied_work"]])
+        so_far = np.maximum.accumulate(np.maximum(np.max(terms, axis=0), known))
+        lost = np.flatnonzero(grows(layout, samples) & (excess > so_far))
+    return (int(lost[0]) if lost.size else None), float(so_far[-1])
+
+
+@np.errstate(over="ignore", invalid="ignore")  # an energy may exceed all numbers
+def grows(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether the energy exceeds RUNAWAY times that at the start, (times,).
+
+    It is the sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity.
+    """
+    surfaces = range(len(layout.scene.surfaces))
+    mean = np.mean([np.asarray(layout.view.velocity_of(index)) for index in surfaces], axis=0)
+    stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
+    energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
+    for index in surfaces:
+        for span, m in motions(layout.view, samples, index):
+            vx, vy = span.velocity - mean[..., None]
+            moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
+            energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
+    return np.asarray(energy > RUNAWAY * samples.at_start(energy))
+
+
+def passing_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
+    """A note on bars that have passed another surface by the last sample."""
+    last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
+    notes = []
+    for mine, theirs in _facing(layout):
+        beyond = _beyond(layout, last, mine, theirs)[-1]
+        if np.any(beyond):
+            notes.append(
+                f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{names[mine]}" passed '
+                f'through "{names[theirs]}" by t = {last.t[-1]:.6g}; springs between bars, a '
+                "smaller load or stronger contact hold them"
+            )
+    return tuple(notes)
+
+
+def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
+    """Whether most bars of a surface have passed another one, (times,)."""
+    passed = np.zeros(samples.t.size, dtype=bool)
+    for mine, theirs in _facing(layout):
+        passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST
+    return passed
+
+
+def _facing(layout: Layout) -> list[tuple[int, int]]:
+    """Surfaces in contact that face each other, in both orders; at least one can move along y."""
+    scene = layout.scene
+    pairs = {pair for interaction in scene.interactions for pair in scene.pairs(interaction)}
+    found = []
+    for one, other in sorted(pairs):
+        surfaces = scene.surfaces[one], scene.surfaces[other]
+        facing = {surface.facing for surface in surfaces}
+        if len(facing) == 2 and any(map(scene.slides_along_y, surfaces)):
+            found += [(one, other), (other, one)]
+    return found
+
+
+def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndarray:
+    """Whether bars of one surface are beyond all bobs of the other, but not at the start.
+
+    (times, asperites).  Beyond is below for a surface that faces down, and above for the other.
+    """
+    down = layout.scene.surfaces[mine].facing_sign
+    bars = down * _heights(layout, samples, mine, "bar")
+    bobs = down * _heights(layout, samples, theirs, "bob")
+    with np.errstate(invalid="ignore"):  # values that are not finite are beyond nothing
+        beyond = bars < np.min(bobs, axis=1, keepdims=True)
+    return beyond & ~np.asarray(samples.at_start(beyond), dtype=bool)
+
+
+def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
+    """y of the bars or of the bobs of a surface, (times, asperites)."""
+    moved = motions(layout.view, samples, index)
+    return np.concatenate([getattr(motion, point)[1] for _, motion in moved], axis=1)
