@@ -184,7 +184,7 @@ def simulate(
         method, step and recorded times it has the bits of a run without the pause.
     out : str or Path, optional
         A NetCDF file for the result.  Until that is complete, ``out`` with ``.part`` appended to
-        its name has what is done.
+        its name contains what is done.
     resume : bool
         Continue from ``out.part``, with the same bits as without a pause.  Without such a file the
         run starts from the beginning, or ``out`` is read if it is complete.
