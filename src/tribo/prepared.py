@@ -14,6 +14,7 @@ from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import Errors, FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
+from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
 from tribo.accuracy.weak_works import weak_notes
@@ -127,10 +128,11 @@ class Simulation:
         if not estimate or tuned is None:
             return self._single_run(y)
         settings = (tuned.coarse, tuned.coarse, self.plan.setting)
+        starts = (y, rounded_start(self.layout, y), y)
         runs: list[Integration] = []
-        for setting, times in zip(settings, self._stops, strict=True):
+        for setting, times, start in zip(settings, self._stops, starts, strict=True):
             if not runs or runs[-1].status not in ABORTED:
-                runs.append(self.integrator(setting, times, y))
+                runs.append(self.integrator(setting, times, start))
         return self._estimated_result(runs, y)
 
     def compute_first(self) -> Result:

@@ -188,3 +188,32 @@ def test_works_of_members_below_the_rounding_of_energies():
     strong = replace(scene, interactions=Coulomb(1e-3))
     data = tribo.ensemble(strong, vary=vary, keep=["upper.w1"], accuracy=1e-6)
     assert LOST not in data.attrs["notes"]
+
+
+@pytest.mark.filterwarnings("ignore::tribo.TriboWarning")  # the request is out of reach
+@pytest.mark.parametrize("method", [None, "dop853", "verlet"])
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-8, 1e-10])
+def test_a_bar_on_the_maximum_of_a_field(method, accuracy):
+    """Nothing but the rounding of its place moves it, in all runs alike."""
+    simulation = tribo.prepare(on_a_maximum(4.0), accuracy=accuracy, method=method)
+    for result in (simulation.first_result(), simulation.run()):
+        for name in ("x_cm", "vx_cm", "w_field"):
+            assert np.max(np.abs(result["lower"][name])) <= result.error_estimate[name], name
+
+
+def test_members_on_the_maximum_of_a_field():
+    """They are compared with runs from other roundings, as single runs are."""
+    vary = {"upper.theta": np.linspace(0.01, 0.1, 8)}
+    keep = ["lower.x_cm"]
+    data = tribo.ensemble(on_a_maximum(3.5), vary=vary, keep=keep, accuracy=1e-5)
+    off = np.abs(data["lower.x_cm"].values).ravel()
+    assert np.all(off > 1e-9) and np.all(off <= data["error"].values)
+
+
+def on_a_maximum(duration):
+    """A free bar on the maximum of a field, at a distance that has no exact number of periods."""
+    own = Asperite(m1=0.7, m2=1.3, kappa=100.0, length=1.0)
+    upper = Surface("upper", bob=(-7.3, 5.0), velocity=(1.0, 0.0), bars="free", asperite=own)
+    lower = Surface("lower", facing="up", bob=(0.0, 0.0), bars="free", asperite=own)
+    hill = tribo.Field(tribo.Corrugation(-1.0, 1.0), on=["upper", "lower"])
+    return Scene((upper, lower), (), duration, fields=hill, output=Output(samples=9))

@@ -94,10 +94,12 @@ class SearchRuns:
         before, evaluations = self.known
         return evaluations * (before / level) ** (1.0 / self.method.order)
 
-    def run(self, setting: Setting, times: np.ndarray, level: float) -> Integration:
+    def run(
+        self, setting: Setting, times: np.ndarray, level: float, start: np.ndarray | None = None
+    ) -> Integration:
         """A run of a round."""
         most = max(UNEXPECTED * self.expected(level), UNNOTICED * self.most)
-        run = self.attempt(setting, times, most=min(self.most, most))
+        run = self.attempt(setting, times, start, most=min(self.most, most))
         if run.status == Status.COMPLETED:
             self.known = (level, run.evaluations)
         return run

@@ -19,6 +19,7 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
+from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.scales import EPSILON, KINDS
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
@@ -182,7 +183,8 @@ class CheckedRuns(BatchRuns):
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             finer = self.plan._replace(method=self.exact, level=level)
-            fine = self.run(finer, starts.of_members(now))
+            those = starts.of_members(now)
+            fine = self.run(finer, those._replace(y=rounded_start(self.simulation.layout, those.y)))
             exact, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
@@ -192,9 +194,10 @@ class CheckedRuns(BatchRuns):
                 found[f"{name}{ERROR}"][now] = worst * asked * exact.scale_of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
-            now, coarse = now[bad], fine.of_members(bad)
+            now = now[bad]
             if not now.size:
                 return
+            coarse = self.run(finer, starts.of_members(now))
             for name, values in kept_series(self.kept, coarse).items():
                 found[name][now] = values
             found["level"][now], found["steps"][now] = level, coarse.counts[:, STEPS]
