@@ -46,7 +46,9 @@ def in_steps(layout, method, count):
         iterates = method.remembers > 0
         y, s = (np.full(n, 1e-15 if iterates else np.inf) for n in sizes(layout))
         setting = Tolerance(y, s, NO_LEVEL)
-    run = Integrator(layout, method, np.inf)(setting, times)
+    integrator = Integrator(layout, method)
+    integrator.first_step = np.inf
+    run = integrator(setting, times)
     assert (run.status, run.steps) == ("completed", count)
     return run.samples.y[-1], run.samples.s[-1]
 

@@ -16,10 +16,10 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from tribo.accuracy.cheapest_setting import NEAR_ALONE
+from tribo.accuracy.compared_runs import rounded_start
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
-from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.scales import EPSILON, KINDS
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
