@@ -165,11 +165,11 @@ def error_bounds(
     found = extremes(layout, fine, coarser, observables(accuracy))
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
     scales = scales_of(layout, tops, float(found.speed), float(found.internal))
-    rough, least = np.isfinite(layout.scene.smoothness), LEAST * strictest(accuracy)
+    rough = bool(np.isfinite(layout.scene.smoothness))
+    least = rounding(amplification, fine.steps) + LEAST * strictest(accuracy)
     chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
-    least = rounding(amplification, fine.steps) + least
-    bounds = estimate(found, scales, bool(rough), least, limit)
+    bounds = estimate(found, scales, rough, least, limit)
     if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
     return Errors(amplification, bounds, scales, excess_of_request(bounds, scales, accuracy))
