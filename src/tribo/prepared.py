@@ -14,7 +14,6 @@ from tribo.accuracy.estimate import excess_of_request
 from tribo.accuracy.found_settings import Errors, FoundSettings, cost_of
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.search import MOST_COST
 from tribo.accuracy.stop_times import StopTimes
 from tribo.accuracy.weak_works import weak_notes
@@ -127,12 +126,15 @@ class Simulation:
         tuned = self.plan.tuned
         if not estimate or tuned is None:
             return self._single_run(y)
-        settings = (tuned.coarse, tuned.coarse, self.plan.setting)
-        starts = (y, rounded_start(self.layout, y), y)
+        few, many, fine = self._stops
         runs: list[Integration] = []
-        for setting, times, start in zip(settings, self._stops, starts, strict=True):
+        for setting, times, rounded in (
+            (tuned.coarse, few, False),
+            (tuned.coarse, many, True),
+            (self.plan.setting, fine, False),
+        ):
             if not runs or runs[-1].status not in ABORTED:
-                runs.append(self.integrator(setting, times, start))
+                runs.append(self.integrator(setting, times, y, rounded=rounded))
         return self._estimated_result(runs, y)
 
     def compute_first(self) -> Result:

@@ -160,8 +160,8 @@ def test_an_interrupt_ends_all_runs():
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     integrate = simulation.integrator
 
-    def interrupted(*given):
-        runs.append(replace(integrate(*given), status=Status.INTERRUPTED))
+    def interrupted(*given, **named):
+        runs.append(replace(integrate(*given, **named), status=Status.INTERRUPTED))
         return runs[-1]
 
     simulation.integrator = interrupted

@@ -59,10 +59,12 @@ class Attempt(Protocol):
         start: np.ndarray | None = None,
         *,
         most: float | None = None,
+        rounded: bool = False,
     ) -> Integration:
         """Record at `times`, from the state `start` or else the scene's own start.
 
-        With `most` force evaluations, or those of the scene without it.
+        With `most` force evaluations, or those of the scene without it; `rounded` with other
+        roundings of the bobs' places.
         """
 
 

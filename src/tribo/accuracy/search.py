@@ -45,7 +45,6 @@ from tribo.accuracy.levels import (
     setting_at,
     work,
 )
-from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns
 from tribo.accuracy.stop_times import StopTimes
@@ -260,10 +259,9 @@ class _Search:
         last = _Round(level, coarse=coarse, fine=fine)
         last.add(layout, finest)
         self.rounds.append(last)
-        starts = layout.start, rounded_start(layout, layout.start)
-        for times, start in zip((self.stops.few, self.stops.many), starts, strict=True):
+        for times, rounded in ((self.stops.few, False), (self.stops.many, True)):
             if last.stopped is None:
-                coarser = [*last.runs[:-1], self.count.run(coarse, times, level, start)]
+                coarser = [*last.runs[:-1], self.count.run(coarse, times, level, rounded)]
                 last.add(layout, finest, coarser)
         self.runs.append(finest)
         self.scales = None

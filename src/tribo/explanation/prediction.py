@@ -99,6 +99,7 @@ class Search(Integrator):
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
         most: float | None = None,
+        rounded: bool = False,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError or KeyboardInterrupt."""
         rest, most = self._budget - self.evaluations, most or most_evaluations(self.layout.scene)
@@ -107,7 +108,7 @@ class Search(Integrator):
             if count > rest:
                 self.runs.append((times, count, count))
                 raise OverBudgetError
-        run = super().__call__(setting, times, start, most=min(rest, most))
+        run = super().__call__(setting, times, start, most=min(rest, most), rounded=rounded)
         if run.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
         self.evaluations += run.evaluations
