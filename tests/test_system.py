@@ -126,13 +126,30 @@ def test_no_two_files_differ_in_case():
         assert not [name for name, count in names.items() if count > 1]
 
 
+def first(pattern, name):
+    """What the pattern finds first in a file of the checkout."""
+    found = re.search(pattern, (PROJECT / name).read_text(encoding="utf-8"), re.MULTILINE)
+    assert found, name
+    return found[1]
+
+
 def test_the_version_is_in_one_place():
-    """Files of other programs have the same."""
+    """Files of other programs name the last release: this version, or one before it."""
+    release = first(r"^## \[(\d[\d.]*)\] - \d{4}-\d\d-\d\d$", "CHANGELOG.md")
     for name in ("CITATION.cff", "conda/recipe.yaml"):
-        text = (PROJECT / name).read_text(encoding="utf-8")
-        found = re.search(r"^ *version: \"?([\d.]+)\"?$", text, re.MULTILINE)
-        assert found and found[1] == tribo.__version__, name
-    assert re.fullmatch(r"\d+\.\d+\.\d+", tribo.__version__)
+        assert first(r"^ *version: \"?([\d.]+)\"?$", name) == release
+    developed = re.fullmatch(r"(\d+\.\d+\.\d+)\.dev0", tribo.__version__)
+    unreleased = first(r"^## \[(.*?)\]", "CHANGELOG.md") == "Unreleased"
+    assert unreleased == (developed is not None)
+    if developed is None:
+        assert tribo.__version__ == release
+    else:
+        assert numbers(developed[1]) > numbers(release)
+
+
+def numbers(version):
+    """The parts of a version, to compare."""
+    return [int(part) for part in version.split(".")]
 
 
 def test_a_checkout_that_is_not_installed_runs(tmp_path):

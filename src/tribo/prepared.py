@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from tribo.accuracy.cheapest_setting import single_setting
-from tribo.accuracy.compared_runs import StopTimes, rounded_start
 from tribo.accuracy.comparison import (
     ABORTED,
     Errors,
@@ -22,6 +21,7 @@ from tribo.accuracy.comparison import (
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan
 from tribo.accuracy.search import MOST_COST, FoundSettings
+from tribo.accuracy.stop_times import StopTimes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -131,12 +131,15 @@ class Simulation:
         tuned = self.plan.tuned
         if not estimate or tuned is None:
             return self._single_run(y)
-        settings = (tuned.coarse, tuned.coarse, self.plan.setting)
-        starts = (y, rounded_start(self.layout, y), y)
+        few, many, fine = self._stops
         runs: list[Integration] = []
-        for setting, times, start in zip(settings, self._stops, starts, strict=True):
+        for setting, times, rounded in (
+            (tuned.coarse, few, False),
+            (tuned.coarse, many, True),
+            (self.plan.setting, fine, False),
+        ):
             if not runs or runs[-1].status not in ABORTED:
-                runs.append(self.integrator(setting, times, start))
+                runs.append(self.integrator(setting, times, y, rounded=rounded))
         return self._estimated_result(runs, y)
 
     def compute_first(self) -> Result:

@@ -11,8 +11,8 @@ import tribo
 from support.sliding import long_slide
 from tribo import atlas, paper
 from tribo.accuracy import cheapest_setting, choose_method, cost_model, levels, search
-from tribo.accuracy.compared_runs import MOST_STOPS, PARTS, StopTimes
 from tribo.accuracy.comparison import TINY_PERTURBATION, error_bounds, measure_amplification
+from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
 from tribo.layout.layout import lay_out
@@ -160,8 +160,8 @@ def test_an_interrupt_ends_all_runs():
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     integrate = simulation.integrator
 
-    def interrupted(*given):
-        runs.append(replace(integrate(*given), status=Status.INTERRUPTED))
+    def interrupted(*given, **named):
+        runs.append(replace(integrate(*given, **named), status=Status.INTERRUPTED))
         return runs[-1]
 
     simulation.integrator = interrupted

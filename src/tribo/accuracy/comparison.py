@@ -82,8 +82,8 @@ LOST = "below the rounding of the energies"
 
 # The largest relative error of everything, or of each quantity by name.
 Accuracy = float | Mapping[str, float]
-# Runs the scene with a setting, through times, from a start or else the scene's own, with at most
-# `most` force evaluations.
+# Runs the scene with a setting, through times, from a start or else the scene's own: an Integrator,
+# or what calls it.
 Attempt = Callable[..., Integration]
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
-from tribo.accuracy.compared_runs import PARTS, StopTimes
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.cost_model import counted, evaluation_time
 from tribo.accuracy.search import FoundSettings, find_settings
 from tribo.accuracy.search_runs import Announce
+from tribo.accuracy.stop_times import PARTS, StopTimes
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed
 from tribo.loops.integrate import Setting

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.accuracy.compared_runs import StopTimes, rounded_start
 from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
@@ -45,6 +44,7 @@ from tribo.accuracy.levels import (
 )
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns
+from tribo.accuracy.stop_times import StopTimes
 from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting
@@ -226,10 +226,9 @@ class _Search:
         last.coarse, last.fine, last.runs = coarse, fine, [run]
         self.rounds.append(last)
         self.runs.append(run)
-        starts = layout.start, rounded_start(layout, layout.start)
-        for times, start in zip((self.stops.few, self.stops.many), starts, strict=True):
+        for times, rounded in ((self.stops.few, False), (self.stops.many, True)):
             if last.stopped is None:
-                run = self.count.run(coarse, times, level, start)
+                run = self.count.run(coarse, times, level, rounded)
                 last.runs.insert(-1, run)
                 last.stopped = _stop_of(run)
         return self.decide()

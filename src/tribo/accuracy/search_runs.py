@@ -79,11 +79,11 @@ class SearchRuns:
         return evaluations * (before / level) ** (1.0 / self.method.order)
 
     def run(
-        self, setting: Setting, times: np.ndarray, level: float, start: np.ndarray | None = None
+        self, setting: Setting, times: np.ndarray, level: float, rounded: bool = False
     ) -> Integration:
         """A run of a round."""
         most = max(UNEXPECTED * self.expected(level), UNNOTICED * self.most)
-        run = self.attempt(setting, times, start, most=min(self.most, most))
+        run = self.attempt(setting, times, most=min(self.most, most), rounded=rounded)
         if run.status == Status.COMPLETED:
             self.known = (level, run.evaluations)
         return run
@@ -95,13 +95,14 @@ class SearchRuns:
         start: np.ndarray | None = None,
         *,
         most: float | None = None,
+        rounded: bool = False,
     ) -> Integration:
         """A run that counts as one of the search."""
         self._number += 1
         if self._announce is not None:
             self._announce(self._number, max(self._number, self._of), self._left)
             self._left = None
-        run = self._integrator(setting, times, start, most=most)
+        run = self._integrator(setting, times, start, most=most, rounded=rounded)
         self.spent += run.evaluations
         return run
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
+from tribo.layout.other_rounding import with_other_rounding
 from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.general import GeneralLoop, compile_loop
@@ -58,6 +60,12 @@ class Integrator:
         state = None if self.origin is None else self.origin.state
         return _integrator_from, (self.layout.scene, self.method.name, state, self.threads)
 
+    @cached_property
+    def rounded(self) -> tuple[Layout, Pair | None]:
+        """The layout with other roundings of the bobs' places, and a pair's loop for it."""
+        layout = with_other_rounding(self.layout)
+        return layout, self.pair and Pair(layout, self.method, self.first_step)
+
     def __call__(
         self,
         setting: Setting,
@@ -65,23 +73,26 @@ class Integrator:
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
         most: float | None = None,
+        rounded: bool = False,
     ) -> Integration:
         """Integrate through `times` from `start`, y at t = 0; the scene's without it.
 
         `streamed` takes the samples in, of which only the first and the last two are kept then.
-        Adaptive steps may take `most` force evaluations; those of the scene without it.
+        Adaptive steps may take `most` force evaluations; those of the scene without it.  `rounded`
+        gives the bobs' places other roundings.
         """
+        layout, pair = self.rounded if rounded else (self.layout, self.pair)
         start = self.layout.start if start is None else start
         entry = None
         if self._journal is not None:
             entry = self._journal.integration(key_of(setting, times, start))
-        if self.pair is not None:
+        if pair is not None:
             assert isinstance(setting, Tolerance)
-            return self.pair.integrate(setting, start, times, self._progress, entry, most)
+            return pair.integrate(setting, start, times, self._progress, entry, most)
         first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
-        loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
+        loop = GeneralLoop(layout, self.method, setting, start, first, self.threads)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)

@@ -1,19 +1,10 @@
-"""How runs that are compared differ: they stop at other times, and begin from other roundings.
-
-Runs from one start share the rounding of the places of bobs.  At an equilibrium that is unstable,
-such as a bar on the maximum of a field, this rounding is all that moves them, in all runs alike:
-with 1e-8 requested, one of 5 time units was off by 15 times its estimate.  So one of the runs that
-are compared begins from other roundings.
-"""
+"""The times at which runs stop that are compared with one another."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-
-from tribo.accuracy.scales import EPSILON
-from tribo.layout.layout import Layout
 
 # Equal parts of the duration after which a fine run stops, so that its steps differ from those of
 # the coarse runs even if there are few samples.
@@ -58,19 +49,3 @@ def _thinned(times: np.ndarray, inner: np.ndarray) -> np.ndarray:
     if inner.size > MOST_STOPS:
         inner = inner[np.linspace(0, inner.size - 1, MOST_STOPS).astype(int)]
     return np.concatenate([times[:1], inner, times[-1:]])
-
-
-def rounded_start(layout: Layout, start: np.ndarray) -> np.ndarray:
-    """Starts (..., 2 coordinates) displaced by the rounding of their bobs' places."""
-    found, a = start.copy(), layout.asperites
-    moved = np.hypot(a.vx - a.vx[0], a.vy - a.vy[0]) * layout.scene.duration
-    arm = a.l1 + a.l2
-    place = EPSILON * (np.hypot(a.x, a.y) + moved + arm)
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], (3, a.size))
-    angles = np.arange(a.size)
-    for slots, sign, shift in zip(
-        (angles, a.dof_x, a.dof_y), signs, (place / arm, place, place), strict=True
-    ):
-        present = slots >= 0
-        found[..., slots[present]] += (sign * shift)[present]
-    return found
