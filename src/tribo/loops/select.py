@@ -64,7 +64,7 @@ class Integrator:
     def rounded(self) -> tuple[Layout, Pair | None]:
         """The layout with other roundings of the bobs' places, and a pair's loop for it."""
         layout = with_other_rounding(self.layout)
-        return layout, self.pair and Pair(layout, self.method, self.first_step)
+        return layout, self.pair and self.pair.displaced(layout)
 
     def __call__(
         self,
