@@ -19,7 +19,6 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
-from tribo.accuracy.rounded_start import rounded_start
 from tribo.accuracy.scales import EPSILON, KINDS
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
@@ -28,6 +27,7 @@ from tribo.ensembles.members import Members
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import EVALUATIONS, STEPS
 from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.other_rounding import shifts
 from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
@@ -118,6 +118,11 @@ class CheckedRuns(BatchRuns):
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name
         self.steppers = _steppers(simulation, bool(own_numbers))
+        layout, rounded = simulation.integrator.rounded
+        first_step = simulation.integrator.first_step
+        self._checks = choose_batch(
+            layout, simulation.method, first_step, bool(own_numbers), rounded
+        )
         pair = simulation.integrator.pair is not None
         self.pilot = PILOT if pair else PILOT_OF_LARGE
         self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
@@ -160,6 +165,15 @@ class CheckedRuns(BatchRuns):
         setting = setting_at(layout, self.simulation.method, scales, plan.level, near)
         return stepper.batch.run(setting, starts)
 
+    def _check(self, level: float, starts: MemberStarts) -> MemberRuns:
+        """Run members by the method of single runs, with other roundings of the bobs' places."""
+        layout, numbers = self.simulation.layout, starts.numbers
+        if numbers is not None:
+            starts = starts._replace(numbers=numbers.displaced(*shifts(layout)))
+        scales = ToleranceScales(*self.plan.scales)
+        setting = setting_at(layout, self.simulation.method, scales, level, NEAR_ALONE)
+        return self._checks.run(setting, starts)
+
     def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
         """Finer runs with the scales of their errors, and the difference of each member from its.
 
@@ -182,9 +196,7 @@ class CheckedRuns(BatchRuns):
         coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            finer = self.plan._replace(method=self.exact, level=level)
-            those = starts.of_members(now)
-            fine = self.run(finer, those._replace(y=rounded_start(self.simulation.layout, those.y)))
+            fine = self._check(level, starts.of_members(now))
             exact, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
             set_notes(found, now, exact.notes)
@@ -197,6 +209,7 @@ class CheckedRuns(BatchRuns):
             now = now[bad]
             if not now.size:
                 return
+            finer = self.plan._replace(method=self.exact, level=level)
             coarse = self.run(finer, starts.of_members(now))
             for name, values in kept_series(self.kept, coarse).items():
                 found[name][now] = values

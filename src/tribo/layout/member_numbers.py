@@ -20,3 +20,10 @@ class MemberNumbers(NamedTuple):
     def of_members(self, selected: np.ndarray | slice) -> MemberNumbers:
         """Those of some members."""
         return MemberNumbers(*(each[selected] for each in self))
+
+    def displaced(self, x: np.ndarray, y: np.ndarray) -> MemberNumbers:
+        """The same with the asperites' places displaced (n,)."""
+        asperites = self.asperites.copy()
+        asperites["x"] += x
+        asperites["y"] += y
+        return self._replace(asperites=asperites)

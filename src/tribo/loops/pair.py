@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from copy import copy
+from typing import Any
 
 import numpy as np
 from numba import config
@@ -85,18 +87,22 @@ class Pair:
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
         began = time.perf_counter()
         self.layout = layout
-        asperites = np.asarray(layout.asperites)
-        charges = layout.model.each[CHARGE, layout.places.columns]
-        record = record_of(layout, asperites[None], charges)
-        self.scene_arguments = record, layout.model.contacts[0].potential
+        self.scene_arguments = _scene_arguments(layout)
         driven = layout if layout.model.pivots is not None else None
-        self.factors = Factors(*factors_of(layout, asperites), {}, driven)
+        self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
         self._coefficients = method.coefficients
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
+
+    def displaced(self, layout: Layout) -> Pair:
+        """The same loops for a layout in which the places of bobs alone are others."""
+        pair = copy(self)
+        pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
+        pair.loops = Pool(lambda: PairLoop(pair))
+        return pair
 
     def integrate(
         self,
@@ -139,6 +145,13 @@ class Pair:
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
+
+
+def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
+    """The record and the potential that the loop reads."""
+    charges = layout.model.each[CHARGE, layout.places.columns]
+    record = record_of(layout, np.asarray(layout.asperites)[None], charges)
+    return record, layout.model.contacts[0].potential
 
 
 class PairLoop(TimeLoop):

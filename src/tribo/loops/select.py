@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,14 @@ from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
+from tribo.layout.other_rounding import with_other_rounding
 from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
 from tribo.loops.pair import Pair, has_pair_loop
+from tribo.loops.resolution import first_step
 from tribo.loops.state import Origin, State, continued
 from tribo.model.scene import Scene
 
@@ -33,7 +36,6 @@ class Integrator:
         self,
         layout: Layout,
         method: Method,
-        first_step: float,
         progress: Progress | None = None,
         origin: Origin | None = None,
         journal: Journal | None = None,
@@ -41,13 +43,13 @@ class Integrator:
     ) -> None:
         self.layout = layout
         self.method = method
-        self.first_step = first_step
+        self.first_step = first_step(layout)
         self._progress = progress
         self.origin = origin
         self._journal = journal
         self.threads = threads
         pair = origin is None and has_pair_loop(layout, method)
-        self.pair = Pair(layout, method, first_step) if pair else None
+        self.pair = Pair(layout, method, self.first_step) if pair else None
         if self.pair is not None:
             self.compile_seconds = self.pair.compile_seconds
         else:
@@ -56,8 +58,13 @@ class Integrator:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what to lay out and compile again, without `progress` and `journal`."""
         state = None if self.origin is None else self.origin.state
-        arguments = self.layout.scene, self.method.name, self.first_step, state, self.threads
-        return _integrator_from, arguments
+        return _integrator_from, (self.layout.scene, self.method.name, state, self.threads)
+
+    @cached_property
+    def rounded(self) -> tuple[Layout, Pair | None]:
+        """The layout with other roundings of the bobs' places, and a pair's loop for it."""
+        layout = with_other_rounding(self.layout)
+        return layout, self.pair and self.pair.displaced(layout)
 
     def __call__(
         self,
@@ -66,23 +73,26 @@ class Integrator:
         start: np.ndarray | None = None,
         streamed: StreamedLedger | None = None,
         most: float | None = None,
+        rounded: bool = False,
     ) -> Integration:
         """Integrate through `times` from `start`, y at t = 0; the scene's without it.
 
         `streamed` takes the samples in, of which only the first and the last two are kept then.
-        Adaptive steps may take `most` force evaluations; those of the scene without it.
+        Adaptive steps may take `most` force evaluations; those of the scene without it.  `rounded`
+        gives the bobs' places other roundings.
         """
+        layout, pair = self.rounded if rounded else (self.layout, self.pair)
         start = self.layout.start if start is None else start
         entry = None
         if self._journal is not None:
             entry = self._journal.integration(key_of(setting, times, start))
-        if self.pair is not None:
+        if pair is not None:
             assert isinstance(setting, Tolerance)
-            return self.pair.integrate(setting, start, times, self._progress, entry, most)
+            return pair.integrate(setting, start, times, self._progress, entry, most)
         first = self.first_step
         if isinstance(setting, Tolerance):
             first = first_step_at(setting, first, self.method.order)
-        loop = GeneralLoop(self.layout, self.method, setting, start, first, self.threads)
+        loop = GeneralLoop(layout, self.method, setting, start, first, self.threads)
         before = None
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)
@@ -104,11 +114,9 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
     return run.up_to(int(passed[0]), Status.PASSED_THROUGH) if passed.size else run
 
 
-def _integrator_from(
-    scene: Scene, method: str, first_step: float, state: State | None, threads: int
-) -> Integrator:
+def _integrator_from(scene: Scene, method: str, state: State | None, threads: int) -> Integrator:
     """The integrator of a scene, or of its continuation from a state."""
     layout, origin = lay_out(scene), None
     if state is not None:
         layout, origin = continued(layout, state)
-    return Integrator(layout, METHODS[method], first_step, origin=origin, threads=threads)
+    return Integrator(layout, METHODS[method], origin=origin, threads=threads)
