@@ -57,6 +57,7 @@ class SearchRuns:
         self.layout, self.method = layout, method
         self.most = most_evaluations(layout.scene)
         self.spent = 0  # evaluations of all runs
+        self.interrupted = False
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
         self._attempt_run, self._announce = attempt, announce
@@ -120,6 +121,7 @@ class SearchRuns:
             self._left = None
         run = self._attempt_run(setting, times, start, most=most, rounded=rounded)
         self.spent += run.evaluations
+        self.interrupted |= run.status == Status.INTERRUPTED
         return run
 
     def plan(self, further: int) -> None:
