@@ -1,4 +1,4 @@
-"""Measure the constants of the cost model in tribo.accuracy.choose_method.
+"""Measure the constants of the cost model in tribo.accuracy.cost_model.
 
 Evaluations for an error of 1e-6, and their growth with every digit, are medians over a few small
 scenes, of the runs of tribo.work_precision.  For methods that integrate bath oscillators exactly
@@ -7,7 +7,7 @@ and of a pair with a large bath: the smallest of several rounds, with the method
 
     python benchmarks/calibrate.py [--json]
 
-It prints one line for each method, in the order of the fields of Rate in choose_method, then
+It prints one line for each method, in the order of the fields of Rate there, then
 the table WITH_FAST_BATH and the first numbers of PAIR.
 """
 
@@ -21,13 +21,14 @@ import numpy as np
 import tribo
 import tribo.loops.select
 from tribo import paper
-from tribo.accuracy.choose_method import RATES
+from tribo.accuracy.cost_model import RATES
 from tribo.accuracy.levels import setting_at
-from tribo.accuracy.plan import integrator_for
-from tribo.accuracy.tolerance_scales import first_guess, unit_step
+from tribo.accuracy.tolerance_scales import first_guess
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
+from tribo.loops.resolution import unit_step
+from tribo.loops.select import Integrator
 from tribo.work_precision import WorkPrecision, work_precision
 
 # Relative errors at which evaluations are counted.
@@ -122,7 +123,7 @@ def nanoseconds(scene: tribo.Scene, names: list[str]) -> dict[str, float]:
     """Nanoseconds of an evaluation by method: the smallest of several rounds."""
     few = tribo.Output(samples=2)
     scene = tribo.Scene(scene.surfaces, scene.interactions, scene.duration, output=few)
-    runs = {name: integrator_for(lay_out(scene), METHODS[name]) for name in names}
+    runs = {name: Integrator(lay_out(scene), METHODS[name]) for name in names}
     least = dict.fromkeys(names, np.inf)
     for _ in range(ROUNDS):
         for name, run_by in runs.items():

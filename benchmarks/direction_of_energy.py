@@ -17,11 +17,12 @@ from scipy.special import expit
 import tribo
 from tribo import paper, plotting
 from tribo.plotting.marks import note
+from tribo.plotting.style import CYCLE
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "measured"
 NUMBERS = FOLDER / "statistics.json"
 TEMPERATURES = (0.5, 1.0, 3.0)
-COLOURS = ("#0b62a4", "#d55e00", "#2fae8c")
+COLOURS = CYCLE[:3]
 GAINS = ["upper.delta_e_int", "lower.delta_e_int"]
 SEED = 20
 

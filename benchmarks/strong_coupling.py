@@ -165,6 +165,7 @@ def draw_block(found: dict) -> None:
         ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
         ax.set(xscale="log", xlabel="speed", ylabel="mean loss of the block", ylim=(-5.0, 8.0))
         ax.set_yscale("symlog", linthresh=0.05)
+        ax.set_yticks((-1.0, -0.1, 0.0, 0.1, 1.0), ("$-1$", "$-0.1$", "0", "0.1", "1"))
         plain_ticks(ax, (0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5))
         ax.legend(frameon=False, fontsize=7)
     plotting.save(ax, FOLDER / "statistics_block.png")

@@ -76,7 +76,7 @@ def speeds(_members: int) -> dict:
     }
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 0.6 * plotting.WIDE)
-        inset = ax.inset_axes((0.1, 0.13, 0.42, 0.42))
+        inset = ax.inset_axes((0.15, 0.15, 0.4, 0.4))
         for (name, (potential, transform, way, gap, weak)), colour in zip(
             kinds.items(), COLOURS, strict=False
         ):

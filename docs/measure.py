@@ -23,7 +23,7 @@ import numpy as np
 import tribo
 from tribo import paper
 from tribo.accuracy import scales as accuracy
-from tribo.accuracy.estimate import distance
+from tribo.accuracy.comparison import distance
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -220,9 +220,9 @@ def _worst(result: tribo.Result) -> str:
     layout = tribo.prepare(result.scene, method="verlet", step=1.0).layout
     scales = accuracy.reported_scales(layout, result.ledger)
     worst = [
-        bar / scales.of(accuracy.KINDS[name])
+        bar / scales.of(name)
         for name, bar in result.error_estimate.items()
-        if bar is not None and scales.of(accuracy.KINDS[name]) > 0.0
+        if bar is not None and scales.of(name) > 0.0
     ]
     return f"{max(worst):.0e}" if worst else ""
 

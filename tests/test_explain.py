@@ -11,7 +11,7 @@ import pytest
 
 import tribo
 from tribo import paper
-from tribo.accuracy import choose_method, run_time
+from tribo.accuracy import choose_method, cost_model
 from tribo.commands.cli import main
 from tribo.explanation import explanation, prediction
 from tribo.integrators.methods import METHODS
@@ -240,7 +240,7 @@ def test_a_long_search_is_extrapolated(monkeypatch, part):
     taken = tribo.simulate(scene).cost.force_evaluations
     layout = lay_out(scene)
     method = tribo.prepare(scene).method
-    budget = 1e-9 * part * taken * run_time.evaluation_time(layout, method)
+    budget = 1e-9 * part * taken * cost_model.evaluation_time(layout, method)
     monkeypatch.setattr(prediction, "BUDGET", budget)
     monkeypatch.setattr(guards, "FEWEST_TRIALS", 1)  # after which a run is looked at
     explained = tribo.explain(scene)
@@ -343,7 +343,7 @@ def test_a_method_that_is_as_fast(monkeypatch):
     """Is said to take hardly longer, not 1 times as long."""
     for seconds, words in ((1.04, "take hardly longer"), (2.04, "take 2 times as long")):
         found = [
-            choose_method.Estimate(METHODS[name], 1.0, time)
+            cost_model.Estimate(METHODS[name], 1.0, time)
             for name, time in (("rkn8", 1.0), ("dop853", seconds))
         ]
         monkeypatch.setattr(choose_method, "estimates", lambda *given, found=found: found)
@@ -358,7 +358,7 @@ def test_contact():
     grid = {"shape": (9, 9), "spacing": (1.5, 1.5)}
     jones = tribo.LennardJones(0.1, 1.0).with_cutoff(2.5)
     many = two_rows(grid, grid, interactions=jones)
-    pairs, by_list = run_time.pairs_of_bobs(lay_out(many))
+    pairs, by_list = cost_model.pairs_of_bobs(lay_out(many))
     assert by_list and pairs < 81 * 81
 
 

@@ -1,4 +1,4 @@
-"""Links of the pages, of the README and of other Markdown lead to files and headings that exist."""
+"""Links of Markdown lead to files and headings that exist, and commands name scripts and tests."""
 
 import re
 from pathlib import Path
@@ -36,3 +36,22 @@ def test_links_lead_somewhere(page):
         found = page.parent / file if file else page
         assert found.exists(), f"{target}: no such file"
         assert not anchor or anchor in anchors(found), f"{target}: no such heading"
+
+
+FOLDERS = r"\.ci|tests|tools|docs|benchmarks|examples"
+# A file, and after it the name of a test.
+NAMED = re.compile(rf"(?<![\w/.-])((?:{FOLDERS})/[\w./-]*\w)(?:::(\w+))?")
+# Python that a page runs in a shell.
+RUN = re.compile(rf"python ((?:{FOLDERS})/[a-z\d_/]+\.py)()")
+MADE = {"docs/_build"}
+SCRIPTS = [*sorted(ROOT.glob(".ci/*")), *sorted(ROOT.glob(".github/workflows/*.yml"))]
+
+
+@pytest.mark.parametrize("text", [*SCRIPTS, *PAGES], ids=lambda text: str(text.relative_to(ROOT)))
+def test_commands_name_what_exists(text):
+    """Scripts, workflows and pages run no file and no test that is missing."""
+    pattern = RUN if text.suffix == ".md" else NAMED
+    for name, test in pattern.findall(text.read_text(encoding="utf-8")):
+        path = ROOT / name
+        assert name in MADE or path.exists(), f"{name}: no such file"
+        assert not test or f"def {test}(" in path.read_text(encoding="utf-8"), f"{name}: no {test}"

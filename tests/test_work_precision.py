@@ -138,7 +138,7 @@ def interrupted(monkeypatch):
     truth = None, None, Reference("gauss-radau-15", 1e-13, 1.0)
     monkeypatch.setattr(measure, "_reference", lambda *given: truth)
     stand_in = SimpleNamespace(compile_seconds=0.0)
-    monkeypatch.setattr(measure, "integrator_for", lambda layout, method: stand_in)
+    monkeypatch.setattr(measure, "Integrator", lambda layout, method: stand_in)
     curves = iter([2, 1])
 
     def curve(*given):

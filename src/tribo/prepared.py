@@ -9,14 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.comparison import ABORTED, error_bounds, out_of_reach, strictest
-from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.found_settings import Errors, FoundSettings, cost_of
+from tribo.accuracy.cheapest_setting import single_setting
+from tribo.accuracy.comparison import (
+    ABORTED,
+    Errors,
+    error_bounds,
+    out_of_reach,
+    strictest,
+    weak_notes,
+)
 from tribo.accuracy.levels import fine_level
-from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import MOST_COST
+from tribo.accuracy.plan import Plan
+from tribo.accuracy.search import MOST_COST, FoundSettings
 from tribo.accuracy.stop_times import StopTimes
-from tribo.accuracy.weak_works import weak_notes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -193,7 +198,7 @@ class Simulation:
         if self._streams:
             notes += _left_out(ledger())
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
-        cost = partial(cost_of, [run], seconds, ratio)
+        cost = partial(cost_of, run.steps, [run], seconds, ratio)
         return self._result(run, ledger, cost, notes, setting=setting)
 
     def _deliver(
@@ -220,7 +225,7 @@ class Simulation:
         notes: tuple[str, ...] = ()
         bounds: dict[str, float] = {}
         if fine.status == Status.COMPLETED and len(runs) > 1:
-            errors = self._errors(runs[-3:])
+            errors = self._errors(runs[-3:], search)
             bounds, scales, met = errors.bounds, errors.scales, errors.excess <= 1.0
             if not met:
                 notes = (*notes_on.approach_notes(self.layout, fine), self._missed(errors.excess))
@@ -233,14 +238,15 @@ class Simulation:
         notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        spent = runs if search is None else [search]
         if self._streams and fine.status == Status.COMPLETED:
             run, streamed, _ = self._deliver(self.plan.setting, layout.times, y)
             notes += (f"errors are estimated at {self.plan.times.size} times",)
             notes += _left_out(streamed())
             known = known if run.status == Status.COMPLETED else False
-            cost = partial(cost_of, runs, seconds, ratio, search, run)
+            cost = partial(cost_of, run.steps, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
-        cost = partial(cost_of, runs, seconds, ratio, search)
+        cost = partial(cost_of, runs[-1].steps, spent, seconds, ratio)
         return self._result(fine, partial(_reported, layout, fine), cost, notes, known, bounds)
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
@@ -254,15 +260,13 @@ class Simulation:
             *notes_on.pumping_notes(layout, watched),
         )
 
-    def _errors(self, runs: Sequence[Integration]) -> Errors:
-        """Bounds on the last run's errors."""
+    def _errors(self, runs: Sequence[Integration], search: FoundSettings | None) -> Errors:
+        """Bounds on the last run's errors, which the search knows if it made the runs."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        grown, known = self.plan.tuned.amplification, self.plan.tuned.errors
-        if known is not None and known.run is runs[-1] and known.amplification == grown:
+        grown, known = self.plan.tuned.amplification, None if search is None else search.errors
+        if known is not None and known.amplification == grown:
             return known
-        bounds, scales = error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
-        excess = excess_of_request(bounds, scales, self.accuracy)
-        return Errors(runs[-1], grown, bounds, scales, excess)
+        return error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
 
     def _missed(self, excess: float) -> str:
         """By how much the request was missed, and why."""
@@ -336,6 +340,24 @@ class Simulation:
         ratios_per_digit = -1.0 / np.log10(fine_level(self.method))
         seen = (runs[-1].evaluations / runs[-2].evaluations) ** ratios_per_digit
         return float(min(seen, 10.0 ** (2.0 / self.method.order)))
+
+
+def cost_of(
+    steps: int,
+    spent: Sequence[Integration | FoundSettings],
+    compile_seconds: float,
+    ratio: float | None,
+) -> Cost:
+    """What runs and searches cost, and what a digit more or less would cost, by `ratio`."""
+    seconds = sum(each.seconds for each in spent)
+    return Cost(
+        steps=steps,
+        force_evaluations=sum(each.evaluations for each in spent),
+        wall_seconds=seconds,
+        compile_seconds=compile_seconds,
+        digit_more=None if ratio is None else seconds * ratio,
+        digit_fewer=None if ratio is None else seconds / ratio,
+    )
 
 
 def _reported(layout: Layout, run: Integration) -> Ledger:

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tribo.accuracy.choose_method import Choice, choose
-from tribo.accuracy.comparison import Accuracy
-from tribo.accuracy.estimate import check_observables
-from tribo.accuracy.plan import Plan, integrator_for, make_plan
+from tribo.accuracy.comparison import Accuracy, check_observables
+from tribo.accuracy.plan import Plan, make_plan
 from tribo.analysis.deep_core import core_notes
 from tribo.files import netcdf_target
 from tribo.integrators import methods
@@ -21,6 +20,7 @@ from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
+from tribo.loops.select import Integrator
 from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene, checked_scene
@@ -113,7 +113,7 @@ class _Task(NamedTuple):
         """
         layout, method = self.layout, self.choice.method
         count = threads_of(layout.model, method, self.threads).number
-        integrator = integrator_for(layout, method, progress, self.origin, journal, count)
+        integrator = Integrator(layout, method, progress, self.origin, journal, count)
         for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
             warnings.warn(note, TriboWarning, stacklevel=3)
         announce = progress.announce if isinstance(progress, ProgressBar) else None
@@ -156,7 +156,7 @@ def from_settings(scene: Scene, settings: Plan) -> Simulation:
     The scene differs from the other in numbers, not in the effects that it calls for.
     """
     layout = lay_out(scene)
-    return Simulation(settings, integrator_for(layout, methods.METHODS[settings.method]))
+    return Simulation(settings, Integrator(layout, methods.METHODS[settings.method]))
 
 
 def simulate(

@@ -8,7 +8,6 @@ import pytest
 import tribo
 from support.hard_scenes import changed, simulate, stopped
 from tribo.accuracy.levels import fine_level, finest_level
-from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, first_guess, tolerance_scales, tolerances
@@ -17,6 +16,7 @@ from tribo.layout.layout import lay_out
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import first_step_at
+from tribo.loops.select import Integrator
 
 METHOD = METHODS["gauss-radau-15"]
 
@@ -30,7 +30,7 @@ def scales_of(scene):
     """The scales of tolerances, as a first run measures them."""
     layout = lay_out(scene)
     setting = tolerances(layout, first_guess(layout), 1e-6, 0.5)
-    return tolerance_scales(layout, integrator_for(layout, METHOD)(setting, layout.times).samples)
+    return tolerance_scales(layout, Integrator(layout, METHOD)(setting, layout.times).samples)
 
 
 def test_speeds_of_long_rods_are_measured():

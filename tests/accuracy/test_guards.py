@@ -8,7 +8,6 @@ import pytest
 
 import tribo
 from support.hard_scenes import changed, side_by_side, stopped
-from tribo.accuracy.plan import integrator_for
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
@@ -17,6 +16,7 @@ from tribo.ledger import sinks
 from tribo.ledger.closest_bobs import closest_bobs
 from tribo.ledger.samples import Samples
 from tribo.loops import guards, integrate
+from tribo.loops.select import Integrator
 
 
 def note_of_stop(result):
@@ -101,7 +101,7 @@ def test_a_stop_does_not_depend_on_chunks(monkeypatch):
     """Trials decide when the progress is looked at, in chunks of any number of steps."""
     impatient(monkeypatch)
     layout = lay_out(changed("A"))
-    run = integrator_for(layout, METHODS["gauss-radau-15"], progress=lambda t: None)
+    run = Integrator(layout, METHODS["gauss-radau-15"], progress=lambda t: None)
     tight = Tolerance(np.full(2 * layout.coordinates, 1e-9), np.full(layout.accounts, 1e-9), 1e-9)
     ends = set()
     for chunk in (1, 7, 1000):

@@ -12,8 +12,8 @@ from support.reference import compiler, solve
 from support.verdicts import compared
 from support.wide_scenes import wide_scene
 from tribo import Asperite, Coulomb, Initial, Output, Scene, Surface
+from tribo.accuracy.comparison import LOST
 from tribo.accuracy.scales import EPSILON
-from tribo.accuracy.weak_works import LOST
 from tribo.model.scene_file import scene_from
 
 

@@ -11,9 +11,10 @@ import pytest
 import tribo
 from support.hard_scenes import simulate
 from tribo import paper
-from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, estimate
+from tribo.accuracy.comparison import DIVERGED, DIVERGED_IN_CHAOS, estimate
+from tribo.accuracy.extremes import Extremes
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import KINDS, Scales, kind_of, reported_scales
+from tribo.accuracy.scales import KINDS, Scales, reported_scales
 from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
@@ -144,7 +145,8 @@ def test_diverged_runs_know_nothing():
     def bounds(apart, diverged=DIVERGED, least=0.0):
         """Estimates of two energies, the first of which differs from the coarser run."""
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
-        return estimate(names, tops, apart * tops, scales, False, least, {}, diverged)
+        found = Extremes(names, tops, apart * tops, np.zeros(2), 0.0, 0.0)
+        return estimate(found, scales, False, least, diverged)
 
     assert bounds(10.0)["applied_work"] == pytest.approx(30.0)
     assert bounds(0.1)["applied_work"] == pytest.approx(4.0)
@@ -194,8 +196,8 @@ def test_energies_of_a_surface_have_a_scale_of_their_own():
         for kind in ("energy", "total")
     )
     assert (scales.energy, scales.total) == (each, whole) and whole > 3.0 * each
-    assert scales.of(kind_of("upper.W")) == scales.of(kind_of("contact_energy")) == scales.total
-    assert scales.of(kind_of("upper.w2")) == scales.energy
+    assert scales.of("upper.W") == scales.of("contact_energy") == scales.total
+    assert scales.of("upper.w2") == scales.energy
 
 
 @pytest.mark.parametrize(("strength", "is_noted"), [(1e-18, True), (1e-3, False)])

@@ -11,7 +11,7 @@ import pytest
 import tribo
 from support.sliding import long_slide
 from tribo import atlas, paper
-from tribo.accuracy import cheapest_setting, choose_method, levels, search
+from tribo.accuracy import cheapest_setting, choose_method, cost_model, levels, search
 from tribo.accuracy.comparison import TINY_PERTURBATION, error_bounds, measure_amplification
 from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
@@ -148,10 +148,10 @@ def test_nothing_is_known_where_a_coarser_run_stopped():
     """An estimate from earlier times would say nothing about later ones."""
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     *_, few, many, fine = simulation.plan.tuned.runs
-    bounds, _ = error_bounds(simulation.layout, fine, [few, many], None)
+    bounds = error_bounds(simulation.layout, fine, [few, many], None, 1e-6).bounds
     assert max(bounds.values()) < np.inf
     short = replace(many, status=Status.ENCOUNTER_JUMPED)
-    bounds, _ = error_bounds(simulation.layout, fine, [few, short], None)
+    bounds = error_bounds(simulation.layout, fine, [few, short], None, 1e-6).bounds
     assert min(bounds.values()) == np.inf
 
 
@@ -205,7 +205,7 @@ def test_equal_steps_are_for_fast_baths():
             scene = case("A")
             surfaces = tuple(replace(surface, bath=bath) for surface in scene.surfaces)
             scene = replace(scene, surfaces=surfaces, output=tribo.Output(samples=samples))
-            best = choose_method.estimates(lay_out(scene), 1e-3)[0]
+            best = cost_model.estimates(lay_out(scene), 1e-3)[0]
             assert best.method.adaptive != equal
 
 
@@ -234,12 +234,12 @@ def test_reason_of_a_choice():
 
 def test_the_model_of_costs():
     """More digits never cost less; every method has rates."""
-    assert set(choose_method.RATES) == set(METHODS)
+    assert set(cost_model.RATES) == set(METHODS)
     for letter in "AC":
         layout = lay_out(case(letter))
         for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):
-            few = {e.method.name: e.seconds for e in choose_method.estimates(layout, one)}
-            more = {e.method.name: e.seconds for e in choose_method.estimates(layout, other)}
+            few = {e.method.name: e.seconds for e in cost_model.estimates(layout, one)}
+            more = {e.method.name: e.seconds for e in cost_model.estimates(layout, other)}
             assert all(few[name] <= more[name] for name in few)
 
 

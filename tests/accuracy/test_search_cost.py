@@ -9,6 +9,7 @@ import pytest
 import tribo
 from tribo import paper
 from tribo.accuracy import decision, search, search_runs
+from tribo.accuracy.comparison import error_bounds
 from tribo.loops.select import Integrator
 from tribo.progress import ProgressBar
 
@@ -56,7 +57,9 @@ def test_the_best_round_is_delivered(never_met):
     first = search.FIRST * method.first_level * 1e-8
     assert len(tuned.runs) > 7 and not tuned.met
     assert tuned.level == pytest.approx(0.1 * first)
-    assert tuned.errors.run is tuned.runs[-1]
+    *_, few, many, fine = tuned.runs
+    found = error_bounds(simulation.layout, fine, [few, many], tuned.errors.amplification, 1e-8)
+    assert tuned.errors.bounds == found.bounds
 
 
 def test_a_search_takes_ten_times_the_run_it_delivers(monkeypatch, never_met, evaluations):

@@ -22,11 +22,11 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import KINDS, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
+from tribo.loops.select import Integrator
 from tribo.paper import scene as case
 
 ADAPTIVE = [m.name for m in METHODS.values() if m.adaptive]
@@ -107,7 +107,7 @@ def test_weak_coupling_is_followed(name):
 def test_accounts_are_looked_at(name):
     """Less error wanted in the accounts alone, and steps are shorter."""
     layout = lay_out(changed("A", 40.0))
-    integrate = integrator_for(layout, METHODS[name])
+    integrate = Integrator(layout, METHODS[name])
     steps = []
     for wanted in (1e-4, 1e-12):
         y, s = np.full(layout.start.size, 1e-4), np.full(layout.accounts, wanted)

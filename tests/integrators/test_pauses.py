@@ -18,12 +18,12 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate, pair
 from tribo.loops.general import GeneralLoop
+from tribo.loops.resolution import first_step
 from tribo.paper import scene as case
 
 BUDGETS = (10**9, 1, 7)  # steps between two pauses

@@ -14,7 +14,6 @@ from support.laws import identities, raw_samples, tables
 from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.accuracy.levels import setting_at
-from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.search_runs import PILOT_LEVEL
 from tribo.accuracy.tolerance_scales import first_guess
 from tribo.compiler.jit import time_loop
@@ -25,6 +24,7 @@ from tribo.ledger.ledger import assemble
 from tribo.ledger.pair_samples import PairSamples
 from tribo.ledger.samples import Samples
 from tribo.loops.pair import has_pair_loop, is_pair
+from tribo.loops.select import Integrator
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.sources import source_stamp
 
@@ -238,7 +238,7 @@ def test_interrupted_far_out():
 
     reached = []
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[0]), duration=1e5)
-    integrator = integrator_for(lay_out(scene), RADAU, stop)
+    integrator = Integrator(lay_out(scene), RADAU, stop)
     run = integrator(pilot(integrator.layout), scene.times)
     assert run.status == "Interrupted" and run.steps > 100
     assert run.samples.t[-1] == reached[-1]
@@ -255,10 +255,10 @@ def test_interrupted_after_the_last_step():
             raise KeyboardInterrupt
 
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[0]), output=tribo.Output(samples=3))
-    integrator = integrator_for(lay_out(scene), RADAU, stop)
+    integrator = Integrator(lay_out(scene), RADAU, stop)
     run = integrator(pilot(integrator.layout), scene.times)
     assert run.status == "Interrupted" and run.samples.t.tolist() == [0.0, 3.0, 6.0]
-    undisturbed = integrator_for(lay_out(scene), RADAU)
+    undisturbed = Integrator(lay_out(scene), RADAU)
     whole = undisturbed(pilot(undisturbed.layout), scene.times)
     assert np.array_equal(run.samples.y, whole.samples.y)
 
@@ -281,7 +281,7 @@ def test_from_rest(drives):
 def test_in_pieces_as_in_one(samples):
     """A run that pauses continues with the same bits."""
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[1]), output=tribo.Output(samples=samples))
-    integrator = integrator_for(lay_out(scene), RADAU)
+    integrator = Integrator(lay_out(scene), RADAU)
     layout, own = integrator.layout, integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
     loop = time_loop(pair_collocation, source_stamp(layout.plugins))

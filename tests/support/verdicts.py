@@ -11,7 +11,7 @@ import numpy as np
 
 import tribo
 from support.reference import SMALL, STOPS, Solution, Tables, UnsolvedError, kind_of, solve
-from tribo.accuracy.weak_works import LOST
+from tribo.accuracy.comparison import LOST
 from tribo.model.scene_file import scene_from
 
 # What may happen to a scene: the first four are allowed.

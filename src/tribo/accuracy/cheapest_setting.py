@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from tribo.accuracy.comparison import Accuracy, error_bounds
+from tribo.accuracy.comparison import error_bounds
 from tribo.accuracy.decision import LONG_RUN
-from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.levels import setting_at, work
+from tribo.accuracy.plan import Plan
 from tribo.accuracy.tolerance_scales import tolerance_scales
-from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Setting
+from tribo.loops.select import Integrator
 
 # The longest step of a run that is compared with no other, as a fraction of the time to the next
 # encounter.
@@ -31,33 +27,17 @@ LOOSE_EXCESS = 1.875
 MORE = 1.05
 
 
-def cheapest_setting(
-    layout: Layout,
-    method: Method,
-    found: FoundSettings,
-    accuracy: Accuracy,
-    attempt: Callable[[Setting], Integration],
-) -> Setting | None:
-    """The cheapest setting whose run agrees with the finest one within `accuracy`.
+def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
+    """The cheapest setting whose run agrees with the finest one within the plan's accuracy.
 
     It is for runs that are compared with no other: these need not differ in their steps from any,
-    and stop at samples only.
-
-    Parameters
-    ----------
-    layout, method, accuracy
-        as for `find_settings`
-    found
-        by `find_settings`
-    attempt
-        runs the scene with a setting, recorded at the scene's times
-
-    Returns
-    -------
-    Setting or None
-        None if no try agrees, or if the finest run is long
+    and stop at samples only.  None if no try agrees, or if the finest run is long.
     """
-    finest = found.runs[-1]
+    layout, found = integrator.layout, plan.tuned
+    if plan.single is not None or found is None or not found.runs:
+        return plan.single
+    assert plan.accuracy is not None
+    finest, grown = found.runs[-1], found.amplification
     if finest.status != Status.COMPLETED or work(layout, finest) > LONG_RUN:
         return None
     scales = tolerance_scales(layout, finest.samples)
@@ -65,15 +45,15 @@ def cheapest_setting(
     for _ in range(TRIES):
         if spent > LONG_RUN:
             break
-        setting = setting_at(layout, method, scales, level, NEAR_ALONE)
-        run = attempt(setting)
+        setting = setting_at(layout, integrator.method, scales, level, NEAR_ALONE)
+        run = integrator(setting, layout.times)
         spent += work(layout, run)
         if run.status == Status.INTERRUPTED:
             raise KeyboardInterrupt
         good = run.status == Status.COMPLETED and run.evaluations <= MORE * fewest
         if good:
-            bounds, reported = error_bounds(layout, finest, [run], found.amplification, accuracy)
-            good = excess_of_request(bounds, reported, accuracy) <= LOOSE_EXCESS
+            errors = error_bounds(layout, finest, [run], grown, plan.accuracy)
+            good = errors.excess <= LOOSE_EXCESS
         if not good:
             level, factor = level / factor, factor**0.5
         elif run.evaluations < fewest:

@@ -1,27 +1,60 @@
-"""Runs compared with one another: bounds on errors, and the amplification of small changes."""
+"""Runs compared with one another: bounds on errors, and the amplification of small changes.
+
+The bound of every quantity is three times the largest difference of a run from two coarser ones.
+One coarse run may agree with the fine run by chance; two with independent steps, compared at every
+recorded time, almost never do.  The difference is never divided by 2^p - 1, and neither the
+tolerance nor the closure of the ledger serves as an estimate: each of these can be wrong by orders
+of magnitude.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.estimate import DIVERGED, DIVERGED_IN_CHAOS, distance, estimate, rounding
-from tribo.accuracy.extremes import extremes
+from tribo.accuracy.extremes import Extremes, extremes
+from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import (
     EPSILON,
     KINDS,
     Scales,
+    Values,
+    are_lost,
     kind_of,
+    largest,
     reported_scales,
     scales_of,
 )
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.ledger import assemble
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.quantities import needs_accounts
+from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration, Setting
+from tribo.validation import InputError
 
+# An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random
+# pairs of asperites had errors above their estimates, of which four by 1.2 to 1.5 times.
+SAFETY = 3.0
+# It is also multiplied by this where a derivative of a potential jumps, because errors then fall
+# irregularly with the step.
+ROUGH = 2.0
+# Fraction of the largest estimate of all, in units of the scales, that is added to each: runs may
+# agree by chance in one quantity.
+POOLED = 0.02
+# Largest estimate, in units of the scales, from which runs count as diverged.
+DIVERGED = 0.1
+# The same where a small change of the start grew to DIVERGED, so that its growth is known no more
+# than round-off's: errors of all runs are then of one size, and differ by less than they are.  One
+# of 138 random scenes had an error of 1.2 times its estimate of 0.08.
+DIVERGED_IN_CHAOS = 0.01
+# Bound of each quantity in diverged runs, in units of its scale: two values of at most the scale.
+# Runs that have nothing more in common may be close in all quantities by chance.
+UNRELATED = 2.0
+# Errors that all runs share, in units of the scale: rounding, first steps and iterations.
+ROUNDED = 256.0 * EPSILON
 # Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
 # tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
 # chance: without this, of 600 random pairs of asperites three had errors above their estimates, of
@@ -44,28 +77,23 @@ ENERGIES = {
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)
 # Statuses of runs after which no other is tried: finer settings would take longer still.
 ABORTED = (*FROM_OUTSIDE, Status.NO_PROGRESS)
+# What each note on works below the rounding of energies contains.
+LOST = "below the rounding of the energies"
 
 # The largest relative error of everything, or of each quantity by name.
 Accuracy = float | Mapping[str, float]
+# Runs the scene with a setting, through times, from a start or else the scene's own: an Integrator,
+# or what calls it.
+Attempt = Callable[..., Integration]
 
 
-class Attempt(Protocol):
-    """Runs the scene with a setting."""
+class Errors(NamedTuple):
+    """Bounds on the errors of a run."""
 
-    def __call__(
-        self,
-        setting: Setting,
-        times: np.ndarray,
-        start: np.ndarray | None = None,
-        *,
-        most: float | None = None,
-        rounded: bool = False,
-    ) -> Integration:
-        """Record at `times`, from the state `start` or else the scene's own start.
-
-        With `most` force evaluations, or those of the scene without it; `rounded` with other
-        roundings of the bobs' places.
-        """
+    amplification: float | None  # of small changes, as far as it was known
+    bounds: dict[str, float]  # by quantity, in its own unit
+    scales: Scales  # which errors are relative to
+    excess: float  # the largest bound in units of the accuracy
 
 
 def strictest(accuracy: Accuracy) -> float:
@@ -78,52 +106,110 @@ def observables(accuracy: Accuracy) -> tuple[str, ...]:
     return tuple(accuracy) if isinstance(accuracy, Mapping) else ()
 
 
+def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
+    """Refuse names of quantities that the scene does not report.  Raises InputError."""
+    reported = assemble(layout, Samples.at_zero(layout))
+    for name in names:
+        if needs_accounts(str(name).rpartition(".")[2]) and layout.model.ledger is None:
+            raise InputError(
+                f"{field}.{name}", 'is not kept; works need another output.ledger, as "asperites"'
+            )
+        if str(name).rpartition(".")[2] not in KINDS or not reported.series(str(name)):
+            raise InputError(
+                f"{field}.{name}",
+                'is not a reported quantity; give one, as "w1", or one of a surface, as '
+                f'"{next(iter(layout.parts))}.W"',
+            )
+
+
+def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
+    """The largest difference of two runs at the same times, in units of the scales.
+
+    Of the quantities in `names`, or of all.
+    """
+    worst = 0.0
+    for name in names or KINDS:
+        for mine, theirs in zip(one.series(name), other.series(name), strict=True):
+            gap, scale = largest(mine - theirs), scales.of(name)
+            if gap > 0.0:
+                worst = max(worst, gap / scale if scale > 0.0 else np.inf)
+    return worst
+
+
+def safety(rough: bool) -> float:
+    """The factor from the difference of two runs to an estimate; larger for `rough` forces."""
+    return SAFETY * ROUGH if rough else SAFETY
+
+
+def rounding(amplification: float | None, steps: int) -> float:
+    """The effect of rounding on a quantity, in units of its scale.
+
+    Each step makes one rounding, which grows by the `amplification` of a small change of the start;
+    None where that was not measured.
+    """
+    return ROUNDED + WALK * EPSILON * (amplification or 0.0) * steps**0.5
+
+
 def error_bounds(
     layout: Layout,
     fine: Integration,
     coarser: Sequence[Integration],
     amplification: float | None,
-    accuracy: Accuracy | None = None,
-) -> tuple[dict[str, float], Scales]:
-    """Bounds on the errors of a run.
+    accuracy: Accuracy,
+) -> Errors:
+    """Bounds on the errors of a run by its differences from coarser ones.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    fine
-        the run
-    coarser
-        runs that it is compared with; if one stopped early, all bounds are infinite
-    amplification
-        of a small change of the start; None where it was not measured
-    accuracy
-        that the run was made for; it may name further quantities, as "upper.W"
-
-    Returns
-    -------
-    bounds : dict
-        by quantity, in its own unit
-    scales : Scales
-        which errors are relative to
+    They are infinite if one of these stopped early.  The accuracy, for which the run was made, may
+    name further quantities, as "upper.W".
     """
-    names: tuple[str, ...] = ()
-    wanted = 0.0
-    if accuracy is not None:
-        names, wanted = observables(accuracy), strictest(accuracy)
-    found = extremes(layout, fine, coarser, names)
+    found = extremes(layout, fine, coarser, observables(accuracy))
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
-    scales = scales_of(layout, tops, found.speed, found.internal)
-    rough, rounded = np.isfinite(layout.scene.smoothness), rounding(amplification, fine.steps)
-    least = rounded + LEAST * wanted
+    scales = scales_of(layout, tops, float(found.speed), float(found.internal))
+    rough = bool(np.isfinite(layout.scene.smoothness))
+    least = rounding(amplification, fine.steps) + LEAST * strictest(accuracy)
     chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
-    bounds = estimate(
-        found.names, found.tops, found.gaps, scales, bool(rough), least, found.terms, limit
-    )
+    bounds = estimate(found, scales, rough, least, limit)
     if any(other.status != Status.COMPLETED for other in coarser):
         bounds = dict.fromkeys(bounds, np.inf)
-    return bounds, scales
+    return Errors(amplification, bounds, scales, excess_of_request(bounds, scales, accuracy))
+
+
+def estimate(
+    found: Extremes, scales: Scales, rough: bool, least: float, diverged: float = DIVERGED
+) -> dict[str, float]:
+    """A bound on the error of each reported quantity, over asperites and recorded times.
+
+    Where a derivative of a potential jumps, forces are `rough`.  In units of the scales, `least` is
+    added to the estimates: the effect of rounding on the motion, which may be the same in all runs,
+    and of chance; and `diverged` is the largest estimate from which the runs count as diverged.
+    """
+    factor, tops, rounded = safety(rough), found.tops, found.terms
+    gaps = factor * found.gaps
+    scale = np.array([scales.of(name) for name in found.names])
+    with np.errstate(invalid="ignore"):  # an infinite energy has no known error
+        # The part of a difference that is no rounding; 0 if unknown.
+        beyond = np.where(np.isfinite(gaps), np.maximum(gaps - factor * rounded, 0.0), 0.0)
+    has_scale = scale > 0.0
+    relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
+    pooled = max(relative, UNRELATED) if relative + least > diverged else POOLED * relative
+    bounds = gaps + 4.0 * EPSILON * tops + rounded
+    # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
+    same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)
+    bounds += np.where(gaps > 0.0, pooled + least, same) * scale
+    return dict(zip(found.names, bounds.tolist(), strict=True))
+
+
+def excess_of_request(bounds: Mapping[str, float], scales: Scales, accuracy: Accuracy) -> float:
+    """The largest estimate in units of the accuracy; at most 1 where the accuracy is kept."""
+    worst = 0.0
+    for name in accuracy if isinstance(accuracy, Mapping) else bounds:
+        bound, scale = bounds[name], scales.of(name)
+        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
+        if not bound <= 0.0:  # nor where it is NaN
+            known = scale > 0.0 and np.isfinite(bound)
+            worst = max(worst, bound / (relative * scale) if known else np.inf)
+    return worst
 
 
 def measure_amplification(
@@ -133,29 +219,15 @@ def measure_amplification(
     run: Integration,
     names: tuple[str, ...] = (),
 ) -> float | None:
-    """The growth of a small change of the start.
+    """The largest growth of a small change of the start, relative to the scales.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    attempt
-        runs it with a setting, through times, from a start
-    setting, run
-        of the scene's own start
-    names
-        of the quantities that matter; by default all that have a scale, but ENERGIES
-
-    Returns
-    -------
-    float or None
-        the largest difference of the two runs relative to the scales, over the change; None if the
-        second run was ended from outside
+    `run` is the one with the setting from the scene's own start.  By default all quantities that
+    have a scale matter, but ENERGIES.  None if the second run was ended from outside.
     """
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
     chosen = names or [name for name in KINDS if name not in ENERGIES]
-    scaled = [name for name in chosen if scales.of(kind_of(name)) > 0.0]
+    scaled = [name for name in chosen if scales.of(name) > 0.0]
     grown = 0.0
     for change in (PERTURBATION, TINY_PERTURBATION):
         start, asperites = layout.start.copy(), layout.asperites.size
@@ -192,3 +264,23 @@ def growth(amplification: float) -> str:
     return (
         f"a change of {change:.0e} in the start grows to {amplification * change:.1e} of the scale"
     )
+
+
+def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
+    """A note for each run whose errors of works are relative to energies of the motion; else "".
+
+    `work` is the largest of an asperite, `energy` the scale of energies.  There are no notes where
+    the accuracy is for other quantities alone.
+    """
+    work, energy = np.atleast_1d(work), np.atleast_1d(energy)
+    asked = [kind_of(name) for name in observables(accuracy)]
+    if asked and not {"energy", "total"} & set(asked):
+        return [""] * work.size
+    lost = (work > 0.0) & are_lost(work, energy)
+    return [
+        f"no work exceeds {w:.1e}, {LOST} of {e:.1e} that it changes: errors are relative to "
+        "these, and works and changes of energies have no digit that is known"
+        if weak
+        else ""
+        for w, e, weak in zip(work, energy, lost, strict=True)
+    ]

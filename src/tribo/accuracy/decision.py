@@ -7,17 +7,17 @@ nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.comparison import FROM_OUTSIDE
-from tribo.accuracy.estimate import rounding
+from tribo.accuracy.comparison import FROM_OUTSIDE, Errors, rounding
 from tribo.accuracy.scales import EPSILON
 from tribo.kernels.status import Status
+from tribo.loops.integrate import Integration, Setting
 
 # A round stalls if its estimate exceeds this fraction of the one before.
 STALLED = 0.5
@@ -39,62 +39,36 @@ KNOWN = 0.01
 MOST_ROUNDED = 3.0
 # Work of a long run [force evaluations x asperites], which is refused early if its request is out
 # of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
-# The tries of `cheapest_setting` end after as much work.
+# The tries of `single_setting` end after as much work.
 LONG_RUN = 1.5e8
 
 
 @dataclass
 class Round:
-    """What a search knows of a round.
+    """A round of a search, with its runs: two coarse ones, and the fine one last."""
 
-    Attributes
-    ----------
-    level
-        of the errors of its coarse runs, relative to the scales
-    stopped
-        the status of a run that stopped, if one did
-    estimate
-        the largest error of the fine run in units of the request, as first made
-    excess
-        the same, with the amplification of small errors if it was measured after that
-    steps, work
-        of the fine run; its work is in force evaluations x asperites
-    """
-
-    level: float
-    stopped: Status | None = None
-    estimate: float = np.inf
-    excess: float = np.inf
-    steps: int = 0
-    work: float = 0.0
+    level: float  # of the errors of its coarse runs, relative to the scales
+    stopped: Status | None = None  # the status of a run that stopped, if one did
+    estimate: float = np.inf  # the largest error in units of the request, as first made
+    excess: float = np.inf  # the same, with the amplification if it was measured after that
+    steps: int = 0  # of the fine run
+    work: float = 0.0  # of the fine run [force evaluations x asperites]
+    coarse: Setting = 0.0
+    fine: Setting = 0.0
+    runs: list[Integration] = field(default_factory=list)
+    errors: Errors | None = None  # of the fine run
 
 
 class Limits(NamedTuple):
-    """What bounds a search.
+    """What bounds a search."""
 
-    Attributes
-    ----------
-    wanted
-        the smallest error of the request, relative to the scales
-    order, adaptive
-        of the method
-    finest
-        the finest level of coarse runs
-    reached
-        the level of a pilot run that completed; infinite without one
-    exhausted
-        whether the evaluations of any run are spent
-    amplification
-        of a small change of the start; None where it was not measured
-    """
-
-    wanted: float
-    order: int
+    wanted: float  # the smallest error of the request, relative to the scales
+    order: int  # of the method
     adaptive: bool
-    finest: float
-    reached: float = np.inf
-    exhausted: bool = False
-    amplification: float | None = None
+    finest: float  # the finest level of coarse runs
+    reached: float = np.inf  # the level of a pilot run that completed; infinite without one
+    exhausted: bool = False  # whether the evaluations of any run are spent
+    amplification: float | None = None  # of a small change of the start, where it was measured
 
 
 class Stop(StrEnum):
@@ -141,16 +115,13 @@ def is_too_long(rounds: Sequence[Round], limits: Limits) -> bool:
     return last.stopped in TOO_LONG or (len(rounds) == 1 and last.excess * limits.wanted > 1.0)
 
 
-AnyRound = TypeVar("AnyRound", bound=Round)
-
-
-def best(rounds: Sequence[AnyRound], limits: Limits) -> AnyRound:
+def best(rounds: Sequence[Round], limits: Limits) -> Round:
     """The finest round whose excess is about the smallest.
 
     Where runs stop, and others have errors as large as the scales, the finest that stopped.
     """
     known = [item for item in rounds if item.excess * limits.wanted <= KNOWN]
-    candidates: Sequence[AnyRound] = rounds
+    candidates: Sequence[Round] = rounds
     if known or too_fine(rounds, limits) == 0.0:
         candidates = known or rounds
         least = min(item.excess for item in candidates)

@@ -5,8 +5,9 @@ Samples are taken portion by portion, so that the series of large scenes need li
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,68 +26,32 @@ PORTION = 2**25
 BYTES = 2500
 
 
-@dataclass(frozen=True)
-class Extremes:
-    """The largest magnitudes in a run.
+class Extremes(NamedTuple):
+    """The largest magnitudes in a run, by quantity where they are arrays (names,)."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the quantities, "w1", or "upper.w1" for that of one surface.
-    tops : ndarray, (names,)
-        The largest magnitude of each.
-    gaps : ndarray, (names,)
-        The largest difference of each from the other runs.
-    speed : float
-        The largest of a bob relative to the mean of the surfaces' initial velocities.
-    internal : float
-        The largest internal energy of an asperite.
-    terms : mapping
-        The rounding of the terms of each quantity; see
-        :func:`tribo.accuracy.roundoff.rounding_of_terms`.
-    """
-
-    names: tuple[str, ...]
-    tops: np.ndarray
-    gaps: np.ndarray
-    speed: float
-    internal: float
-    terms: Mapping[str, float]
+    names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
+    tops: np.ndarray  # the largest magnitudes
+    gaps: np.ndarray  # the largest differences from the other runs
+    terms: np.ndarray  # the rounding of terms: see tribo.accuracy.roundoff.rounding_of_terms
+    # The largest speed of a bob relative to the mean of the surfaces' initial velocities.
+    speed: float | np.ndarray
+    internal: float | np.ndarray  # the largest internal energy of an asperite
 
     def join(self, other: Extremes) -> Extremes:
         """Those of two portions."""
-        return Extremes(
-            self.names,
-            np.maximum(self.tops, other.tops),
-            np.maximum(self.gaps, other.gaps),
-            max(self.speed, other.speed),
-            max(self.internal, other.internal),
-            {name: max(term, other.terms[name]) for name, term in self.terms.items()},
-        )
+        return Extremes(self.names, *map(np.maximum, self[1:], other[1:]))
 
 
 def extremes(
     layout: Layout, fine: Integration, coarser: Sequence[Integration], names: tuple[str, ...]
 ) -> Extremes:
-    """The largest values of a run, and its largest differences from coarser ones.
+    """The largest values of a run, and its largest differences from coarser ones at shared times.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    fine
-        the run
-    coarser
-        runs that it is compared with where their times are its own
-    names
-        of further quantities, as "upper.W"
+    `names` are those of further quantities, as "upper.W".
     """
-    found: Extremes | None = None
-    for own, shared in _portions(layout, fine.samples, [run.samples for run in coarser]):
-        portion = _extremes(layout, own, shared, names, fine.steps)
-        found = portion if found is None else found.join(portion)
-    assert found is not None
-    return found
+    portions = _portions(layout, fine.samples, [run.samples for run in coarser])
+    found = (_extremes(layout, own, shared, names, fine.steps) for own, shared in portions)
+    return reduce(Extremes.join, found)
 
 
 def _portions(
@@ -111,8 +76,12 @@ def _extremes(
     columns, (motion,) = series_table(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
     at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))
-    speed = largest(motion.bob_speed(mean_velocity(layout))[:count])
-    internal = largest(motion.energy[:count])
-    terms = rounding_of_terms(layout, motion, steps)
-    gaps = at_shared.minus(coarse).largest()
-    return Extremes(run.names, run.largest(), gaps, speed, internal, terms)
+    rounding = rounding_of_terms(layout, motion, steps)
+    return Extremes(
+        run.names,
+        tops=run.largest(),
+        gaps=at_shared.minus(coarse).largest(),
+        terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
+        speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
+        internal=largest(motion.energy[:count]),
+    )

@@ -29,26 +29,14 @@ FEW_ROUNDINGS = 16.0
 
 
 class Errors(NamedTuple):
-    """Bounds on what the rounding of forces does to each asperite, (asperites,) each.
+    """Bounds on what the rounding of forces does to each asperite, (asperites,) each."""
 
-    Attributes
-    ----------
-    stretch
-        of springs [length]
-    speed
-        of centres of mass [length / time]
-    swing, omega
-        of pendulums [radian, radian / time]
-    phi, nu
-        of bars that turn [radian, radian / time]
-    """
-
-    stretch: np.ndarray
-    speed: np.ndarray
-    swing: np.ndarray
-    omega: np.ndarray
-    phi: np.ndarray
-    nu: np.ndarray
+    stretch: np.ndarray  # of springs [length]
+    speed: np.ndarray  # of centres of mass [length / time]
+    swing: np.ndarray  # of pendulums [rad]
+    omega: np.ndarray  # and their rates [rad / time]
+    phi: np.ndarray  # of bars that turn [rad]
+    nu: np.ndarray  # and their rates [rad / time]
 
 
 def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[str, float]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerances, unit_step
+from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerances
 from tribo.integrators.methods import Method
 from tribo.layout.layout import Layout
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.resolution import bath_frequency, spring_frequency
+from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
 
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
@@ -36,31 +36,19 @@ def finest_level(method: Method) -> float:
 def setting_at(
     layout: Layout, method: Method, scales: ToleranceScales, level: float, near: float = NEAR
 ) -> Setting:
-    """The setting whose errors are about `level` of the scales.
+    """The setting whose errors are about `level` of the scales: tolerances or equal steps.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    method
-        with tolerances if it is adaptive, else with equal steps
-    scales
-        of a run of the scene, or a first guess
-    level
-        relative error; equal steps have errors in proportion to it
-    near
-        the longest step of an adaptive method, as a fraction of the time to the next encounter
+    Of an adaptive method, `near` is the longest step, as a fraction of the time to the next
+    encounter.
     """
     if method.adaptive:
         return tolerances(layout, scales, level, near)
+    return equal_step(layout, method, level)
+
+
+def equal_step(layout: Layout, method: Method, level: float) -> float:
+    """The equal step whose errors are about `level` of the scales."""
     return _unit(layout) * level ** (1.0 / method.order)
-
-
-def equal_steps(layout: Layout, method: Method, level: float) -> float:
-    """Number of equal steps of a run; 0 for a method that chooses its steps."""
-    if method.adaptive:
-        return 0.0
-    return layout.scene.duration / (_unit(layout) * level ** (1.0 / method.order))
 
 
 def coarsest_level(layout: Layout, method: Method) -> float:

@@ -65,17 +65,9 @@ SUMS, MEMBERS = _sums()
 def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, float]:
     """The rounding of the terms of energies and works, by quantity, in its own unit.
 
-    Each term has some roundings of its own, and those of its `steps`, which add up like a random
-    walk.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    motion
-        all asperites, in a run and in those that it is compared with
-    steps
-        of the run
+    Each term has some roundings of its own, and those of the run's `steps`, which add up like a
+    random walk.  The motion is that of all asperites, in a run and in those that it is compared
+    with.
     """
     samples, sums = motion.samples, _sums_of_works(motion.samples, layout.view.accounted)
     if layout.model.sums is not None:  # over lanes, of each surface

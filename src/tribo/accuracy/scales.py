@@ -9,9 +9,8 @@ import numpy as np
 
 from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
-from tribo.layout.span import Span
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.motion import Motion, internal_energies, swing_direction
+from tribo.ledger.motion import internal_energies, swing_direction
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
@@ -48,6 +47,10 @@ MEASURED = ("omega", "nu", *ENERGIES, *TOTALS, *POTENTIALS)
 UNRESOLVED = 256.0 * EPSILON
 
 
+# A value of one run, or those of several members (members,).
+Values = float | np.ndarray
+
+
 @dataclass(frozen=True)
 class Scales:
     """One scale for each kind of quantity, which its errors are relative to.
@@ -55,39 +58,23 @@ class Scales:
     No scale is made of round-off: where energies, rates or velocities are below UNRESOLVED of the
     energy of contacts and fields by asperite, or of the rate or velocity that this energy could
     give an asperite, these are the scales.
-
-    Attributes
-    ----------
-    rate
-        the largest ``|omega|`` or ``|nu|`` [1 / time]
-    length
-        the longest rod [length]
-    velocity
-        the largest speed of a bob relative to the mean of the surfaces' initial
-        velocities [length / time]
-    energy
-        the largest work, pseudowork, delta_e_int or delta_k_trans [energy]; where all works are
-        below the round-off of the largest internal energy, that energy
-    total
-        the largest work, pseudowork or change of energy of a surface as a whole or of the system,
-        and at least `energy` [energy]
-    work
-        the largest work or pseudowork of an asperite; no errors are relative to it [energy]
-    angle
-        1 radian
     """
 
-    rate: float
-    length: float
-    velocity: float
+    rate: float  # the largest |omega| or |nu| [1 / time]
+    length: float  # the longest rod
+    velocity: float  # the largest of a bob relative to the mean of the surfaces' initial velocities
+    # The largest work, pseudowork, delta_e_int or delta_k_trans; where all works are below the
+    # round-off of the largest internal energy, that energy.
     energy: float
+    # The largest work, pseudowork or change of energy of a surface as a whole or of the system, and
+    # at least `energy`.
     total: float
-    work: float = 0.0
-    angle: float = 1.0
+    work: float = 0.0  # the largest work or pseudowork of an asperite; no errors are relative to it
+    angle: float = 1.0  # radian
 
-    def of(self, kind: str) -> float:
-        """The scale of one kind of quantity."""
-        return float(getattr(self, kind))
+    def of(self, name: str) -> float:
+        """The scale of a quantity, "w1" or "upper.w1"."""
+        return float(getattr(self, kind_of(name)))
 
 
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
@@ -95,71 +82,54 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     tops = {
         name: max(map(largest, ledger.series(name))) for name in MEASURED if ledger.series(name)
     }
-    return scales_of(layout, tops, _fastest_bob(layout, ledger), _internal_energy(layout, ledger))
+    mean, speed, internal = mean_velocity(layout), 0.0, 0.0
+    for surface in layout.scene.surfaces:
+        table, a = ledger.surfaces[surface.name], layout.asperites[layout.parts[surface.name]]
+        swing = table["theta"] - surface.rest
+        turning, bar, spring = internal_energies(
+            a, table["omega"], table["nu"], swing - table["phi"]
+        )
+        internal = max(internal, largest(turning + bar + spring))
+        vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
+        direction = swing_direction(a.facing, swing)
+        bob = bob_velocity(vx, vy, table["omega"], a.l1, *direction)
+        speed = max(speed, float(np.max(np.hypot(*bob))))
+    return scales_of(layout, tops, speed, internal)
 
 
 def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal: float) -> Scales:
-    """The scales of a run's errors.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    tops
-        the largest magnitude of each quantity
-    speed
-        the largest of a bob relative to the mean of the surfaces' initial velocities
-    internal
-        the largest internal energy
-    """
-    a = layout.view.together.asperites
-    by_kind = motion_scales(
-        tops, speed, internal, np.max(a.inertia), np.max(a.mass), layout.scene.count
-    )
-    scales = {kind: float(x) for kind, x in by_kind.items()}
-    return Scales(length=longest_rod(layout), **scales)
+    """The scales of a run's errors; for the arguments see :func:`scales_by_kind`."""
+    by_kind = scales_by_kind(layout, tops, speed, internal)
+    return Scales(**{kind: scale.item() for kind, scale in by_kind.items()})
 
 
-# A value of one run, or those of several members (members,).
-Values = float | np.ndarray
-
-
-def motion_scales(
-    tops: Mapping[str, Values],
-    speed: Values,
-    internal: Values,
-    inertia: Values,
-    mass: Values,
-    asperites: int,
+def scales_by_kind(
+    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values
 ) -> dict[str, np.ndarray]:
-    """The scales of rates, velocities and energies, by kind; see :class:`Scales`.
+    """The fields of :class:`Scales` of one run (1,) or of several members (members,).
 
-    Parameters
-    ----------
-    tops
-        the largest magnitude of each quantity
-    speed
-        the largest of a bob relative to the mean of the surfaces' initial velocities
-    internal
-        the largest internal energy
-    inertia, mass
-        the largest of an asperite
-    asperites
-        how many there are
+    `tops` are the largest magnitudes by quantity, `speed` is the largest of a bob relative to the
+    mean of the surfaces' initial velocities, `internal` the largest internal energy of an asperite.
     """
+    a, runs = layout.view.together.asperites, np.size(speed)
+    inertia, mass, length = (
+        np.max(np.atleast_2d(each), axis=1)[:runs] for each in (a.inertia, a.mass, a.l1 + a.l2)
+    )
     energies = {name: tops[name] for name in ENERGIES if name in tops}
     highest = _highest(energies.values())
     works = [tops[name] for name in WORKS if name in tops]
     work = _highest(works or [highest])
-    potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0]) / asperites
-    measured = np.where(are_lost(work, internal), internal, highest)
-    energy = resolved(measured, potential)
+    potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0])
+    potential = potential / layout.scene.count
+    energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
     return {
         "rate": resolved(_highest([tops["omega"], tops["nu"]]), np.sqrt(potential / inertia)),
+        "length": length,
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
         "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
         "work": work if works else np.zeros_like(work),
+        "angle": np.ones(1),
     }
 
 
@@ -184,43 +154,9 @@ def mean_velocity(layout: Layout) -> np.ndarray:
     return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
-def _internal_energy(layout: Layout, ledger: Ledger) -> float:
-    """The largest internal energy of an asperite."""
-    highest = 0.0
-    for surface in layout.scene.surfaces:
-        table = ledger.surfaces[surface.name]
-        a = layout.asperites[layout.parts[surface.name]]
-        twist = table["theta"] - surface.rest - table["phi"]
-        swing, bar, spring = internal_energies(a, table["omega"], table["nu"], twist)
-        highest = max(highest, largest(swing + bar + spring))
-    return highest
-
-
 def longest_rod(layout: Layout) -> float:
     a = layout.view.together.asperites
     return float(np.max(a.l1 + a.l2))
-
-
-def _fastest_bob(layout: Layout, ledger: Ledger) -> float:
-    """The largest |v_cm + l1 omega (cos theta, sin theta)|, less the surfaces' mean velocity."""
-    mean = mean_velocity(layout)
-    fastest = 0.0
-    for surface in layout.scene.surfaces:
-        table = ledger.surfaces[surface.name]
-        a = layout.asperites[layout.parts[surface.name]]
-        tx, ty = swing_direction(a.facing, table["theta"] - surface.rest)
-        vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
-        vx, vy = bob_velocity(vx, vy, table["omega"], a.l1, tx, ty)
-        fastest = max(fastest, float(np.max(np.hypot(vx, vy))))
-    return fastest
-
-
-def fastest_of(span: Span, m: Motion, velocity: np.ndarray) -> float:
-    """The largest speed of a bob, where `velocity` are those of the surfaces (2, asperites)."""
-    a = span.asperites
-    direction = swing_direction(a.facing, m.swing)
-    vx, vy = bob_velocity(m.vx + velocity[0], m.vy + velocity[1], m.omega, a.l1, *direction)
-    return float(np.max(np.hypot(vx, vy)))
 
 
 def kind_of(name: str) -> str:

@@ -8,15 +8,14 @@ round-off beyond the request.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
-    Attempt,
+    Errors,
     error_bounds,
     growth,
     measure_amplification,
@@ -34,12 +33,10 @@ from tribo.accuracy.decision import (
     is_too_long,
     too_fine,
 )
-from tribo.accuracy.estimate import excess_of_request
-from tribo.accuracy.found_settings import Errors, FoundSettings
 from tribo.accuracy.levels import (
     NEAR,
     coarsest_level,
-    equal_steps,
+    equal_step,
     fine_level,
     finest_level,
     setting_at,
@@ -48,11 +45,10 @@ from tribo.accuracy.levels import (
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns
 from tribo.accuracy.stop_times import StopTimes
-from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
-from tribo.integrators.methods import Method
+from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
 from tribo.loops.integrate import Integration, Setting
+from tribo.loops.select import Integrator
 from tribo.validation import InputError
 
 # First level, in units of that which a method states for estimates of twice a difference: they are
@@ -76,76 +72,45 @@ MOST_COST = 10.0
 SHORT_SEARCH = 1.5e6
 
 
+@dataclass(frozen=True)
+class FoundSettings:
+    """Settings that a search found."""
+
+    coarse: Setting  # of the runs that estimate the error
+    fine: Setting  # of the run that is delivered
+    level: float  # of the fine setting, relative to the scales
+    # Of the search, in order; the last is the one to deliver, and the two before it those that it
+    # was compared with, if it was.
+    runs: tuple[Integration, ...]
+    amplification: float | None  # of a small change of the start, if it was measured
+    met: bool  # whether the fine run kept the accuracy
+    evaluations: int  # of all forces, in all runs of the search
+    seconds: float  # wall time of the search
+    costly: bool  # whether a further round would have cost too much
+    stopped: Status | None  # of runs with finer settings, if these stopped
+    errors: Errors | None  # of the run to deliver; None if it was compared with no other
+
+
 def find_settings(
-    layout: Layout,
-    method: Method,
+    integrator: Integrator,
     accuracy: Accuracy,
     stops: StopTimes,
-    attempt: Attempt,
     announce: Announce | None = None,
 ) -> FoundSettings:
     """Settings of which a fine run agrees with two coarse ones within `accuracy`, if there are any.
 
-    Parameters
-    ----------
-    layout
-        the scene
-    method
-        of all runs
-    accuracy
-        the largest relative error of everything, or of each quantity by name
-    stops
-        of the three runs of each round
-    attempt
-        runs the scene with a setting
-    announce
-        see :data:`Announce`
-
-    Returns
-    -------
-    FoundSettings
-        those whose error estimate is nearest to the request, whether they keep it or not
-
-    Raises
-    ------
-    InputError
-        if the accuracy is out of reach and its runs would be long, or if equal steps would be too
-        many
+    Else those whose error estimate is nearest to the request.  Raises InputError if the accuracy is
+    out of reach and its runs would be long, or if equal steps would be too many.
     """
-    search = _Search(layout, method, accuracy, stops, attempt, announce)
+    search, method = _Search(integrator, accuracy, stops, announce), integrator.method
     level = FIRST * method.first_level * strictest(accuracy)
-    level = min(max(level, finest_level(method)), coarsest_level(layout, method))
-    first = search.run_pilot(level)
-    if first is None:
-        return search.found()
-    level = first
+    level = min(max(level, finest_level(method)), coarsest_level(integrator.layout, method))
+    following: float | Stop | None = search.run_pilot(level)
     for _ in range(ROUNDS):
-        if not search.allows(level):
+        if not isinstance(following, float) or not search.allows(following):
             break
-        if not search.run_round(level):
-            break
-        following = search.decide()
-        if isinstance(following, Stop):
-            break
-        level = following
+        following = search.run_round(following)
     return search.found()
-
-
-@dataclass
-class _Round(Round):
-    """A round with its runs: two coarse ones, and the fine one last."""
-
-    coarse: Setting = 0.0
-    fine: Setting = 0.0
-    runs: list[Integration] = field(default_factory=list)
-    errors: Errors | None = None  # of the fine run
-
-    def add(self, layout: Layout, fine: Integration, coarse: Sequence[Integration] = ()) -> None:
-        """The runs, of which the first that stopped gives the status."""
-        self.runs = [*coarse, fine]
-        stops = [run.status for run in self.runs if run.status != Status.COMPLETED]
-        self.stopped = stops[0] if stops else None
-        self.steps, self.work = fine.steps, work(layout, fine)
 
 
 class _Search:
@@ -153,19 +118,17 @@ class _Search:
 
     def __init__(
         self,
-        layout: Layout,
-        method: Method,
+        integrator: Integrator,
         accuracy: Accuracy,
         stops: StopTimes,
-        attempt: Attempt,
         announce: Announce | None,
     ) -> None:
-        self.layout, self.method, self.stops = layout, method, stops
+        self.layout, self.method, self.stops = integrator.layout, integrator.method, stops
         self.accuracy, self.wanted = accuracy, strictest(accuracy)
-        self.count = SearchRuns(layout, method, attempt, announce)
+        self.count = SearchRuns(integrator, announce)
         self.runs: list[Integration] = []
-        self.scales: ToleranceScales | None = None  # of the last of them, once they are measured
-        self.rounds: list[_Round] = []
+        self.scales = first_guess(self.layout)
+        self.rounds: list[Round] = []
         self.amplification: float | None = None
         self.reached = np.inf  # the level of a pilot that completed
         self.costly = False
@@ -195,7 +158,7 @@ class _Search:
         setting, pilot, self.scales = self.count.pilot(self.stops.few)
         self.runs.append(pilot)
         if pilot.status in ABORTED:
-            self.rounds.append(_Round(level, coarse=setting, fine=setting, runs=[pilot]))
+            self.rounds.append(Round(level, coarse=setting, fine=setting, runs=[pilot]))
             return None
         if pilot.status != Status.COMPLETED:
             return level
@@ -204,13 +167,13 @@ class _Search:
         longer = self.count.expected(fine_level(self.method) * level) / pilot.evaluations
         if longer * work(self.layout, pilot) < LONG_RUN:
             return level
-        self.amplification = amplification = self._amplification(setting, pilot)
-        if amplification is None:
+        self._measure(setting, pilot)
+        if self.amplification is None:
             return level
-        amplified = min(level, AMPLIFIED * self.wanted / max(amplification, 1.0))
+        amplified = min(level, AMPLIFIED * self.wanted / max(self.amplification, 1.0))
         longer = self.count.expected(amplified) / self.count.expected(level)
-        if amplification * EPSILON > self.wanted or longer > MOST_LONGER:
-            raise InputError("accuracy", self._too_far(amplification, longer))
+        if self.amplification * EPSILON > self.wanted or longer > MOST_LONGER:
+            raise InputError("accuracy", self._too_far(self.amplification, longer))
         return max(amplified, finest_level(self.method))
 
     def _too_far(self, amplification: float, longer: float) -> str:
@@ -228,7 +191,9 @@ class _Search:
 
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
-        few = equal_steps(self.layout, self.method, fine_level(self.method) * level)
+        finer, few = fine_level(self.method) * level, 0.0
+        if not self.method.adaptive:
+            few = self.layout.scene.duration / equal_step(self.layout, self.method, finer)
         if few > self.count.most:
             if self.runs:
                 return False
@@ -237,47 +202,48 @@ class _Search:
                 f"would take {self.method.name} {few:.0e} steps, more than {self.count.most:.0e}; "
                 "give a larger accuracy, a method that chooses its steps, or max_evaluations",
             )
-        coarse = self.count.expected(level)
-        fine = self.count.expected(fine_level(self.method) * level)
+        coarse, fine = self.count.expected(level), self.count.expected(finer)
         self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * coarse + fine)
         return not self.costly
 
-    def run_round(self, level: float) -> bool:
-        """A fine run, and two coarse ones at `level`; whether it was not too costly."""
-        layout, method, scales = self.layout, self.method, self._scales()
+    def run_round(self, level: float) -> float | Stop | None:
+        """A fine run, and two coarse ones at `level`: what follows; None if it was too costly."""
+        layout, method = self.layout, self.method
+        if self.rounds:
+            self.scales = tolerance_scales(layout, self.runs[-1].samples)
         finer = fine_level(method) * level
         near = NEAR * fine_level(method) ** (1.0 / method.order)
-        coarse = setting_at(layout, method, scales, level)
-        fine = setting_at(layout, method, scales, finer, near)
+        coarse = setting_at(layout, method, self.scales, level)
+        fine = setting_at(layout, method, self.scales, finer, near)
         self.count.plan_round(level, self.runs[-1] if self.runs else None)
-        finest = self.count.run(fine, self.stops.fine, finer)
+        run = self.count.run(fine, self.stops.fine, finer)
         self.costly = bool(self.rounds) and not self._affords(
             COARSE_RUNS * self.count.expected(level)
         )
         if self.costly:
-            return False
-        last = _Round(level, coarse=coarse, fine=fine)
-        last.add(layout, finest)
+            return None
+        last = Round(level, _stop_of(run), steps=run.steps, work=work(layout, run))
+        last.coarse, last.fine, last.runs = coarse, fine, [run]
         self.rounds.append(last)
+        self.runs.append(run)
         for times, rounded in ((self.stops.few, False), (self.stops.many, True)):
             if last.stopped is None:
-                coarser = [*last.runs[:-1], self.count.run(coarse, times, level, rounded)]
-                last.add(layout, finest, coarser)
-        self.runs.append(finest)
-        self.scales = None
-        return True
+                run = self.count.run(coarse, times, level, rounded)
+                last.runs.insert(-1, run)
+                last.stopped = _stop_of(run)
+        return self.decide()
 
     def decide(self) -> float | Stop:
         """The level of the next round, or why there is none; estimates the errors of the last."""
         last = self.rounds[-1]
         if last.stopped is None:
             if self.wanted < TIGHT:
-                self._measure(last)
+                self._measure(last.coarse, last.runs[0])
             last.estimate = last.excess = self._excess(last)
         if is_too_long(self.rounds, self.limits):
             self.amplification, last.estimate, last.excess = None, np.inf, np.inf
         elif last.stopped is None and last.estimate > 1.0 and self.amplification is None:
-            self._measure(last)
+            self._measure(last.coarse, last.runs[0])
             last.excess = self._excess(last)
         return decide(self.rounds, self.limits)
 
@@ -290,24 +256,18 @@ class _Search:
         if self.count.interrupted:
             chosen.runs[-1] = replace(chosen.runs[-1], status=Status.INTERRUPTED)
         return FoundSettings(
-            chosen.coarse,
-            chosen.fine,
-            fine_level(self.method) * chosen.level,
-            (*others, *chosen.runs),
-            self.amplification,
-            chosen.excess <= 1.0,
-            self.count.spent,
-            self.count.elapsed,
-            self.costly,
-            stopped,
-            chosen.errors,
+            coarse=chosen.coarse,
+            fine=chosen.fine,
+            level=fine_level(self.method) * chosen.level,
+            runs=(*others, *chosen.runs),
+            amplification=self.amplification,
+            met=chosen.excess <= 1.0,
+            evaluations=self.count.spent,
+            seconds=self.count.elapsed,
+            costly=self.costly,
+            stopped=stopped,
+            errors=chosen.errors,
         )
-
-    def _scales(self) -> ToleranceScales:
-        """Those of the last run, or without one a first guess."""
-        if self.scales is None and self.runs:
-            self.scales = tolerance_scales(self.layout, self.runs[-1].samples)
-        return self.scales or first_guess(self.layout)
 
     def _affords(self, further: float) -> bool:
         """Whether a round with `further` evaluations leaves the search cheap enough."""
@@ -315,20 +275,20 @@ class _Search:
         short = SHORT_SEARCH / self.layout.scene.count
         return self.count.spent + further <= max(most, short)
 
-    def _amplification(self, setting: Setting, run: Integration) -> float | None:
-        names = observables(self.accuracy)
-        return measure_amplification(self.layout, self.count.attempt, setting, run, names)
-
-    def _measure(self, last: _Round) -> None:
-        """Measure the amplification by a coarse run, unless it is known."""
+    def _measure(self, setting: Setting, run: Integration) -> None:
+        """Measure the amplification by a run, unless it is known."""
         if self.amplification is None:
-            self.amplification = self._amplification(last.coarse, last.runs[0])
+            names = observables(self.accuracy)
+            self.amplification = measure_amplification(
+                self.layout, self.count.attempt, setting, run, names
+            )
 
-    def _excess(self, last: _Round) -> float:
+    def _excess(self, last: Round) -> float:
         """The largest estimate of the fine run relative to the request."""
         *coarser, fine = last.runs
-        grown = self.amplification
-        bounds, scales = error_bounds(self.layout, fine, coarser, grown, self.accuracy)
-        excess = excess_of_request(bounds, scales, self.accuracy)
-        last.errors = Errors(fine, grown, bounds, scales, excess)
-        return excess
+        last.errors = error_bounds(self.layout, fine, coarser, self.amplification, self.accuracy)
+        return last.errors.excess
+
+
+def _stop_of(run: Integration) -> Status | None:
+    return None if run.status == Status.COMPLETED else run.status

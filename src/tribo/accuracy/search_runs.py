@@ -7,15 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tribo.accuracy.comparison import Attempt
-from tribo.accuracy.levels import equal_steps, fine_level, setting_at
-from tribo.accuracy.run_time import evaluation_time, rate_of
+from tribo.accuracy.cost_model import evaluation_time, rate_of
+from tribo.accuracy.levels import equal_step, fine_level, setting_at
 from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
-from tribo.integrators.methods import Method
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
 from tribo.loops.guards import most_evaluations
 from tribo.loops.integrate import Integration, Setting
+from tribo.loops.select import Integrator
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
 PILOT_LEVEL = 1e-3
@@ -37,34 +35,20 @@ Announce = Callable[[int, int, float | None], None]
 
 
 class SearchRuns:
-    """Runs the scene with one setting after another, and counts.
+    """Runs the scene with one setting after another, and counts; see :data:`Announce`."""
 
-    Parameters
-    ----------
-    layout : Layout
-        The scene.
-    method : Method
-        Of all runs.
-    attempt : Attempt
-        Runs the scene with a setting.
-    announce : Announce or None
-        See :data:`Announce`.
-    """
-
-    def __init__(
-        self, layout: Layout, method: Method, attempt: Attempt, announce: Announce | None
-    ) -> None:
-        self.layout, self.method = layout, method
-        self.most = most_evaluations(layout.scene)
+    def __init__(self, integrator: Integrator, announce: Announce | None) -> None:
+        self.layout, self.method = integrator.layout, integrator.method
+        self.most = most_evaluations(self.layout.scene)
         self.spent = 0  # evaluations of all runs
         self.interrupted = False
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
-        self._attempt_run, self._announce = attempt, announce
+        self._integrator, self._announce = integrator, announce
         self._began = time.perf_counter()
         self._number, self._of = 0, 0  # of the last run, and of all that are planned
         self._left: float | None = None  # seconds of those, until they are announced
-        self.plan(method.adaptive + 1 + COARSE_RUNS)
+        self.plan(self.method.adaptive + 1 + COARSE_RUNS)
 
     @property
     def elapsed(self) -> float:
@@ -119,7 +103,7 @@ class SearchRuns:
         if self._announce is not None:
             self._announce(self._number, max(self._number, self._of), self._left)
             self._left = None
-        run = self._attempt_run(setting, times, start, most=most, rounded=rounded)
+        run = self._integrator(setting, times, start, most=most, rounded=rounded)
         self.spent += run.evaluations
         self.interrupted |= run.status == Status.INTERRUPTED
         return run
@@ -142,7 +126,7 @@ class SearchRuns:
         coarse = (before / level) ** (1.0 / rate.slope) * evaluations
         each = 1e-9 * evaluation_time(layout, method)
         if not method.adaptive:
-            coarse = equal_steps(layout, method, level) * rate.step
+            coarse = layout.scene.duration / equal_step(layout, method, level) * rate.step
         elif last is not None and last.evaluations > 0:
             each = last.seconds / last.evaluations
         fine = (level / finer) ** (1.0 / rate.slope) * coarse

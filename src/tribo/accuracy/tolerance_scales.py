@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.accuracy.force_rounding import rounding_of_forces
-from tribo.accuracy.scales import fastest_of, largest, longest_rod, resolved
+from tribo.accuracy.scales import largest, longest_rod, resolved
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
-from tribo.loops.resolution import bath_frequency, pendulum_frequency
 
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
@@ -25,33 +25,16 @@ BELOW_ROUNDING = 0.25
 
 @dataclass(frozen=True)
 class ToleranceScales:
-    """The scales of local tolerances, which are the same in every inertial frame.
+    """The scales of local tolerances, which are the same in every inertial frame."""
 
-    Attributes
-    ----------
-    velocity
-        the largest speed of a bob relative to the surfaces' mean [length / time]
-    energy
-        the largest work or change of an asperite's internal energy [energy]
-    impulse
-        the largest impulse of a force [mass length / time]
-    rate
-        the largest ``|omega|`` or ``|nu|`` [1 / time]
-    spin
-        the largest ``|omega|`` [1 / time]
-    twist
-        the largest ``|theta - rest - phi|`` [radian]
-    lost_angle, lost_rate, lost_speed, lost_energy
-        bounds on what the rounding of forces changes, which no step resolves; see
-        :func:`tribo.accuracy.force_rounding.rounding_of_forces`
-    """
-
-    velocity: float
-    energy: float
-    impulse: float
-    rate: float
-    spin: float
-    twist: float
+    velocity: float  # the largest speed of a bob relative to the surfaces' mean [length / time]
+    energy: float  # the largest work or change of an asperite's internal energy
+    impulse: float  # the largest of a force [mass length / time]
+    rate: float  # the largest |omega| or |nu| [1 / time]
+    spin: float  # the largest |omega| [1 / time]
+    twist: float  # the largest |theta - rest - phi| [rad]
+    # Bounds on what the rounding of forces changes, which no step resolves; see
+    # tribo.accuracy.force_rounding.rounding_of_forces.
     lost_angle: float = 0.0
     lost_rate: float = 0.0
     lost_speed: float = 0.0
@@ -87,7 +70,9 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     guess = first_guess(layout)
     span, motion = layout.view.together, Motion(layout.view, layout.view.together, samples)
     relative = _relative_velocity(layout, span)
-    velocity = max(guess.velocity, fastest_of(span, motion, relative.T))
+    vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
+    bob = bob_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
+    velocity = max(guess.velocity, float(np.max(np.hypot(*bob))))
     torsion, internal = motion.swing - motion.phi, motion.energy
     highest, change = largest(internal), largest(internal - internal[0])
     spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
@@ -165,17 +150,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     that alters an energy by `level` times the scale of energies.  The second governs weakly
     coupled scenes, whose works are tiny.  Both fall more slowly below the effect of the rounding of
     forces, for which steps would shrink without end.
-
-    Parameters
-    ----------
-    layout
-        the scene
-    scales
-        of a run of the scene, or a first guess
-    level
-        relative to the scales, at least ``FLOOR``
-    near
-        the largest step, as a fraction of the time to the next encounter
+    `near` is the largest step, as a fraction of the time to the next encounter.
     """
     level = max(level, FLOOR)
     a = layout.view.together.asperites
@@ -215,17 +190,3 @@ def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
 
 def _positive(values: np.ndarray) -> np.ndarray:
     return np.maximum(values, np.finfo(float).tiny)
-
-
-def first_step(layout: Layout) -> float:
-    """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.view.together.asperites
-    pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
-    fastest = max(pendulum, bath_frequency(layout))
-    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
-
-
-def unit_step(layout: Layout) -> float:
-    """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
-    fastest = pendulum_frequency(layout)
-    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)

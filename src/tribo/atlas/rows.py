@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.accuracy.scales import EPSILON, KINDS, Scales, reported_scales
+from tribo.accuracy.scales import EPSILON, Scales, reported_scales
 from tribo.atlas.entries import STOP_TIME, HardScene
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
@@ -118,7 +118,7 @@ def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
 
 def _relative(difference: float, name: str, scales: Scales) -> float:
     """A difference in units of the scale of a quantity's kind; 0 stays 0 where that is 0."""
-    scale = scales.of(KINDS[name])
+    scale = scales.of(name)
     if difference == 0.0:
         return 0.0
     return difference / scale if scale > 0.0 else np.inf

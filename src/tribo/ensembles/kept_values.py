@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from tribo.accuracy.weak_works import LOST
+from tribo.accuracy.comparison import LOST
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities

@@ -13,7 +13,7 @@ from numba.core.event import install_recorder
 
 from tribo.accuracy.choose_method import choose
 from tribo.accuracy.comparison import Accuracy
-from tribo.accuracy.run_time import pairs_of_bobs
+from tribo.accuracy.cost_model import pairs_of_bobs
 from tribo.compiler.plugin_methods import type_of
 from tribo.explanation.prediction import Predicted, Search, predict, slow_motion
 from tribo.integrators.methods import Method, noisy

@@ -15,16 +15,14 @@ import numpy as np
 
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import strictest
+from tribo.accuracy.cost_model import counted, evaluation_time, rate_of
 from tribo.accuracy.encounter_estimate import steps_towards
 from tribo.accuracy.extremes import BYTES, PORTION
-from tribo.accuracy.found_settings import FoundSettings
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import make_plan
-from tribo.accuracy.run_time import counted, evaluation_time, rate_of
-from tribo.accuracy.search import FIRST
+from tribo.accuracy.search import FIRST, FoundSettings
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
 from tribo.accuracy.stop_times import PARTS, StopTimes
-from tribo.accuracy.tolerance_scales import first_step
 from tribo.integrators.methods import Method
 from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
@@ -87,7 +85,7 @@ class Search(Integrator):
     """
 
     def __init__(self, layout: Layout, method: Method, threads: int = 1) -> None:
-        super().__init__(layout, method, first_step(layout), threads=threads)
+        super().__init__(layout, method, threads=threads)
         self.evaluations = 0
         self.runs: list[tuple[np.ndarray, float, float]] = []
         self._budget = 1e9 * BUDGET / evaluation_time(layout, method)

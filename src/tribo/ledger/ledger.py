@@ -123,30 +123,15 @@ def known(table: Table, kept: tuple[str, ...] = ()) -> Series:
 
 @dataclass(eq=False, repr=False)
 class Ledger:
-    """All quantities that a run reports, in the laboratory.
-
-    Attributes
-    ----------
-    t : ndarray, (times,)
-        The recorded times.
-    surfaces : mapping
-        Surface -> quantity -> (times, asperites).
-    blocks : mapping
-        Surface -> quantity of the surface as a whole -> (times,).
-    system : mapping
-        Quantity of the system -> (times,).
-    kept : tuple of str
-        The names in ``output.keep``, where no others were recorded; else empty.
-    oscillators : mapping
-        Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
-        oscillators, 2); empty where the scene's output does not ask for them.
-    """
+    """All quantities that a run reports, in the laboratory."""
 
     t: np.ndarray  # (times,)
     surfaces: Mapping[str, Table]  # surface -> quantity -> (times, asperites)
-    blocks: Mapping[str, Table]  # surface -> quantity -> (times,)
+    blocks: Mapping[str, Table]  # surface -> quantity of the surface as a whole -> (times,)
     system: Table  # quantity -> (times,)
     kept: tuple[str, ...] = ()  # names in output.keep; empty where all is recorded
+    # Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
+    # oscillators, 2); empty where the scene's output does not ask for them.
     oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
     # Finds the ledger at the last time sooner than this one.
     last: Callable[[], Ledger] | None = field(default=None, init=False)

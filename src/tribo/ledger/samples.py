@@ -17,11 +17,6 @@ class Samples:
     """The raw samples of runs of one scene: a row for each time and run, those of a time together.
 
     The columns are explained in `tribo.layout.layout` and `tribo.kernels.samples`.
-
-    Attributes
-    ----------
-    runs : int
-        How many runs there are; all have the same times.
     """
 
     t: np.ndarray  # (times,)
@@ -32,7 +27,7 @@ class Samples:
     stored: np.ndarray  # (times, surfaces, STORED)
     baths: np.ndarray  # (times, rows, columns), or (times, 0, 0) where no series needs it
 
-    runs = 1
+    runs = 1  # how many there are; all have the same times
 
     @classmethod
     def of_runs(cls, runs: int, *columns: np.ndarray) -> Samples:

@@ -80,6 +80,20 @@ def contact_frequency(layout: Layout) -> float:
     return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
 
 
+def first_step(layout: Layout) -> float:
+    """The first step: short against the run and the period of every pendulum and oscillator."""
+    a = layout.view.together.asperites
+    pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    fastest = max(pendulum, bath_frequency(layout))
+    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
+
+
+def unit_step(layout: Layout) -> float:
+    """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
+    fastest = pendulum_frequency(layout)
+    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)
+
+
 def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 

@@ -18,6 +18,7 @@ from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
 from tribo.loops.pair import Pair, has_pair_loop
+from tribo.loops.resolution import first_step
 from tribo.loops.state import Origin, State, continued
 from tribo.model.scene import Scene
 
@@ -35,7 +36,6 @@ class Integrator:
         self,
         layout: Layout,
         method: Method,
-        first_step: float,
         progress: Progress | None = None,
         origin: Origin | None = None,
         journal: Journal | None = None,
@@ -43,13 +43,13 @@ class Integrator:
     ) -> None:
         self.layout = layout
         self.method = method
-        self.first_step = first_step
+        self.first_step = first_step(layout)
         self._progress = progress
         self.origin = origin
         self._journal = journal
         self.threads = threads
         pair = origin is None and has_pair_loop(layout, method)
-        self.pair = Pair(layout, method, first_step) if pair else None
+        self.pair = Pair(layout, method, self.first_step) if pair else None
         if self.pair is not None:
             self.compile_seconds = self.pair.compile_seconds
         else:
@@ -58,8 +58,7 @@ class Integrator:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what to lay out and compile again, without `progress` and `journal`."""
         state = None if self.origin is None else self.origin.state
-        arguments = self.layout.scene, self.method.name, self.first_step, state, self.threads
-        return _integrator_from, arguments
+        return _integrator_from, (self.layout.scene, self.method.name, state, self.threads)
 
     @cached_property
     def rounded(self) -> tuple[Layout, Pair | None]:
@@ -115,11 +114,9 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
     return run.up_to(int(passed[0]), Status.PASSED_THROUGH) if passed.size else run
 
 
-def _integrator_from(
-    scene: Scene, method: str, first_step: float, state: State | None, threads: int
-) -> Integrator:
+def _integrator_from(scene: Scene, method: str, state: State | None, threads: int) -> Integrator:
     """The integrator of a scene, or of its continuation from a state."""
     layout, origin = lay_out(scene), None
     if state is not None:
         layout, origin = continued(layout, state)
-    return Integrator(layout, METHODS[method], first_step, origin=origin, threads=threads)
+    return Integrator(layout, METHODS[method], origin=origin, threads=threads)

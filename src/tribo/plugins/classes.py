@@ -32,18 +32,9 @@ def completed(
 ) -> Any:
     """A class derived from a user's, with the methods that follow from those it defines.
 
-    Parameters
-    ----------
-    cls : type
-        The user's class, to which nothing is written.
-    bases : tuple of type
-        What has the defaults of all other methods.
-    following : callable
-        The methods that follow from those that one class defines; they replace inherited ones.
-    complete : callable
-        What makes the new class from `cls`, in another process too.
-    make : callable
-        What makes an instance of the new class from one of `cls`.
+    Nothing is written to `cls`; `bases` have the defaults of all other methods.  The methods that
+    are `following` from those that one class defines replace inherited ones.  `complete` makes the
+    new class from `cls`, in another process too, and `make` an instance of it from one of `cls`.
     """
     methods: dict[str, Any] = {}
     for ancestor in reversed(cls.__mro__[: cls.__mro__.index(tuple)]):

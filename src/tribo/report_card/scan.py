@@ -63,54 +63,28 @@ Method = Callable[..., Any]
 
 
 class PotentialScan:
-    """A potential, the distances at which it is checked, and the scales of its errors.
+    """A potential, the distances at which it is checked [length], and the scales of its errors.
 
-    Parameters
-    ----------
-    potential : Potential
-        A potential, as :func:`tribo.potentials.as_potential` returns it.
-
-    Attributes
-    ----------
-    low, high : float
-        Smallest and largest distance [length].
-    edges : ndarray, (n + 1,)
-        They divide the distances into cells [length].
-    r : ndarray, (n,)
-        Middles of the cells [length].
-    energy, force : ndarray, (n,)
-        Compiled U and -dU/dr at `r`, for charges of 1.
-    random : ndarray, (n,)
-        A random distance in each cell [length].
-    special : ndarray
-        Distances where a mistake is likely: parameters, their sums and multiples, whole and half
-        numbers, the ends [length].
-    length : float
-        Typical distance: that of the first minimum if there is one [length].
-    cutoff : float
-        Distance from which there is no force; infinite without one [length].
-    domain : tuple of float
-        Distances for which the potential is declared [length].
-
-    Raises
-    ------
-    InputError
-        If the potential does not compile, raises an exception, or has an empty domain.
+    Raises InputError if the potential does not compile, raises an exception, or has an empty
+    domain.
     """
 
     def __init__(self, potential: Potential) -> None:
         self.potential = potential
-        self.cutoff = float(potential.range())
+        self.cutoff = float(potential.range())  # from which there is no force
         surfaces = Surface("one"), Surface("other", facing="up")
         self._probe = ContactProbe(Scene(surfaces, (Interaction(potential),), 1.0))
-        self.domain = _domain(potential)
-        self.length = self._typical()
+        self.domain = _domain(potential)  # for which the potential is declared
+        self.length = self._typical()  # that of the first minimum if there is one
         self.low, self.high = self._felt()
-        self.edges = self._edges()
-        self.r = np.sqrt(self.edges[:-1] * self.edges[1:])
+        self.edges = self._edges()  # (n + 1,) of cells
+        self.r = np.sqrt(self.edges[:-1] * self.edges[1:])  # middles of the cells
+        # Compiled U and -dU/dr at r, for charges of 1.
         self.energy, self.force = self.compiled(self.r)
         chance = np.random.default_rng(SEED).uniform(size=self.r.size)
-        self.random = self.edges[:-1] + chance * np.diff(self.edges)
+        self.random = self.edges[:-1] + chance * np.diff(self.edges)  # one in each cell
+        # Where a mistake is likely: parameters, their sums and multiples, whole and half numbers,
+        # the ends.
         self.special = np.array(sorted(self._special()))
         self._scale = self._running_scale()
 

@@ -39,23 +39,10 @@ DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "W", "W_ps", "heat", "heat_bath")
 
 
 def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
-    """Everything that the page shows of a run, for JSON.
+    """Everything that the page shows of a run, for JSON; arrays are as of :func:`packed`.
 
-    Parameters
-    ----------
-    result : RunResult
-    bath : bool
-        Whether bath oscillators are drawn.
-
-    Returns
-    -------
-    dict
-        Arrays are as of :func:`packed`.
-
-    Raises
-    ------
-    InputError
-        The result has no places to draw, or none of the bath oscillators that are asked for.
+    With `bath`, bath oscillators are drawn.  Raises InputError if the result has no places to draw,
+    or none of the bath oscillators.
     """
     scene = result.scene
     frames = _frames(result, bath)
@@ -210,18 +197,10 @@ def _rounded(values: np.ndarray) -> np.ndarray:
 
 
 def packed(values: np.ndarray, exact: bool = False) -> dict[str, Any]:
-    """An array for JSON: bytes in base64, or one number where all are equal.
+    """An array for JSON: "f4" or "f8" with bytes in base64, or "same" with the number, and "size".
 
-    Parameters
-    ----------
-    values : ndarray
-    exact : bool
-        Whether all digits of numbers of 64 bits are kept.
-
-    Returns
-    -------
-    dict
-        "f4" or "f8" with the bytes, or "same" with the number, and "size".
+    The second is for arrays of equal numbers.  With `exact`, all digits of numbers of 64 bits are
+    kept.
     """
     values = np.asarray(values, float).ravel()
     if values.size and np.all(values == values[0]):

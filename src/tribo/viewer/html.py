@@ -58,14 +58,10 @@ def module() -> str:
 
 
 def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
-    """The page that shows a source as text.
+    """The page that shows a source as text; `kind` is `HELD` or `SERVED`.
 
-    Parameters
-    ----------
-    source : dict
-        "run", "sliders" and, where the page holds all runs, "runs", as the module reads them.
-    kind : tuple of str
-        `HELD` or `SERVED`.
+    The source contains "run", "sliders" and, where the page holds all runs, "runs", as the module
+    reads them.
     """
     policy, reader = kind
     return PAGE.format(
@@ -80,26 +76,10 @@ def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
 
 
 def write_page(result: RunResult, path: str | Path, bath: bool = False) -> Path:
-    """Write a page that plays a run.
+    """Write a page that plays a run, with its bath oscillators if `bath`; replaces the file.
 
-    Parameters
-    ----------
-    result : RunResult
-    path : str or Path
-        The file, which is replaced if it exists.
-    bath : bool
-        Whether bath oscillators are drawn.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or the result has no places to draw, or none of the bath
-        oscillators that are asked for.
+    Raises InputError if the file cannot be written, or if the result has no places to draw, or none
+    of the bath oscillators.
     """
     path = as_path(path)
     replace_file(path, document({"run": contents(result, bath), "sliders": []}).encode())

@@ -15,16 +15,8 @@ EQUAL = 1e-6
 def sentence(scene: Scene, works_of: Mapping[str, Mapping[str, np.ndarray]]) -> str:
     """What the work of friction says about the motion of the bobs of the first moving surface.
 
-    Parameters
-    ----------
-    scene : Scene
-    works_of : mapping
-        Surface -> work -> (times,).
-
-    Returns
-    -------
-    str
-        Empty where no works of the contact force are recorded.
+    `works_of` maps surface -> work -> (times,).  Empty where no works of the contact force are
+    recorded.
     """
     moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
     works = works_of[moving.name]

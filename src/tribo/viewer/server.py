@@ -27,19 +27,10 @@ FORBIDDEN, WRONG, LARGE = 403, 400, 413
 
 
 class Server(ThreadingHTTPServer):
-    """The server.
+    """The server of a page, whose `source` contains the first run and the sliders.
 
-    Parameters
-    ----------
-    source : dict
-        The first run and the sliders.
-    run : callable
-        From values of the sliders to what the page shows; it raises InputError.
-
-    Attributes
-    ----------
-    token : str
-        What each request has to know.
+    `run` returns what the page shows for values of the sliders, and raises InputError.  Each
+    request has to know the `token`.
     """
 
     daemon_threads = True

@@ -16,14 +16,9 @@ except ImportError:
 
 
 class Player(anywidget.AnyWidget):  # type: ignore[misc]
-    """The player of runs as a widget.
+    """The player of runs as a widget, whose `source` contains the first run and the sliders.
 
-    Parameters
-    ----------
-    source : dict
-        The first run and the sliders.
-    run : callable, optional
-        From values of the sliders to what the player shows; it raises InputError.
+    `run` returns what the player shows for values of the sliders, and raises InputError.
     """
 
     _esm = module()

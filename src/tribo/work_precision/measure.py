@@ -16,9 +16,8 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.choose_method import choose
-from tribo.accuracy.estimate import check_observables, distance, excess_of_request, safety
+from tribo.accuracy.comparison import check_observables, distance, excess_of_request, safety
 from tribo.accuracy.levels import setting_at
-from tribo.accuracy.plan import integrator_for
 from tribo.accuracy.scales import reported_scales
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerance_scales
 from tribo.integrators import methods
@@ -119,7 +118,7 @@ def work_precision(
                 report(so_far())
             if progress:
                 progress(method.name)
-            integrator = integrator_for(lay_out(scene), method)
+            integrator = Integrator(lay_out(scene), method)
             compiling[method.name] = integrator.compile_seconds
             share = seconds / len(taken)
             for row in _curve(integrator, truth, scales, watched, reference.error, share):

@@ -1,0 +1,162 @@
+"""The model of what each method costs on a scene.
+
+    seconds = evaluations x (seconds of an evaluation)
+    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
+                  but at least those of one step for each sample, and of the steps towards the
+                  encounters ahead
+    seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
+
+The numbers were measured by benchmarks/calibrate.py and are part of the source: no clock decides
+which method is chosen.  Only their ratios enter, which differ little between machines.  Methods
+that integrate bath oscillators numerically are stable only if steps are short against the fastest
+of them.  Methods that advance oscillators exactly are stable, but their errors fall more slowly
+until steps are that short.  Encounters ahead are those of bobs that keep their initial velocity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.accuracy.encounter_estimate import steps_towards
+from tribo.integrators.methods import METHODS, Method, refusal
+from tribo.integrators.splitting import Splitting
+from tribo.integrators.step_control import count_of_steps
+from tribo.layout.layout import Layout
+from tribo.loops.pair import has_pair_loop
+from tribo.loops.resolution import bath_frequency, unit_step
+
+
+@dataclass(frozen=True)
+class Rate:
+    """What a method costs."""
+
+    evaluations: float  # per radian of the fastest pendulum, at an accuracy of 1e-6
+    slope: float  # a tenth of the error takes 10^(1/slope) times as many evaluations
+    run: float  # time of an evaluation, whatever the scene [ns]
+    asperite: float  # and for each asperite [ns]
+    oscillator: float  # and for each coordinate of a bath [ns]
+    step: int  # evaluations of a step
+
+
+# Of all methods, including those that are the cheapest on no scene.
+RATES = {
+    "midpoint": Rate(440.0, 2.0, 108.0, 34.2, 1.5, 2),
+    "rk4": Rate(20.1, 4.0, 83.0, 31.2, 1.4, 4),
+    "dop853": Rate(5.91, 11.2, 92.5, 44.5, 2.4, 12),
+    "rkn8": Rate(3.8, 12.1, 118.0, 47.5, 2.2, 9),
+    "rkn12": Rate(8.0, 105.0, 108.0, 43.4, 2.6, 17),
+    "gauss-radau-15": Rate(7.21, 26.7, 89.4, 38.8, 3.6, 18),
+    "gauss-8": Rate(31.3, 26.9, 78.8, 30.2, 2.8, 28),
+    "verlet": Rate(90.6, 2.0, 69.3, 29.3, 0.5, 1),
+    "kahan-li-6": Rate(15.2, 6.25, 36.5, 29.0, 0.4, 9),
+    "kahan-li-8": Rate(20.4, 14.4, 33.4, 28.6, 0.4, 17),
+    "blanes-moan-6": Rate(13.3, 8.02, 35.7, 28.6, 0.0, 10),
+}
+# Of gauss-radau-15 in the loop for pairs.
+PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)
+# Evaluations per radian of a bath's fastest oscillator that methods need for stability.
+FAST = 1.6
+# Evaluations and slope, as in Rate, with a fast bath, of methods that advance it exactly.
+WITH_FAST_BATH = {
+    "verlet": (108.0, 2.0),
+    "kahan-li-6": (55.4, 4.25),
+    "kahan-li-8": (71.5, 5.79),
+}
+# The steepest slope where some derivative of a potential jumps.
+ROUGH_SLOPE = 12.0
+# Time of a pair of bobs, and of a call of an ASE calculator [ns]: of 512 bobs on 512 with AVX-512
+# Coulomb takes 0.8 and Morse 2.9; EMT takes a million.
+PAIR_OF_BOBS = 2.0
+CALCULATOR_CALL = 1e6
+# Neighbours of a bob in a list, as in benchmarks/scale.py: each is in reach of about a dozen.
+LISTED = 16.0
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What one method should cost on one scene."""
+
+    method: Method
+    evaluations: float
+    seconds: float
+
+
+def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
+    """Methods for the scene, the cheapest first.
+
+    Equal steps cannot shorten at an encounter.  So methods with equal steps are considered only
+    where a fast bath would make even the best of the others take short steps throughout.
+    """
+    scene = layout.scene
+    steps = max(steps_towards(layout), float(scene.times.size))
+    fast = FAST * scene.duration * bath_frequency(layout)
+    found = []
+    for method in (METHODS[name] for name in RATES):
+        if refusal(method, scene) is not None:
+            continue
+        if method.smoothness > scene.smoothness and method.adaptive:
+            continue
+        rate = rate_of(layout, method)
+        count = max(_at_accuracy(layout, rate.evaluations, rate.slope, accuracy), rate.step * steps)
+        if count < fast and method.splits:
+            count = max(count, _at_accuracy(layout, *WITH_FAST_BATH[method.name], accuracy))
+        elif not method.splits:
+            count = max(count, fast)
+        found.append(Estimate(method, count, 1e-9 * count * _each(layout, rate)))
+    found.sort(key=lambda item: item.seconds)
+    adaptive = [item for item in found if item.method.adaptive]
+    return adaptive if adaptive and adaptive[0].evaluations > fast else found
+
+
+def _at_accuracy(layout: Layout, each: float, slope: float, accuracy: float) -> float:
+    """Evaluations with so many for each radian at 1e-6."""
+    scene = layout.scene
+    radians = scene.duration / unit_step(layout)
+    slope = min(slope, ROUGH_SLOPE) if np.isfinite(scene.smoothness) else slope
+    return radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
+
+
+def rate_of(layout: Layout, method: Method) -> Rate:
+    """The costs of a method on a scene."""
+    return PAIR if has_pair_loop(layout, method) else RATES[method.name]
+
+
+def _each(layout: Layout, rate: Rate) -> float:
+    """Nanoseconds of one evaluation, without those of pairs of bobs."""
+    oscillators = layout.coordinates - layout.core
+    return rate.run + layout.scene.count * rate.asperite + oscillators * rate.oscillator
+
+
+def evaluation_time(layout: Layout, method: Method) -> float:
+    """Nanoseconds of one evaluation by the model of costs, which knows no effect apart."""
+    pairs, _ = pairs_of_bobs(layout)
+    calls = len(layout.calculator_calls) * CALCULATOR_CALL
+    return _each(layout, rate_of(layout, method)) + pairs * PAIR_OF_BOBS + calls
+
+
+def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
+    """The pairs of bobs that are visited in one evaluation, and whether some are listed.
+
+    Of listed bobs each is taken to have LISTED neighbours.
+    """
+    counts = [surface.count for surface in layout.scene.surfaces]
+    visited, listed = 0.0, False
+    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
+            among = counts[one] * (counts[one] - 1) // 2
+            every = among if one == other else counts[one] * counts[other]
+            visited += every if row < 0 else LISTED * counts[one]
+            listed = listed or row >= 0
+    return round(visited), listed
+
+
+def counted(layout: Layout, method: Method, step: float, times: np.ndarray) -> float:
+    """The evaluations of one run through `times` with a given step."""
+    each = RATES[method.name].step
+    if isinstance(method.coefficients, Splitting):
+        each = method.coefficients.kicks.size
+    intervals = np.diff(times)
+    steps = np.sum(count_of_steps(intervals, step))
+    return float(steps * each + (not method.splits))
