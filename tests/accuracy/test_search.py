@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -169,6 +170,21 @@ def test_an_interrupt_ends_all_runs():
         simulation.run()
     result = caught.value.result
     assert len(runs) == 1 and result.status == "Interrupted" and not result.met
+
+
+@pytest.mark.parametrize("runs", [1, 4, 5, 6])
+def test_an_interrupt_of_any_run_of_a_search_is_raised(runs):
+    """Also if another round has completed, and if it ends the run that measures the growth."""
+    begun = []
+
+    def stop(t):
+        begun.append(t)
+        if sum(later <= earlier for earlier, later in pairwise(begun)) == runs - 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        tribo.simulate(case("C"), accuracy=1e-13, progress=stop)
+    assert caught.value.result.status == "Interrupted" and not caught.value.result.met
 
 
 def test_an_interrupt_in_the_search_is_raised():

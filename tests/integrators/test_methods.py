@@ -55,10 +55,10 @@ def largest_error(result, truth):
     layout = lay_out(truth.scene)
     scales = reported_scales(layout, truth.ledger)
     return max(
-        np.max(np.abs(one - other)) / scales.of(kind)
-        for name, kind in KINDS.items()
+        np.max(np.abs(one - other)) / scales.of(name)
+        for name in KINDS
         for one, other in zip(result.ledger.series(name), truth.ledger.series(name), strict=True)
-        if scales.of(kind) > 0.0
+        if scales.of(name) > 0.0
     )
 
 

@@ -88,6 +88,13 @@ def test_energies_close_against_the_ledger(result):
         total = total + sum(each.sum(axis=1) for each in parts.values())
         total = total + sum(table.get(f"e_{k}", 0.0) for k in ("springs", "within", "bath"))
         total = total + table.get("k_bath", 0.0)
+        kappa, m1, m2, length = (surface.each[k] for k in ("kappa", "m1", "m2", "length"))
+        twist, reduced = table.theta - surface.rest - table.phi, m1 * m2 / (m1 + m2)
+        assert parts["e_torsion"] == pytest.approx(0.5 * kappa * twist**2, abs=1e-14)
+        swinging = 0.5 * reduced * (length * table.omega) ** 2
+        assert parts["k_swing"] == pytest.approx(swinging, abs=1e-14)
+        moving = 0.5 * (m1 + m2) * (table.vx_cm**2 + table.vy_cm**2)
+        assert parts["k_trans"] == pytest.approx(moving, abs=1e-14)
         internal = parts["k_swing"] + parts["k_bar"] + parts["e_torsion"]
         assert internal - internal[0] == pytest.approx(table.delta_e_int, abs=1e-13)
         translation = parts["k_trans"] - parts["k_trans"][0]

@@ -23,6 +23,9 @@ from tribo.ledger.motion import Motion
 
 # Roundings of a difference: those of a displacement, of sine and cosine in it, and of the product.
 ROUNDINGS = 4.0
+# Where bars move in a step by less than this many roundings of their places, what these change is
+# no random walk: increments of half a rounding are lost in every step.
+FEW_ROUNDINGS = 16.0
 
 
 class Errors(NamedTuple):
@@ -36,15 +39,16 @@ class Errors(NamedTuple):
     nu: np.ndarray  # and their rates [rad / time]
 
 
-def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
+def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[str, float]:
     """The effect of the rounding of springs, baths and twists, by quantity, in its own unit.
 
-    `motion` is that of all asperites, in a run and in those that it is compared with.
+    `motion` is that of all asperites, in a run of so many `steps` and in those that it is compared
+    with.
     """
     stiffness = _stiffness(layout)
     if not (stiffness.any() or largest(motion.phi) > 0.0):
         return {}
-    e, a = _errors(layout, motion, stiffness), motion.span.asperites
+    e, a = _errors(layout, motion, stiffness, steps), motion.span.asperites
     place = e.stretch + a.l2 * e.swing
     internal = _of_square(a.inertia, motion.omega, e.omega) + _of_square(a.i2, motion.nu, e.nu)
     internal += _of_square(a.kappa, motion.swing - motion.phi, e.swing + e.phi)
@@ -71,7 +75,7 @@ def rounding_of_forces(layout: Layout, motion: Motion) -> dict[str, float]:
     return found
 
 
-def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
+def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, steps: int) -> Errors:
     """Bounds on the errors of the motion; `stiffness` is that of all springs on each bar."""
     a, duration = motion.span.asperites, float(np.max(motion.t) - layout.beginning)
     moves = a.pivot == 0.0  # driven bars are held where they are
@@ -83,7 +87,11 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray) -> Errors:
     farthest = np.zeros(stiffness.size)
     for part in layout.parts.values():
         farthest[part] = largest(away[:, part])
-    stretch = ROUNDINGS * EPSILON * farthest * (moves & (stiffness > 0.0))
+    fastest = (np.hypot(motion.vx, motion.vy) + a.l2 * np.abs(motion.omega)).max(axis=0)
+    lost = np.minimum(fastest * duration, steps * EPSILON * farthest)
+    slow = fastest * duration < FEW_ROUNDINGS * EPSILON * farthest * steps
+    stretch = ROUNDINGS * EPSILON * farthest + np.where(slow, lost, 0.0)
+    stretch *= moves & (stiffness > 0.0)
     pendulum = np.where(layout.surfaces.fixed[a.surface], 0.0, 1.0 / a.inertia)
     impulse = stretch * _impulse(stiffness, 1.0 / a.mass + a.l2**2 * pendulum, duration)
     turned = np.abs(motion.swing).max(axis=0) + np.abs(motion.phi).max(axis=0)
@@ -147,6 +155,6 @@ def _of_oscillators(layout: Layout, table: np.ndarray | None, first: str, count:
     found = np.zeros(len(layout.surfaces))
     if table is not None:
         each = table[OSCILLATOR_MASS] * table[OSCILLATOR_FREQUENCY] ** 2
-        for k, record in enumerate(layout.surfaces):
+        for k, record in enumerate(layout.model.surfaces):  # those of the samples have no gaps
             found[k] = each[record[first] : record[first] + record[count]].sum()
     return found

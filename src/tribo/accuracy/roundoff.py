@@ -88,7 +88,7 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    ends, forces = _of_ends(layout, motion, count), rounding_of_forces(layout, motion)
+    ends, forces = _of_ends(layout, motion, count), rounding_of_forces(layout, motion, steps)
     for each in (ends, forces, _of_cutoffs(layout)):
         for name, rounding in each.items():
             found[name] = found.get(name, 0.0) + rounding

@@ -8,7 +8,7 @@ round-off beyond the request.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -248,11 +248,13 @@ class _Search:
         return decide(self.rounds, self.limits)
 
     def found(self) -> FoundSettings:
-        """The settings and runs of the best round."""
+        """The settings and runs of the best round, whose fine run shares an interrupt."""
         chosen, stopped = best(self.rounds, self.limits), None
         if too_fine(self.rounds, self.limits) > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]
+        if self.count.interrupted:
+            chosen.runs[-1] = replace(chosen.runs[-1], status=Status.INTERRUPTED)
         return FoundSettings(
             coarse=chosen.coarse,
             fine=chosen.fine,

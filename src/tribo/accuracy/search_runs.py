@@ -41,6 +41,7 @@ class SearchRuns:
         self.layout, self.method = integrator.layout, integrator.method
         self.most = most_evaluations(self.layout.scene)
         self.spent = 0  # evaluations of all runs
+        self.interrupted = False
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
         self._integrator, self._announce = integrator, announce
@@ -104,6 +105,7 @@ class SearchRuns:
             self._left = None
         run = self._integrator(setting, times, start, most=most, rounded=rounded)
         self.spent += run.evaluations
+        self.interrupted |= run.status == Status.INTERRUPTED
         return run
 
     def plan(self, further: int) -> None:

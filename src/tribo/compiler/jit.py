@@ -11,14 +11,14 @@ import gc
 import hashlib
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 from numba import config, njit, typeof
-from numba.core.event import install_recorder
+from numba.core.event import RecordingListener, install_recorder
 
 from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
@@ -184,13 +184,18 @@ def undisturbed() -> Iterator[None]:
         # To load machine code may take a second too, on a busy machine.
         with (
             held(),
-            install_recorder("numba:compile") as compiled,
+            compilations() as compiled,
             announced("compiling ...", lambda: bool(compiled.buffer)),
         ):
             yield
     finally:
         if enabled:
             gc.enable()
+
+
+def compilations() -> AbstractContextManager[RecordingListener]:
+    """Records what is compiled in a block, in its attribute `buffer`."""
+    return install_recorder("numba:compile")
 
 
 class EntryPoint:

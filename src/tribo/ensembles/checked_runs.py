@@ -33,6 +33,7 @@ from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.choose_batch import choose_batch
+from tribo.loops.integrate import Setting
 from tribo.prepared import Simulation
 
 # Members by which the setting is chosen, the first ones, which are all checked: their share of a
@@ -160,19 +161,21 @@ class CheckedRuns(BatchRuns):
 
     def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
         """Run members by the method and tolerances of a plan; `near` in place of the method's."""
-        stepper, layout = self.steppers[plan.method], self.simulation.layout
-        near, scales = stepper.near if near is None else near, ToleranceScales(*plan.scales)
-        setting = setting_at(layout, self.simulation.method, scales, plan.level, near)
-        return stepper.batch.run(setting, starts)
+        stepper = self.steppers[plan.method]
+        near = stepper.near if near is None else near
+        return stepper.batch.run(self._setting(plan, near), starts)
 
     def _check(self, level: float, starts: MemberStarts) -> MemberRuns:
         """Run members by the method of single runs, with other roundings of the bobs' places."""
-        layout, numbers = self.simulation.layout, starts.numbers
-        if numbers is not None:
-            starts = starts._replace(numbers=numbers.displaced(*shifts(layout)))
-        scales = ToleranceScales(*self.plan.scales)
-        setting = setting_at(layout, self.simulation.method, scales, level, NEAR_ALONE)
+        if starts.numbers is not None:
+            places = starts.numbers.displaced(*shifts(self.simulation.layout))
+            starts = starts._replace(numbers=places)
+        setting = self._setting(self.plan._replace(level=level), NEAR_ALONE)
         return self._checks.run(setting, starts)
+
+    def _setting(self, plan: CheckedPlan, near: float) -> Setting:
+        layout, method = self.simulation.layout, self.simulation.method
+        return setting_at(layout, method, ToleranceScales(*plan.scales), plan.level, near)
 
     def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
         """Finer runs with the scales of their errors, and the difference of each member from its.

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 from numba import config
-from numba.core.event import install_recorder
 
 from tribo.accuracy.choose_method import choose
 from tribo.accuracy.comparison import Accuracy
 from tribo.accuracy.cost_model import pairs_of_bobs
+from tribo.compiler.jit import compilations
 from tribo.compiler.plugin_methods import type_of
 from tribo.explanation.prediction import Predicted, Search, predict, slow_motion
 from tribo.integrators.methods import Method, noisy
@@ -242,7 +242,7 @@ def explain(scene: Scene) -> Explanation:
     with inside("numerics"):
         choice = choose(layout, given.accuracy, given.method, given.step)
     threads = threads_of(layout.model, choice.method, None)
-    with install_recorder("numba:compile") as compilations:
+    with compilations() as compiled:
         search = Search(layout, choice.method, threads.number)
     predicted, step = predict(choice, search)
     reasons = {effect: reason_for(scene, effect) for effect in Effect}
@@ -257,7 +257,7 @@ def explain(scene: Scene) -> Explanation:
         threads=threads,
         accuracy=choice.accuracy,
         step=step,
-        compiled=not compilations.buffer,
+        compiled=not compiled.buffer,
         predicted=predicted,
         evaluations_used=search.evaluations,
         slow=slow_motion(layout, choice.step) if predicted.seconds >= LONG else "",
