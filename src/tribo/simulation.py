@@ -1,7 +1,5 @@
 """From a scene and an accuracy to a result with error estimates."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace

@@ -3,8 +3,6 @@
 A. P. Thompson et al., Comput. Phys. Commun. 271 (2022) 108171.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path

@@ -4,8 +4,6 @@ Potentials for which LAMMPS has a style of the same form take that; others are w
 which LAMMPS differentiates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

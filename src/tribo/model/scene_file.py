@@ -3,8 +3,6 @@
 The names of the keys are a contract: scene files of older versions stay valid.
 """
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import fields as fields_of
 from pathlib import Path

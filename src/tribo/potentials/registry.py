@@ -1,7 +1,5 @@
 """The built-in potentials, by their names in scene files."""
 
-from __future__ import annotations
-
 from tribo.potentials.born_mayer import BornMayer
 from tribo.potentials.buckingham import Buckingham
 from tribo.potentials.coulomb import Coulomb

@@ -8,8 +8,6 @@ where the slopes U'_k are those for which the second derivative is continuous ("
 ends).  C. de Boor, A Practical Guide to Splines, Springer 1978, chapter IV.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Self

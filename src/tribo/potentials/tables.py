@@ -1,7 +1,5 @@
 """Potentials as tables of scene files: a name or an expression, and numbers."""
 
-from __future__ import annotations
-
 import functools
 import operator
 from pathlib import Path

@@ -6,8 +6,6 @@ end when their error reaches that of the reference, when finer settings gain not
 method's share of the time is used up.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
