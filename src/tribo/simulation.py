@@ -68,10 +68,6 @@ def prepare(
         Threads that share each step of a splitting method if that saves time; by default
         TRIBO_THREADS, else the number of cores.  The results do not depend on it.
 
-    Returns
-    -------
-    Simulation
-
     Raises
     ------
     InputError
@@ -186,10 +182,6 @@ def simulate(
     resume : bool
         Continue from ``out.part``, with the same bits as without a pause.  Without such a file the
         run starts from the beginning, or ``out`` is read if it is complete.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------

@@ -225,10 +225,6 @@ def explain(scene: Scene) -> Explanation:
     scene : Scene
         The scene to explain.
 
-    Returns
-    -------
-    Explanation
-
     Raises
     ------
     InputError

@@ -54,10 +54,6 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     directory : path
         A folder, made if it does not exist; files of the same names are replaced.
 
-    Returns
-    -------
-    LammpsFiles
-
     Raises
     ------
     InputError

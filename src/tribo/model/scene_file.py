@@ -36,10 +36,6 @@ def load_scene(path: object) -> Scene:
     path : str or path-like
         A TOML file.  Plug-ins that it names are looked up relative to its folder.
 
-    Returns
-    -------
-    Scene
-
     Raises
     ------
     InputError

@@ -31,10 +31,6 @@ def named(name: str, /, **parameters: object) -> Potential:
     **parameters : float
         Its parameters; also `cutoff`, `at_cutoff` and `switch_from`.
 
-    Returns
-    -------
-    Potential
-
     Raises
     ------
     InputError

@@ -78,10 +78,6 @@ def work_precision(
     report : callable, optional
         Called with all runs so far, before each method is compiled.
 
-    Returns
-    -------
-    WorkPrecision
-
     Raises
     ------
     InputError
