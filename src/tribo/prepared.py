@@ -97,10 +97,6 @@ class Simulation:
         estimate : bool
             False omits the two coarser runs that estimate the error.
 
-        Returns
-        -------
-        Result
-
         Raises
         ------
         InputError
