@@ -9,24 +9,7 @@ front end leaves it until the time loop that contains it is optimised.
 import ctypes
 from typing import Any
 
-from tribo.compiler.numba_private import (
-    AnnotateTypes,
-    CompilerBase,
-    DefaultPassBuilder,
-    DumpParforDiagnostics,
-    InlineClosureLikes,
-    InlineOverloads,
-    JITCodeLibrary,
-    Lower,
-    MakeFunctionToJitFunction,
-    NativeLowering,
-    NopythonRewrites,
-    PassManager,
-    StateDict,
-    WithLifting,
-    _dynfunc,
-    register_pass,
-)
+from tribo.compiler import numba_private as private
 from tribo.compiler.tuple_types import TupleLibrary
 
 
@@ -56,17 +39,17 @@ class LinkedLibrary(TupleLibrary):
         whole = None
         # Callers first: LLVM leaves out functions without a caller.
         for library in self._called():
-            own = JITCodeLibrary._get_module_for_linking(library)
+            own = private.JITCodeLibrary._get_module_for_linking(library)
             if whole is None:
                 whole = own.clone()
             else:
                 whole.link_in(own, preserve=True)
         return whole
 
-    def _called(self) -> list[JITCodeLibrary]:
+    def _called(self) -> list[private.JITCodeLibrary]:
         """This library and those of all kernels that it calls, each after its first caller."""
-        found: dict[JITCodeLibrary, None] = {self: None}
-        waiting: list[JITCodeLibrary] = [self]
+        found: dict[private.JITCodeLibrary, None] = {self: None}
+        waiting: list[private.JITCodeLibrary] = [self]
         for library in waiting:
             if isinstance(library, LinkedLibrary):
                 new = [each for each in library._linking_libraries if each not in found]
@@ -91,7 +74,7 @@ class LoopLibrary(TupleLibrary):
 WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 
 
-class KernelLower(Lower):
+class KernelLower(private.Lower):
     """numba's lowering without the sizes of arguments, which only debuggers need.
 
     LLVM has to parse a module of its own for each of them.
@@ -102,14 +85,14 @@ class KernelLower(Lower):
         super().storevar(value, name, argidx if self.context.enable_nrt else None)
 
 
-@register_pass(mutates_CFG=False, analysis_only=False)
-class LinkedLowering(NativeLowering):
+@private.register_pass(mutates_CFG=False, analysis_only=False)
+class LinkedLowering(private.NativeLowering):
     """Lower a kernel to code for its callers."""
 
     _name = "linked_lowering"
     lowering_class = KernelLower
 
-    def run_pass(self, state: StateDict) -> bool:
+    def run_pass(self, state: private.StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
         context = state.targetctx
         state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
@@ -119,7 +102,7 @@ class LinkedLowering(NativeLowering):
         lowered = state["cr"]
         description = lowered.fndesc
         entry, module = WRONG_CALL, description.lookup_module()
-        mark = _dynfunc.make_function(
+        mark = private._dynfunc.make_function(
             module, description.qualname, "", entry, lowered.env, (library,)
         )
         context.insert_user_function(mark, description, [library])
@@ -127,13 +110,13 @@ class LinkedLowering(NativeLowering):
         return True
 
 
-@register_pass(mutates_CFG=False, analysis_only=False)
-class LoopLowering(NativeLowering):
+@private.register_pass(mutates_CFG=False, analysis_only=False)
+class LoopLowering(private.NativeLowering):
     """Lower a time loop to machine code."""
 
     _name = "loop_lowering"
 
-    def run_pass(self, state: StateDict) -> bool:
+    def run_pass(self, state: private.StateDict) -> bool:
         """Lower into a :class:`LoopLibrary`."""
         state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
@@ -143,28 +126,30 @@ class LoopLowering(NativeLowering):
 # Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, overloads
 # that are expanded in their callers, and reports of types and of parallel loops.
 UNNEEDED = (
-    WithLifting,
-    InlineClosureLikes,
-    MakeFunctionToJitFunction,
-    NopythonRewrites,
-    InlineOverloads,
-    AnnotateTypes,
-    DumpParforDiagnostics,
+    private.WithLifting,
+    private.InlineClosureLikes,
+    private.MakeFunctionToJitFunction,
+    private.NopythonRewrites,
+    private.InlineOverloads,
+    private.AnnotateTypes,
+    private.DumpParforDiagnostics,
 )
 
 
-class KernelCompiler(CompilerBase):
+class KernelCompiler(private.CompilerBase):
     """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
 
-    lowering: type[NativeLowering] = LinkedLowering
+    lowering: type[private.NativeLowering] = LinkedLowering
 
-    def define_pipelines(self) -> list[PassManager]:
+    def define_pipelines(self) -> list[private.PassManager]:
         """numba's passes without those for what kernels do not have; the last one is ours."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        changed = PassManager("kernel")
+        passes = private.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        changed = private.PassManager("kernel")
         for each, description in passes.passes:
             if each not in UNNEEDED:
-                changed.add_pass(self.lowering if each is NativeLowering else each, description)
+                changed.add_pass(
+                    self.lowering if each is private.NativeLowering else each, description
+                )
         changed.finalize()
         return [changed]
 

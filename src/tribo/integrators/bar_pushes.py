@@ -2,7 +2,13 @@
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
+from tribo.kernels.blocks import (
+    column_of_constants,
+    coordinates,
+    directions,
+    is_fixed,
+    keeps_velocity,
+)
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import place_of
@@ -13,8 +19,6 @@ from tribo.kernels.records import (
     INVERSE_MASS,
     L2,
     SIN_PHI,
-    TX,
-    TY,
 )
 
 
@@ -26,7 +30,8 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     """
     a = model.constants
     c = column_of_constants(s, i)
-    along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
+    tx, ty = directions(model, i)
+    along = tx * px + ty * py
     omega = block(v, i)
     change = 0.0 - block(a[L2], c) * along * block(a[INVERSE_INERTIA], c)
     change_x = px * block(a[INVERSE_MASS], c)

@@ -19,7 +19,7 @@ from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
-from tribo.kernels.blocks import column_of_constants, is_fixed, own_number
+from tribo.kernels.blocks import column_of_constants, constant, directions, is_fixed, own_number
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import momentum, place_of
@@ -36,8 +36,6 @@ from tribo.kernels.records import (
     OWN_SWING_TEMPERATURE,
     OWN_TEMPERATURE,
     PRESENT,
-    TX,
-    TY,
 )
 
 
@@ -64,8 +62,7 @@ def torsion_gains(model, s, i, t, tau, q):
 def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
     a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
+    tx, ty = directions(model, i)
     vx, vy = velocities_of_bars(model, s, i, v)
     old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
     gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
@@ -131,7 +128,7 @@ def turn_swings(model, s, i, turning, given, v, accounts):
     What the angular momenta do in addition to this heat is the bars' reservoir's.
     """
     omega = block(v, i)
-    now = omega + turning * block(model.constants[INVERSE_INERTIA], column_of_constants(s, i))
+    now = omega + turning * constant(model, INVERSE_INERTIA, s, i)
     set_block(v, i, now)
     if s.acc_swing >= 0:
         add_block(accounts, place_of(s, s.acc_swing, i), 0.0 - given)

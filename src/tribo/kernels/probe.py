@@ -4,7 +4,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
+from tribo.kernels.blocks import constant, contact_on, set_vectors, vectors
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.equations_of_motion import (
@@ -66,11 +66,9 @@ def add_bath(internal, found, baths, i):
 def set_ends(model, end_forces, s, i, t, q, found):
     """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
-        c = column_of_constants(s, i)
         phi = bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
-        sin, cos = sine_cosine(phi)
-        x, y = end_force(torque, block(model.constants[INVERSE_BAR_LENGTH], c), sin, cos)
+        x, y = end_force(torque, constant(model, INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:
@@ -82,7 +80,7 @@ def set_ends(model, end_forces, s, i, t, q, found):
 @kernel
 def note_forces(model, s, i, t, q, acceleration, found):
     """Set what is found of a block, forces and accelerations in place."""
-    set_pair(found, F1, i, block(model.bobs[FX], i), block(model.bobs[FY], i))
+    set_pair(found, F1, i, *contact_on(model, i))
     set_pair(found, WITHIN, i, *vectors(model.inner, i))
     set_pair(found, FIELD, i, *vectors(model.external, i))
     set_pair(found, F2, i, *vectors(model.drive, i))

@@ -12,16 +12,8 @@ from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
 from tribo.compiler.lanes_memory import rows_of, store
 from tribo.compiler.numbers_in_lanes import with_numbers
+from tribo.integrators import step_control as control
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
-from tribo.integrators.step_control import (
-    accept_step,
-    end_of_step,
-    next_step,
-    reject_step,
-    step_underflows,
-    time_left,
-    underflow_status,
-)
 from tribo.kernels.status import (
     BOBS_COINCIDE,
     CODE,
@@ -136,7 +128,7 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
     done = 0
     while status == COMPLETED and clock.sample < times.size:
         goal = times[clock.sample]
-        left = time_left(clock, goal)
+        left = control.time_left(clock, goal)
         if left <= 0.0:
             write_sample(pair, potential, clock, work, record)
             continue
@@ -144,17 +136,17 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
             return PAUSED
         done += 1
         encounter = work[START, RATE]
-        h, landing = next_step(clock, encounter, left)
-        if step_underflows(h, landing, times[-1]):
-            status = underflow_status(clock)
+        h, landing = control.next_step(clock, encounter, left)
+        if control.step_underflows(h, landing, times[-1]):
+            status = control.underflow_status(clock)
             continue
         taken, factor, finite = try_step(pair, potential, clock, h, encounter, sharpness, work)
         clock.not_finite = 0 if finite else 1
         if not taken:
-            reject_step(clock, h * factor)
+            control.reject_step(clock, h * factor)
             continue
-        end = end_of_step(clock, goal, h, landing)
-        accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
+        end = control.end_of_step(clock, goal, h, landing)
+        control.accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
     record[times.size, STEPS], record[times.size, EVALUATIONS] = clock.steps, clock.evaluations
     return status
 
