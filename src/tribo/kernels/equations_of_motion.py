@@ -10,6 +10,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels import records as rows
 from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
     all_coordinates,
@@ -33,41 +34,7 @@ from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
 from tribo.kernels.langevin import friction_force
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.records import (
-    BAR_LENGTH,
-    BARS,
-    FORCED,
-    FX,
-    FY,
-    I2,
-    INVERSE_INERTIA,
-    INVERSE_MASS,
-    KAPPA,
-    L1,
-    L2,
-    LEFT_X,
-    LEFT_Y,
-    MASS,
-    NU_START,
-    OWN_LOAD,
-    OWN_SPEED,
-    OWN_STIFFNESS,
-    OWN_VX,
-    OWN_VY,
-    PHI_START,
-    PRESENT,
-    PULLED,
-    PUSHED,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGID,
-    TX,
-    TY,
-    X_START,
-    Y_START,
-    X,
-    Y,
-)
+from tribo.kernels.records import BARS, FORCED, PULLED, PUSHED, RIGID
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
@@ -77,7 +44,7 @@ def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
         return coordinates(s.dof_phi, s, i, q)
-    return constant(model, PHI_START, s, i) + constant(model, NU_START, s, i) * t
+    return constant(model, rows.PHI_START, s, i) + constant(model, rows.NU_START, s, i) * t
 
 
 @inlined
@@ -99,16 +66,16 @@ def place_block(model, s, i, t, swing, x, y):
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
-    place_bars(model.displaced, s, i, x, y, constant(model, L2, s, i), sin, versine)
-    x = block(model.each[X_START], i) + own_number(model.own, OWN_VX, s.vx, i) * t + x
-    y = block(model.each[Y_START], i) + own_number(model.own, OWN_VY, s.vy, i) * t + y
-    x, y = bob_position(x, y, constant(model, L1, s, i), tx, ty)
-    set_block(b[X], i, x)
-    set_block(b[Y], i, y)
-    set_block(b[TX], i, tx)
-    set_block(b[TY], i, ty)
-    set_block(b[FX], i, broadcast(0.0))
-    set_block(b[FY], i, broadcast(0.0))
+    place_bars(model.displaced, s, i, x, y, constant(model, rows.L2, s, i), sin, versine)
+    x = block(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
+    y = block(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
+    x, y = bob_position(x, y, constant(model, rows.L1, s, i), tx, ty)
+    set_block(b[rows.X], i, x)
+    set_block(b[rows.Y], i, y)
+    set_block(b[rows.TX], i, tx)
+    set_block(b[rows.TY], i, ty)
+    set_block(b[rows.FX], i, broadcast(0.0))
+    set_block(b[rows.FY], i, broadcast(0.0))
 
 
 @kernel
@@ -126,7 +93,7 @@ def velocities_of_bars(model, s, i, v):
     """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
     vx = coordinates(s.dof_x, s, i, v)
     vy = coordinates(s.dof_y, s, i, v)
-    l2 = constant(model, L2, s, i)
+    l2 = constant(model, rows.L2, s, i)
     return bar_velocity(vx, vy, block(v, i), l2, *directions(model, i))
 
 
@@ -142,7 +109,7 @@ def friction_forces(model, friction, v):
             for i in range(s.start, s.stop, LANES):
                 vx, vy = velocities_of_bars(model, s, i, v)
                 fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
-                present = block(model.each[PRESENT], i)
+                present = block(model.each[rows.PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
 
 
@@ -164,7 +131,7 @@ def gather_contact(model, members):
         if s.drive == RIGID:
             total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
-                total = total + block(model.bobs[FX], i)
+                total = total + block(model.bobs[rows.FX], i)
             if members is None:
                 s.fx = sum_of_lanes(total)
             else:
@@ -187,22 +154,22 @@ def drive_of_block(model, s, i, t, q):
         gx = -fx
     elif s.drive == RIGID:
         total = gathered_contact(model.members, s)
-        gx = constant(model, MASS, s, i) * (total / s.mass) - fx
+        gx = constant(model, rows.MASS, s, i) * (total / s.mass) - fx
     elif s.drive == PULLED:
-        bar = constant(model, L2, s, i) * block(model.bobs[TY], i)
+        bar = constant(model, rows.L2, s, i) * block(model.bobs[rows.TY], i)
         bar = coordinates(s.dof_x, s, i, q) - bar
-        stiffness = own_number(model.own, OWN_STIFFNESS, s.stiffness, i)
-        speed = own_number(model.own, OWN_SPEED, s.speed, i)
+        stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
+        speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
         gx = stiffness * ((s.anchor + speed * t) - bar)
     elif s.drive == PUSHED:
         gx = broadcast(s.push + s.push_rate * t)
     else:
         gx = broadcast(0.0)
-    load = own_number(model.own, OWN_LOAD, s.load, i)
+    load = own_number(model.own, rows.OWN_LOAD, s.load, i)
     gy = load + s.load_rate * t if s.loaded else -fy
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
-    present = block(model.each[PRESENT], i)
+    present = block(model.each[rows.PRESENT], i)
     return present * gx, present * gy
 
 
@@ -238,12 +205,18 @@ def forces(model, neighbours, t):
 
 
 @inlined
+def forces_on_ends(end_forces, i):
+    """f_L and f_R of a plug-in on a block of bars."""
+    left = block(end_forces[rows.LEFT_X], i), block(end_forces[rows.LEFT_Y], i)
+    return left, (block(end_forces[rows.RIGHT_X], i), block(end_forces[rows.RIGHT_Y], i))
+
+
+@inlined
 def end_force_sums(end_forces, i):
     """f_L + f_R of a plug-in on a block of bars."""
     if end_forces is None:
         return broadcast(-0.0), broadcast(-0.0)
-    x = block(end_forces[LEFT_X], i) + block(end_forces[RIGHT_X], i)
-    return x, block(end_forces[LEFT_Y], i) + block(end_forces[RIGHT_Y], i)
+    return plus(*forces_on_ends(end_forces, i))
 
 
 @inlined
@@ -252,10 +225,9 @@ def end_torques(model, end_forces, s, i, t, q):
     if end_forces is None:
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-    half = 0.5 * constant(model, BAR_LENGTH, s, i)
-    x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
-    y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
-    return half * (cos * y - sin * x)
+    half = 0.5 * constant(model, rows.BAR_LENGTH, s, i)
+    left, right = forces_on_ends(end_forces, i)
+    return half * (cos * (right[1] - left[1]) - sin * (right[0] - left[0]))
 
 
 @inlined
@@ -276,8 +248,8 @@ def bob_forces(model, i):
 def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     """Torque on a block of pendulums, but for that of the torsion springs."""
     tx, ty = directions(model, i)
-    torque = constant(model, L1, s, i) * (tx * bob_x + ty * bob_y)
-    torque = torque - constant(model, L2, s, i) * (tx * bar_x + ty * bar_y)
+    torque = constant(model, rows.L1, s, i) * (tx * bob_x + ty * bob_y)
+    torque = torque - constant(model, rows.L2, s, i) * (tx * bar_x + ty * bar_y)
     return torque + numbers(model.swing_friction, i)
 
 
@@ -294,14 +266,14 @@ def accelerations(model, s, i, torsion, t, q, drive):
     turning = broadcast(0.0)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
-        spring = torsion * constant(model, KAPPA, s, i) * twist
+        spring = torsion * constant(model, rows.KAPPA, s, i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
             ends = end_torques(model, model.end_forces, s, i, t, q)
-            turning = (spring + ends) / constant(model, I2, s, i)
-    mobility = constant(model, INVERSE_MASS, s, i)
+            turning = (spring + ends) / constant(model, rows.I2, s, i)
+    mobility = constant(model, rows.INVERSE_MASS, s, i)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
-    return torque * constant(model, INVERSE_INERTIA, s, i), turning, x, y
+    return torque * constant(model, rows.INVERSE_INERTIA, s, i), turning, x, y
 
 
 @inlined
@@ -343,10 +315,11 @@ def top_speeds(model, active, t, q, v, speeds):
             i = column_of(active, n)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)
-            stiffness = constant(model, KAPPA, s, i) * constant(model, INVERSE_INERTIA, s, i)
+            stiffness = constant(model, rows.KAPPA, s, i)
+            stiffness = stiffness * constant(model, rows.INVERSE_INERTIA, s, i)
             rate = stiffness * twist * twist + omega * omega
-            vx = own_number(model.own, OWN_VX, s.vx, i)
-            vy = own_number(model.own, OWN_VY, s.vy, i)
+            vx = own_number(model.own, rows.OWN_VX, s.vx, i)
+            vy = own_number(model.own, rows.OWN_VY, s.vy, i)
             set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
-            set_block(speeds[2], i, constant(model, L1, s, i) * sqrt(rate))
+            set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))

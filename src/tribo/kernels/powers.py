@@ -35,6 +35,7 @@ from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
+from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
     all_coordinates,
@@ -51,26 +52,13 @@ from tribo.kernels.equations_of_motion import (
     bar_forces,
     bob_forces,
     end_force_sums,
+    forces_on_ends,
     torques,
 )
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
-from tribo.kernels.records import (
-    BAR_LENGTH,
-    BARS,
-    INVERSE_BAR_LENGTH,
-    KAPPA,
-    L2,
-    LEFT_X,
-    LEFT_Y,
-    MASS,
-    NU_START,
-    RIGHT_X,
-    RIGHT_Y,
-    X,
-    Y,
-)
+from tribo.kernels.records import BARS
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
@@ -136,7 +124,7 @@ def held_torques(model, fixed, s, i, phi, q):
         bob_x, bob_y = bob_forces(model, i)
         bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
         return torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
-    return constant(model, KAPPA, s, i) * (block(q, i) - phi)
+    return constant(model, rows.KAPPA, s, i) * (block(q, i) - phi)
 
 
 @inlined
@@ -144,10 +132,10 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     phi = bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
-    x, y = end_force(torque, constant(model, INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
+    x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
     lever = -lever_of_bar(model, model.pivots, s, i)
     with_bar = rotational_power(lever, omega, *directions(model, i), x, y)
-    turning = -0.5 * torque * constant(model, NU_START, s, i)
+    turning = -0.5 * torque * constant(model, rows.NU_START, s, i)
     k = s.acc_ends
     set_four(power, s, k, i, turning + with_bar, turning - with_bar, x, y)
     set_power(power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
@@ -158,16 +146,13 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            left_x = block(end_forces[LEFT_X], i)
-            left_y = block(end_forces[LEFT_Y], i)
-            right_x = block(end_forces[RIGHT_X], i)
-            right_y = block(end_forces[RIGHT_Y], i)
+            (left_x, left_y), (right_x, right_y) = forces_on_ends(end_forces, i)
             sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
             omega, nu, vx, vy = velocities
-            tip = 0.5 * constant(model, BAR_LENGTH, s, i) * nu
+            tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
             tip_x = -tip * sin
             tip_y = tip * cos
-            zero, l2 = broadcast(0.0), constant(model, L2, s, i)
+            zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
             x, y = bar_velocity(zero, zero, omega, l2, *directions(model, i))
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
@@ -279,8 +264,8 @@ def field_powers(model, fields, t, power):
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
                     for i in range(s.start, s.end):
-                        x = model.bobs[X, i] + lane_of(shift_x, i)
-                        y = model.bobs[Y, i] + lane_of(shift_y, i)
+                        x = model.bobs[rows.X, i] + lane_of(shift_x, i)
+                        y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
                         fx, fy = field.potential.force_at(x, y)
                         place = i % LANES
                         done = lane(total, place) + fx * field.drift[0] + fy * field.drift[1]
@@ -311,7 +296,7 @@ def momentum(model, s, v):
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        mass = constant(model, MASS, s, i)
+        mass = constant(model, rows.MASS, s, i)
         x, y = vectors(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))

@@ -4,6 +4,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels import records as rows
 from tribo.kernels.blocks import constant, contact_on, set_vectors, vectors
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
@@ -13,6 +14,7 @@ from tribo.kernels.equations_of_motion import (
     drive_forces,
     equations_of_motion,
     forces,
+    forces_on_ends,
     friction_forces,
     swing_frictions,
     update_neighbours,
@@ -20,19 +22,6 @@ from tribo.kernels.equations_of_motion import (
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.neighbours import crowded, rebuild
 from tribo.kernels.powers import held_torques
-from tribo.kernels.records import (
-    CHARGE,
-    FX,
-    FY,
-    INVERSE_BAR_LENGTH,
-    LEFT_X,
-    LEFT_Y,
-    RIGHT_X,
-    RIGHT_Y,
-    X,
-    Y,
-    Z,
-)
 from tribo.kernels.samples import PULL_X, PULL_Y
 from tribo.kernels.user_forces import custom_forces
 
@@ -68,13 +57,14 @@ def set_ends(model, end_forces, s, i, t, q, found):
     if s.dof_phi < 0:
         phi = bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
-        x, y = end_force(torque, constant(model, INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
+        x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:
         if s.user_ends == 1:
-            set_pair(found, LEFT, i, block(end_forces[LEFT_X], i), block(end_forces[LEFT_Y], i))
-            set_pair(found, RIGHT, i, block(end_forces[RIGHT_X], i), block(end_forces[RIGHT_Y], i))
+            left, right = forces_on_ends(end_forces, i)
+            set_pair(found, LEFT, i, *left)
+            set_pair(found, RIGHT, i, *right)
 
 
 @kernel
@@ -131,12 +121,12 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
     for k in range(begin, positions.shape[0]):
         for m in range(columns.size):
             i = columns[m]
-            bobs[X, i] = positions[k, m, 0]
-            bobs[Y, i] = positions[k, m, 1]
-            model.each[Z, i] = positions[k, m, 2]
-            model.each[CHARGE, i] = charges[k, m]
-            bobs[FX, i] = 0.0
-            bobs[FY, i] = 0.0
+            bobs[rows.X, i] = positions[k, m, 0]
+            bobs[rows.Y, i] = positions[k, m, 1]
+            model.each[rows.Z, i] = positions[k, m, 2]
+            model.each[rows.CHARGE, i] = charges[k, m]
+            bobs[rows.FX, i] = 0.0
+            bobs[rows.FY, i] = 0.0
         if neighbours is not None:
             rebuild(model, neighbours)
         if crowded(neighbours):
@@ -144,8 +134,8 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
         contact_forces(model, neighbours)
         energies[k] = contact_energy(model, neighbours, None)
         for m in range(columns.size):
-            forces[k, m, 0] = bobs[FX, columns[m]]
-            forces[k, m, 1] = bobs[FY, columns[m]]
+            forces[k, m, 0] = bobs[rows.FX, columns[m]]
+            forces[k, m, 1] = bobs[rows.FY, columns[m]]
     return positions.shape[0]
 
 

@@ -22,7 +22,6 @@ from tribo.integrators.collocation import (
     Collocation,
 )
 from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
-from tribo.pair import step_sums
 from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
 from tribo.pair.step_rows import (
     AA,
@@ -50,6 +49,15 @@ from tribo.pair.step_rows import (
     K,
     R,
     V,
+)
+from tribo.pair.step_sums import (
+    end_values,
+    error_of,
+    powers,
+    sums_of,
+    update_state,
+    weighted_sum,
+    weighted_sums,
 )
 
 # Part of the growth of a step that its error allows: a rejected step costs as much as an
@@ -113,9 +121,9 @@ def predict(clock, h, work):
     c = load(work, AT)
     if ratio <= MAX_EXTRAPOLATION:
         weights = lagrange(work, 1.0 + ratio * c)
-        f1 = with_lane(step_sums.weighted_sum(weights, work, MEMORY), 0, work[START, Q1])
-        f2 = with_lane(step_sums.weighted_sum(weights, work, MEMORY + 1), 0, work[START, Q2])
-        fk = with_lane(step_sums.weighted_sum(weights, work, MEMORY + 2), 0, work[START, K])
+        f1 = with_lane(weighted_sum(weights, work, MEMORY), 0, work[START, Q1])
+        f2 = with_lane(weighted_sum(weights, work, MEMORY + 1), 0, work[START, Q2])
+        fk = with_lane(weighted_sum(weights, work, MEMORY + 2), 0, work[START, K])
         return f1, f2, fk
     return broadcast(work[START, Q1]), broadcast(work[START, Q2]), broadcast(work[START, K])
 
@@ -164,9 +172,9 @@ def solve(pair, potential, clock, h, work):
     springs1 = square * pair.omega_squared1
     springs2 = square * pair.omega_squared2
     rest1, rest2, restk = uniform_motion(work, ahead)
-    place1 = rest1 + square * step_sums.weighted_sums(work, A, f1)
-    place2 = rest2 + square * step_sums.weighted_sums(work, A, f2)
-    placek = restk + square * step_sums.weighted_sums(work, A, fk)
+    place1 = rest1 + square * weighted_sums(work, A, f1)
+    place2 = rest2 + square * weighted_sums(work, A, f2)
+    placek = restk + square * weighted_sums(work, A, fk)
     before = 0.0
     for _ in range(MAX_SWEEPS):
         contact = contact_at(pair, potential, t, place1, place2, placek)
@@ -175,8 +183,8 @@ def solve(pair, potential, clock, h, work):
         change1 = with_lane(new1, 0, start1) - f1
         change2 = with_lane(new2, 0, start2) - f2
         changek = newk - fk
-        shift1 = step_sums.weighted_sums(work, A, change1)
-        shift2 = step_sums.weighted_sums(work, A, change2)
+        shift1 = weighted_sums(work, A, change1)
+        shift2 = weighted_sums(work, A, change2)
         new1 = new1 - springs1 * shift1
         new2 = new2 - springs2 * shift2
         work[SCRATCH, Q1] = lane(new1, 0)
@@ -194,9 +202,9 @@ def solve(pair, potential, clock, h, work):
         if not math.isfinite(change):
             break
         before = change
-        place1 = place1 + square * (shift1 - springs1 * step_sums.weighted_sums(work, AA, change1))
-        place2 = place2 + square * (shift2 - springs2 * step_sums.weighted_sums(work, AA, change2))
-        placek = placek + square * step_sums.weighted_sums(work, A, changek)
+        place1 = place1 + square * (shift1 - springs1 * weighted_sums(work, AA, change1))
+        place2 = place2 + square * (shift2 - springs2 * weighted_sums(work, AA, change2))
+        placek = placek + square * weighted_sums(work, A, changek)
     return False, Nodes(f1, f2, fk, rest1, rest2, contact)
 
 
@@ -257,17 +265,17 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     if not converged:
         return False, 0.5, math.isfinite(sum_of_lanes(nodes.f1 + nodes.f2 + nodes.fk))
     start = work[SCRATCH, Q1], work[SCRATCH, Q2], work[SCRATCH, K]
-    power = step_sums.powers(h, work, nodes)
-    end = step_sums.end_values(power)
-    sums = step_sums.sums_of(work, nodes, power)
-    error = sharpness * step_sums.error_of(h, work, sums)
+    power = powers(h, work, nodes)
+    end = end_values(power)
+    sums = sums_of(work, nodes, power)
+    error = sharpness * error_of(h, work, sums)
     finite = math.isfinite(error) and math.isfinite(sum_of_lanes(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
         return False, growth_factor(error), finite
     later = encounter_after(pair, potential, h, work, nodes, sums.once)
     if h * later > 1.0:
         return False, max(MIN_GROWTH, CLEAR / (h * later)), True
-    step_sums.update_state(h, work, sums)
+    update_state(h, work, sums)
     store_start(work, nodes, start, end)
     work[START, RATE] = later
     clear = clock.encounter_fraction

@@ -22,41 +22,22 @@ ROOM = np.array([0.2, 0.1])
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Places of n asperites in a drawing; those at a depth are shifted right and upward.
+    """Places of n asperites in a drawing; those at a depth are shifted right and upward."""
 
-    Attributes
-    ----------
-    parts : dict of str to slice
-        The asperites of each surface.
-    bars, cms, bobs : ndarray, (n, 2)
-        Centres of bars, of mass and of bobs [length].
-    phi, theta : ndarray, (n,)
-        Angles of the bars, and of the rods from straight down [rad].
-    bar_lengths : ndarray, (n,)
-        [length]
-    up : ndarray, (n,)
-        +1 where the bar is above the bob, else -1.
-    is_twisted : ndarray of bool, (n,)
-        Whether a torsion spring is drawn.
-    aside : ndarray, (n, 2)
-        The shift for the depth [length].
-    joined : ndarray of int, (m, 2)
-        Pairs of asperites whose bars a lattice spring joins.
-    dots : ndarray, (m, 2)
-        Bath oscillators, where they are drawn [length].
-    """
-
-    parts: dict[str, slice]
-    bars: np.ndarray
-    cms: np.ndarray
-    bobs: np.ndarray
-    phi: np.ndarray
-    theta: np.ndarray
-    bar_lengths: np.ndarray
-    up: np.ndarray
-    is_twisted: np.ndarray
+    parts: dict[str, slice]  # the asperites of each surface
+    bars: np.ndarray  # (n, 2) centres of the bars [length]
+    cms: np.ndarray  # (n, 2) of mass
+    bobs: np.ndarray  # (n, 2)
+    phi: np.ndarray  # (n,) angles of the bars [rad]
+    theta: np.ndarray  # (n,) of the rods from straight down
+    bar_lengths: np.ndarray  # (n,) [length]
+    up: np.ndarray  # (n,) +1 where the bar is above the bob, else -1
+    is_twisted: np.ndarray  # (n,) whether a torsion spring is drawn
+    # (n, 2) the shift for the depth [length]
     aside: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
+    # (m, 2) pairs of asperites whose bars a lattice spring joins
     joined: np.ndarray = field(default_factory=partial(np.empty, (0, 2), int))
+    # (m, 2) bath oscillators, where they are drawn [length]
     dots: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
 
     @property
