@@ -18,6 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.model.recurrence import (
     KINDS,
     SIDE,
@@ -27,7 +28,6 @@ from tribo.model.recurrence import (
     motion_with_oscillators,
     normal_modes,
 )
-from tribo.validation import LARGEST_COUNT, NOT_NEGATIVE, POSITIVE, choice, integer, number, vector
 
 __all__ = ["Spectrum", "discrete_decay", "exact_decay", "normal_modes", "valid_until"]
 
@@ -99,10 +99,9 @@ class Spectrum:
     n: int
 
     def __post_init__(self) -> None:
-        choice("kind", self.kind, KINDS)
-        object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE, "mass / time"))
-        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE, "rad / time"))
-        object.__setattr__(self, "n", integer("n", self.n, 1, LARGEST_COUNT))
+        check.choice("kind", self.kind, KINDS)
+        gamma, cutoff = (check.one(check.POSITIVE, f"{unit} / time") for unit in ("mass", "rad"))
+        check.fields(self, gamma=gamma, cutoff=cutoff, n=check.count(1, check.LARGEST_COUNT))
 
     def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
         """The oscillators that stand for the continuum.
@@ -179,8 +178,10 @@ def discrete_decay(
         As of :func:`exact_decay`.
     """
     mass, frequency, t = _checked(mass, frequency, t)
-    masses = vector("masses", masses, POSITIVE, unit="mass")
-    frequencies = vector("frequencies", frequencies, POSITIVE, masses.size, "rad / time")
+    masses = check.vector("masses", masses, check.POSITIVE, unit="mass")
+    frequencies = check.vector(
+        "frequencies", frequencies, check.POSITIVE, masses.size, "rad / time"
+    )
     return 0.5 * mass * motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
 
 
@@ -223,9 +224,9 @@ def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
 
 def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float, np.ndarray]:
     return (
-        number("mass", mass, POSITIVE, "mass"),
-        number("frequency", frequency, NOT_NEGATIVE, "rad / time"),
-        vector("t", np.atleast_1d(t), NOT_NEGATIVE, unit="time"),
+        check.number("mass", mass, check.POSITIVE, "mass"),
+        check.number("frequency", frequency, check.NOT_NEGATIVE, "rad / time"),
+        check.vector("t", np.atleast_1d(t), check.NOT_NEGATIVE, unit="time"),
     )
 
 

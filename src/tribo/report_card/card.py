@@ -112,7 +112,7 @@ class Report:
         return strict_json({"potential": self.potential, "passed": self.passed, "checks": checks})
 
     def save_figure(self, path: str | Path) -> Path:
-        """Draw energy, force, their disagreement and the cutoff; see :func:`tribo.plotting.save`."""
+        """Draw energy, force, their disagreement and the cutoff; as :func:`tribo.plotting.save`."""
         return save(card_figure(self.curves, self.potential), path)
 
     def __str__(self) -> str:
