@@ -248,11 +248,6 @@ class Result(RunResult):
             ``frames`` (120, evenly spaced in time) and ``rate`` (20 a second) of the pictures,
             ``surface`` whose works are shown (the first), ``width`` (1000 pixels), and ``bath``
             (whether bath oscillators are drawn).
-
-        Returns
-        -------
-        Path
-            The file.
         """
         from tribo.plotting.animation import animate
 
@@ -318,11 +313,6 @@ class Result(RunResult):
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
-
-        Returns
-        -------
-        Path
-            The file.
 
         Raises
         ------

@@ -35,6 +35,7 @@ from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
+from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
@@ -46,14 +47,6 @@ from tribo.kernels.blocks import (
     is_fixed,
     plus,
     vectors,
-)
-from tribo.kernels.equations_of_motion import (
-    bar_angles,
-    bar_forces,
-    bob_forces,
-    end_force_sums,
-    forces_on_ends,
-    torques,
 )
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
@@ -121,16 +114,16 @@ def set_four(power, s, slot, i, first, second, third, fourth):
 def held_torques(model, fixed, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
     if is_fixed(fixed, s):
-        bob_x, bob_y = bob_forces(model, i)
-        bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
-        return torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
+        bob_x, bob_y = equations.bob_forces(model, i)
+        bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
+        return equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
     return constant(model, rows.KAPPA, s, i) * (block(q, i) - phi)
 
 
 @inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
-    phi = bar_angles(model, s, i, t, q)
+    phi = equations.bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
     x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
     lever = -lever_of_bar(model, model.pivots, s, i)
@@ -146,8 +139,8 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            (left_x, left_y), (right_x, right_y) = forces_on_ends(end_forces, i)
-            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            (left_x, left_y), (right_x, right_y) = equations.forces_on_ends(end_forces, i)
+            sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
             omega, nu, vx, vy = velocities
             tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
             tip_x = -tip * sin
@@ -310,7 +303,7 @@ def external_force(model, s):
     for i in range(s.start, s.stop, LANES):
         total = plus(plus(total, contact_on(model, i)), vectors(model.drive, i))
         total = plus(plus(total, vectors(model.external, i)), vectors(model.friction, i))
-        total = plus(total, end_force_sums(model.end_forces, i))
+        total = plus(total, equations.end_force_sums(model.end_forces, i))
     return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from tribo import validation as check
-from tribo.model.comparison import ComparedByValue
+from tribo.model.tables import ComparedByValue
 from tribo.validation import InputError, is_list, must_be
 
 # One number for all asperites of a surface, or an array with one number per asperite.

@@ -11,9 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from tribo import validation as check
-from tribo.model.comparison import ComparedByValue
 from tribo.model.recurrence import KINDS, Kind
 from tribo.model.spectrum import Spectrum
+from tribo.model.tables import ComparedByValue
 from tribo.validation import InputError, inside, must_be
 
 # Keys that the table of a bath needs together with `spectrum`.

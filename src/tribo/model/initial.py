@@ -7,7 +7,7 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.model.asperite import Each, broadcast
-from tribo.model.comparison import ComparedByValue
+from tribo.model.tables import ComparedByValue
 from tribo.validation import InputError
 
 # Units of the initial angles and their rates.

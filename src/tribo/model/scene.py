@@ -14,7 +14,6 @@ import numpy as np
 from tribo import validation as check
 from tribo.files import replace_file
 from tribo.model import fields, topography
-from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
@@ -23,7 +22,7 @@ from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.tables import table_of
+from tribo.model.tables import ComparedByValue, table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live

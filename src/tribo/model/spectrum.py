@@ -19,15 +19,8 @@ from functools import lru_cache
 import numpy as np
 
 from tribo import validation as check
-from tribo.model.recurrence import (
-    KINDS,
-    SIDE,
-    Kind,
-    Motion,
-    motion_with_continuum,
-    motion_with_oscillators,
-    normal_modes,
-)
+from tribo.model import recurrence
+from tribo.model.recurrence import KINDS, SIDE, Kind, Motion, normal_modes
 
 __all__ = ["Spectrum", "discrete_decay", "exact_decay", "normal_modes", "valid_until"]
 
@@ -154,7 +147,7 @@ def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray
     """
     mass, frequency, t = _checked(mass, frequency, t)
     friction = spectrum.gamma / (mass * spectrum.cutoff)
-    motion = motion_with_continuum(
+    motion = recurrence.motion_with_continuum(
         spectrum.kind, friction, frequency / spectrum.cutoff, EXACT_KERNEL_TOLERANCE
     )
     return 0.5 * mass * motion.energy(spectrum.cutoff * t)
@@ -182,7 +175,11 @@ def discrete_decay(
     frequencies = check.vector(
         "frequencies", frequencies, check.POSITIVE, masses.size, "rad / time"
     )
-    return 0.5 * mass * motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
+    return (
+        0.5
+        * mass
+        * recurrence.motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
+    )
 
 
 def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
@@ -234,8 +231,10 @@ def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float
 def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> float:
     """:func:`valid_until` by comparison, for a bar of mass 1 and a cutoff of 1."""
     oscillators = Spectrum(kind, friction, 1.0, n).oscillators()
-    discrete = motion_with_oscillators(*oscillators, frequency).without_small_terms(NEGLIGIBLE)
-    exact = motion_with_continuum(kind, friction, frequency, KERNEL_TOLERANCE)
+    discrete = recurrence.motion_with_oscillators(*oscillators, frequency).without_small_terms(
+        NEGLIGIBLE
+    )
+    exact = recurrence.motion_with_continuum(kind, friction, frequency, KERNEL_TOLERANCE)
     exact = exact.without_small_terms(NEGLIGIBLE)
     step = SAMPLING / max(_fastest_rate(discrete), _fastest_rate(exact))
     horizon = max(RECURRENCES * _recurrence(discrete), step * AFFORDABLE / discrete.rates.size)

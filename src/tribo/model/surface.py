@@ -12,13 +12,12 @@ import numpy as np
 from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
-from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
-from tribo.model.tables import from_table
+from tribo.model.tables import ComparedByValue, from_table
 from tribo.model.topography import Grid, Topography, as_topography, is_topography
 from tribo.validation import InputError, inside, is_list, must_be
 

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol, cast
 import numpy as np
 
 from tribo import validation as check
-from tribo.model.comparison import ComparedByValue
+from tribo.model.tables import ComparedByValue
 from tribo.validation import InputError, inside, must_be
 
 # Metres in a unit of length, by the names that SurfaceTopography gives the units of files.

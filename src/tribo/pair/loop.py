@@ -14,15 +14,7 @@ from tribo.compiler.lanes_memory import rows_of, store
 from tribo.compiler.numbers_in_lanes import with_numbers
 from tribo.integrators import step_control as control
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
-from tribo.kernels.status import (
-    BOBS_COINCIDE,
-    CODE,
-    COMPLETED,
-    EVALUATIONS,
-    NOT_FINITE,
-    PAUSED,
-    STEPS,
-)
+from tribo.kernels import status as codes
 from tribo.pair.forces import contact_at, distance, encounter_rate_of, swing_accelerations
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import (
@@ -86,7 +78,7 @@ def write_sample(pair, potential, clock, work, record):
 def begin(pair, potential, clock, start, work):
     """Compute accelerations and powers at the start, if a run starts; returns a status."""
     if clock.evaluations > 0:
-        return COMPLETED
+        return codes.COMPLETED
     for row in range(STATE, ROWS):
         for i in range(LANES):
             work[row, i] = 0.0
@@ -97,7 +89,7 @@ def begin(pair, potential, clock, start, work):
     work[PLACE, Q1], work[PLACE, Q2] = start[0], start[1]
     work[PLACE, V1], work[PLACE, V2] = start[n], start[n + 1]
     if current_distance(pair, clock.t, work) == 0.0:
-        return BOBS_COINCIDE
+        return codes.BOBS_COINCIDE
     q1, q2 = broadcast(work[PLACE, Q1]), broadcast(work[PLACE, Q2])
     contact = contact_at(pair, potential, broadcast(clock.t), q1, q2, broadcast(work[PLACE, K]))
     f1, f2 = swing_accelerations(pair, contact, q1, q2)
@@ -109,7 +101,7 @@ def begin(pair, potential, clock, start, work):
     work[START, RATE] = current_encounter_rate(pair, potential, clock.t, work)
     clock.evaluations = 1
     finite = math.isfinite(sum_of_lanes(f1 + f2)) and math.isfinite(sum_of_lanes(end))
-    return COMPLETED if finite else NOT_FINITE
+    return codes.COMPLETED if finite else codes.NOT_FINITE
 
 
 def pair_collocation(pairs, potential, rows, clocks, start, times, record, budget):
@@ -126,14 +118,14 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
     status = begin(pair, potential, clock, start, work)
     sharpness = error_weight(work[LIMITS, LEVEL])
     done = 0
-    while status == COMPLETED and clock.sample < times.size:
+    while status == codes.COMPLETED and clock.sample < times.size:
         goal = times[clock.sample]
         left = control.time_left(clock, goal)
         if left <= 0.0:
             write_sample(pair, potential, clock, work, record)
             continue
         if done == budget:
-            return PAUSED
+            return codes.PAUSED
         done += 1
         encounter = work[START, RATE]
         h, landing = control.next_step(clock, encounter, left)
@@ -147,7 +139,10 @@ def pair_collocation(pairs, potential, rows, clocks, start, times, record, budge
             continue
         end = control.end_of_step(clock, goal, h, landing)
         control.accept_step(clock, end, h, landing, min(MAX_EXTRAPOLATION, factor))
-    record[times.size, STEPS], record[times.size, EVALUATIONS] = clock.steps, clock.evaluations
+    record[times.size, codes.STEPS], record[times.size, codes.EVALUATIONS] = (
+        clock.steps,
+        clock.evaluations,
+    )
     return status
 
 
@@ -174,8 +169,11 @@ def pair_members(
         own = member if pairs.size > 1 else 0
         mine = with_numbers(potential, numbers, own)
         code = integrate_pair(pairs[own:], mine, rows, clocks, start, times, record, budget)
-        counts[member, CODE] = code
-        counts[member, STEPS], counts[member, EVALUATIONS] = clock.steps, clock.evaluations
+        counts[member, codes.CODE] = code
+        counts[member, codes.STEPS], counts[member, codes.EVALUATIONS] = (
+            clock.steps,
+            clock.evaluations,
+        )
         for k in range(times.size):
             for m in range(COLUMNS):
                 samples[k, member, m] = record[k, m]
