@@ -14,14 +14,14 @@ from typing import Any
 
 import numba
 
-from tribo.compiler.numba_private import FunctionCache, IndexDataCacheFile, dumps
+from tribo.compiler.numba_private import caching, dumps
 from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
 CHECKSUM = 32
 
 
-class KernelCache(FunctionCache):
+class KernelCache(caching.FunctionCache):
     """The compiled forms of one function on disk.
 
     Raises RuntimeError if there is no folder for it that can be written.
@@ -41,7 +41,7 @@ class KernelCache(FunctionCache):
 class CodeFiles:
     """The files of one function, in place of numba's `IndexDataCacheFile`."""
 
-    def __init__(self, files: IndexDataCacheFile) -> None:
+    def __init__(self, files: caching.IndexDataCacheFile) -> None:
         self._folder = Path(files._cache_path)
         self._name = files._index_name.removesuffix(".nbi")
         self._made_by = (numba.__version__, files._source_stamp)

@@ -9,7 +9,10 @@ front end leaves it until the time loop that contains it is optimised.
 import ctypes
 from typing import Any
 
-from tribo.compiler import numba_private as private
+from tribo.compiler.numba_private import JITCodeLibrary, Lower, _dynfunc, compiler
+from tribo.compiler.numba_private import compiler_machinery as machinery
+from tribo.compiler.numba_private import typed_passes as typed
+from tribo.compiler.numba_private import untyped_passes as untyped
 from tribo.compiler.tuple_types import TupleLibrary
 
 
@@ -39,17 +42,17 @@ class LinkedLibrary(TupleLibrary):
         whole = None
         # Callers first: LLVM leaves out functions without a caller.
         for library in self._called():
-            own = private.JITCodeLibrary._get_module_for_linking(library)
+            own = JITCodeLibrary._get_module_for_linking(library)
             if whole is None:
                 whole = own.clone()
             else:
                 whole.link_in(own, preserve=True)
         return whole
 
-    def _called(self) -> list[private.JITCodeLibrary]:
+    def _called(self) -> list[JITCodeLibrary]:
         """This library and those of all kernels that it calls, each after its first caller."""
-        found: dict[private.JITCodeLibrary, None] = {self: None}
-        waiting: list[private.JITCodeLibrary] = [self]
+        found: dict[JITCodeLibrary, None] = {self: None}
+        waiting: list[JITCodeLibrary] = [self]
         for library in waiting:
             if isinstance(library, LinkedLibrary):
                 new = [each for each in library._linking_libraries if each not in found]
@@ -74,7 +77,7 @@ class LoopLibrary(TupleLibrary):
 WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 
 
-class KernelLower(private.Lower):
+class KernelLower(Lower):
     """numba's lowering without the sizes of arguments, which only debuggers need.
 
     LLVM has to parse a module of its own for each of them.
@@ -85,14 +88,14 @@ class KernelLower(private.Lower):
         super().storevar(value, name, argidx if self.context.enable_nrt else None)
 
 
-@private.register_pass(mutates_CFG=False, analysis_only=False)
-class LinkedLowering(private.NativeLowering):
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class LinkedLowering(typed.NativeLowering):
     """Lower a kernel to code for its callers."""
 
     _name = "linked_lowering"
     lowering_class = KernelLower
 
-    def run_pass(self, state: private.StateDict) -> bool:
+    def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
         context = state.targetctx
         state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
@@ -102,7 +105,7 @@ class LinkedLowering(private.NativeLowering):
         lowered = state["cr"]
         description = lowered.fndesc
         entry, module = WRONG_CALL, description.lookup_module()
-        mark = private._dynfunc.make_function(
+        mark = _dynfunc.make_function(
             module, description.qualname, "", entry, lowered.env, (library,)
         )
         context.insert_user_function(mark, description, [library])
@@ -110,13 +113,13 @@ class LinkedLowering(private.NativeLowering):
         return True
 
 
-@private.register_pass(mutates_CFG=False, analysis_only=False)
-class LoopLowering(private.NativeLowering):
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class LoopLowering(typed.NativeLowering):
     """Lower a time loop to machine code."""
 
     _name = "loop_lowering"
 
-    def run_pass(self, state: private.StateDict) -> bool:
+    def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LoopLibrary`."""
         state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
@@ -126,29 +129,29 @@ class LoopLowering(private.NativeLowering):
 # Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, overloads
 # that are expanded in their callers, and reports of types and of parallel loops.
 UNNEEDED = (
-    private.WithLifting,
-    private.InlineClosureLikes,
-    private.MakeFunctionToJitFunction,
-    private.NopythonRewrites,
-    private.InlineOverloads,
-    private.AnnotateTypes,
-    private.DumpParforDiagnostics,
+    untyped.WithLifting,
+    untyped.InlineClosureLikes,
+    untyped.MakeFunctionToJitFunction,
+    typed.NopythonRewrites,
+    typed.InlineOverloads,
+    typed.AnnotateTypes,
+    typed.DumpParforDiagnostics,
 )
 
 
-class KernelCompiler(private.CompilerBase):
+class KernelCompiler(compiler.CompilerBase):
     """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
 
-    lowering: type[private.NativeLowering] = LinkedLowering
+    lowering: type[typed.NativeLowering] = LinkedLowering
 
-    def define_pipelines(self) -> list[private.PassManager]:
+    def define_pipelines(self) -> list[machinery.PassManager]:
         """numba's passes without those for what kernels do not have; the last one is ours."""
-        passes = private.DefaultPassBuilder.define_nopython_pipeline(self.state)
-        changed = private.PassManager("kernel")
+        passes = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        changed = machinery.PassManager("kernel")
         for each, description in passes.passes:
             if each not in UNNEEDED:
                 changed.add_pass(
-                    self.lowering if each is private.NativeLowering else each, description
+                    self.lowering if each is typed.NativeLowering else each, description
                 )
         changed.finalize()
         return [changed]
