@@ -170,10 +170,6 @@ class Result(RunResult):
         ----------
         style : "text" or "bibtex"
             "text" for a line each, "bibtex" for BibTeX entries.
-
-        Returns
-        -------
-        str
         """
         return citations(self.scene, self.method, style)
 

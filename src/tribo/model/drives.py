@@ -19,15 +19,9 @@ END_FORCES = "end_forces(self, t, phi, nu, twist)"
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A drive, and the load that may go with it.
+    """A drive, and the load N that may go with it, which presses every bar to the other surface.
 
-    A load N presses every bar against the other surface: f2_y is -N on a surface that faces
-    down and +N on one that faces up, in place of -f1_y.
-
-    Attributes
-    ----------
-    load : float, optional
-        Force N on each asperite [force]; None for f2_y = -f1_y.
+    f2_y is then -N on a surface that faces down and +N on one that faces up, in place of -f1_y.
     """
 
     load: float | None = None

@@ -87,13 +87,7 @@ class Sum(BetweenCharges):
 
 
 class Wrapper(Potential):
-    """A potential whose methods other than energy and force are those of another.
-
-    Attributes
-    ----------
-    potential : Potential
-        The other.
-    """
+    """A potential whose methods other than energy and force are those of another."""
 
     potential: Potential
 

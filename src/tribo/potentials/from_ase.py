@@ -70,18 +70,10 @@ class Live:
 
 
 class ZeroForce(Potential):
-    """No force: time loops use it to detect encounters of bobs whose force a calculator computes.
+    """No force: time loops detect by it encounters of bobs whose force a calculator computes."""
 
-    Attributes
-    ----------
-    length : float
-        Length over which the calculator's force changes [length]; 0 for the distance itself.
-    reach : float
-        Distance from which the calculator's force is zero [length].
-    """
-
-    length: float
-    reach: float
+    length: float  # over which the calculator's force changes [length]; 0 for the distance itself
+    reach: float  # distance from which its force is zero [length]
 
     def energy(self, r):
         """Zero."""
@@ -96,7 +88,6 @@ class ZeroForce(Potential):
         return self.length, self.reach if self.length > 0.0 else 0.0
 
     def range(self):
-        """Distance from which the calculator's force is zero [length]."""
         return self.reach
 
 
