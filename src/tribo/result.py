@@ -11,7 +11,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import netcdf_path, strict_json
+from tribo.files import netcdf_path, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
 from tribo.results import dataset, force_averages, report
@@ -316,9 +316,12 @@ class Result(RunResult):
             If the file cannot be written, or the positions of asperites, or of requested
             oscillators, are not recorded.
         """
-        from tribo.viewer import write_page
+        from tribo.viewer.contents import contents
+        from tribo.viewer.html import document
 
-        return write_page(self, path, bath)
+        path = as_path(path)
+        replace_file(path, document({"run": contents(self, bath), "sliders": []}).encode())
+        return path
 
     def widget(self) -> Any:
         """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""

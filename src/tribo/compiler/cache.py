@@ -9,6 +9,7 @@ import hashlib
 import io
 import pickle
 import uuid
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +33,8 @@ class KernelCache(caching.FunctionCache):
         self._cache_file = CodeFiles(self._cache_file)
 
     def _save_overload(self, signature: Any, data: Any) -> None:
-        try:
+        with suppress(OSError):  # the code is in memory; another process compiles it again
             super()._save_overload(signature, data)
-        except OSError:  # the code is in memory; another process compiles it again
-            return
 
 
 class CodeFiles:

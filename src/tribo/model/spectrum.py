@@ -237,7 +237,10 @@ def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> 
     exact = recurrence.motion_with_continuum(kind, friction, frequency, KERNEL_TOLERANCE)
     exact = exact.without_small_terms(NEGLIGIBLE)
     step = SAMPLING / max(_fastest_rate(discrete), _fastest_rate(exact))
-    horizon = max(RECURRENCES * _recurrence(discrete), step * AFFORDABLE / discrete.rates.size)
+    # The first recurrence, after 2 pi over the closest spacing of modes; none of one mode.
+    spacing = np.min(np.diff(discrete.rates.imag), initial=np.inf)
+    recurrences = RECURRENCES * float(2.0 * np.pi / spacing)
+    horizon = max(recurrences, step * AFFORDABLE / discrete.rates.size)
     pairs = zip(discrete.blocks(step), exact.blocks(step), strict=False)
     for index, (one, other) in enumerate(pairs):
         differing = np.flatnonzero(np.abs(one - other) > VALID)
@@ -252,12 +255,6 @@ def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> 
 def _fastest_rate(motion: Motion) -> float:
     """The largest rate among the terms that are not negligible [1 / time]."""
     return float(np.max(np.abs(motion.without_small_terms(UNRESOLVED).rates)))
-
-
-def _recurrence(discrete: Motion) -> float:
-    """2 pi over the closest spacing of modes; 0 where there is one mode only."""
-    modes = discrete.rates.imag
-    return float(2.0 * np.pi / np.min(np.diff(modes))) if modes.size > 1 else 0.0
 
 
 def _first_difference(one: Motion, other: Motion, t: float, step: float) -> float:

@@ -132,6 +132,8 @@ def joined_bars(surface: Surface) -> np.ndarray:
 
 def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, ...]:
     """Bars, centres of mass and bobs (n, 2), and the angles phi and theta (n,), of a surface."""
+    from scipy.interpolate import CubicHermiteSpline
+
     series = result[surface.name]
     if len(series["theta"]) != len(result.t):
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
@@ -145,7 +147,8 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
     times = result.t[k : k + 2]
 
     def at(name: str, rate: str) -> np.ndarray:
-        return _interpolated(times, series[name][k : k + 2], series[rate][k : k + 2], t)
+        both = (series[each][k : k + 2] for each in (name, rate))
+        return np.asarray(CubicHermiteSpline(times, *both)(t))
 
     bar, centre, bob = places
     phi, theta = at("phi", "nu"), at("theta", "omega")
@@ -158,10 +161,3 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
         return np.asarray(cm + np.einsum("nij,nj->ni", turn, point - centre))
 
     return rigidly(bar), cm, rigidly(bob), phi, theta
-
-
-def _interpolated(times: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float) -> np.ndarray:
-    """Values (n,) at `t`, from those and their rates at two times."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    return np.asarray(CubicHermiteSpline(times, values, rates)(t))
