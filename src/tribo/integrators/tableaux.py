@@ -18,6 +18,7 @@ import json
 import math
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -143,9 +144,10 @@ def collocation(nodes: tuple[str, ...]) -> Collocation:
     """The method with these nodes, each coefficient rounded once."""
     c = [Fraction(node) for node in nodes]
     others = [c[:j] + c[j + 1 :] for j in range(len(c))]
-    poles = [1 / math.prod(x - y for y in rest) for x, rest in zip(c, others, strict=True)]
+    poles = [1 / Fraction(math.prod(x - y for y in r)) for x, r in zip(c, others, strict=True)]
     # Coefficients of Lagrange's polynomials, from the constant on.
-    basis = [pole * np.poly(np.array(r))[::-1] for pole, r in zip(poles, others, strict=True)]
+    products: list[Any] = [np.poly(np.array(rest, object))[::-1] for rest in others]
+    basis = [product * pole for product, pole in zip(products, poles, strict=True)]
     one = Fraction(1)
     return Collocation(
         c=np.array([float(x) for x in c]),
