@@ -23,7 +23,7 @@ METHOD = METHODS["gauss-radau-15"]
 
 def rounded(layout, sample):
     """The rounding of the terms of a run that is one sample."""
-    return rounding_of_terms(layout, Motion(layout.view, layout.view.together, sample), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, sample), 1)
 
 
 def scales_of(scene):

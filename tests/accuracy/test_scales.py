@@ -29,7 +29,7 @@ TURNING = {
 
 def terms_of(layout, samples):
     """The rounding of terms in a run of one step."""
-    return rounding_of_terms(layout, Motion(layout.view, layout.view.together, samples), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, samples), 1)
 
 
 def scene(bars: str) -> tribo.Scene:

@@ -72,7 +72,7 @@ def _extremes(
 ) -> Extremes:
     """Those of one portion."""
     count, samples = fine.t.size, fine.then(*shared)
-    group = AsperiteSeries(layout.view, samples, (layout.view.together,))
+    group = AsperiteSeries(layout, samples, (layout.together,))
     columns, (motion,) = series_table(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
     at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))

@@ -106,7 +106,7 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, steps: int) -
 
 def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:
     """The error of works, by name, from that of the velocities that forces are multiplied by."""
-    a, forces = motion.span.asperites, Accounts(layout.view.accounted, motion.samples.s)
+    a, forces = motion.span.asperites, Accounts(layout.accounted, motion.samples.s)
     speed, rod = largest(e.speed), largest(e.speed + (a.l1 + a.l2) * e.omega)
     found: dict[str, float] = {}
     for name in FORCES:

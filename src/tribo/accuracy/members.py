@@ -59,8 +59,7 @@ class FineMembers:
         return worst
 
     def _series(self, samples: Samples) -> tuple[SeriesTable, Motion]:
-        view = self._layout.view
-        group = AsperiteSeries(view, samples, (view.together,))
+        group = AsperiteSeries(self._layout, samples, (self._layout.together,))
         return series_table(self._layout, group, self._names), group.motions[0]
 
 

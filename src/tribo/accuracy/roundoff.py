@@ -69,9 +69,9 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     random walk.  The motion is that of all asperites, in a run and in those that it is compared
     with.
     """
-    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.view.accounted)
+    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.accounted)
     if layout.model.sums is not None:  # over lanes, of each surface
-        whole = [sums[:, part].sum(axis=1) for part in layout.view.accounted_parts]
+        whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
         sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
     else:
         parts = list(layout.parts.values())
@@ -81,9 +81,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
         terms[name] = max(largest(each[:, part].sum(axis=1)) for part in parts)
     terms["W_ps"] = terms["W"]
     applied = agents.sum(axis=1)
-    for field in layout.model.fields or ():
-        if field.account >= 0:
-            applied += np.abs(samples.s[:, field.account])
+    for slot in layout.accounts_of_fields:
+        applied += np.abs(samples.s[:, slot])
     terms["applied_work"] = largest(applied)
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)

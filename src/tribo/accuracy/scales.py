@@ -111,7 +111,7 @@ def scales_by_kind(
     `tops` are the largest magnitudes by quantity, `speed` is the largest of a bob relative to the
     mean of the surfaces' initial velocities, `internal` the largest internal energy of an asperite.
     """
-    a, runs = layout.view.together.asperites, np.size(speed)
+    a, runs = layout.together.asperites, np.size(speed)
     inertia, mass, length = (
         np.max(np.atleast_2d(each), axis=1)[:runs] for each in (a.inertia, a.mass, a.l1 + a.l2)
     )
@@ -150,12 +150,12 @@ def resolved(measured: Values, possible: Values) -> np.ndarray:
 
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,)."""
-    velocities = np.array([layout.view.velocity_of(k) for k in range(len(layout.parts))])
+    velocities = np.array([layout.velocity_of(k) for k in range(len(layout.parts))])
     return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
 def longest_rod(layout: Layout) -> float:
-    a = layout.view.together.asperites
+    a = layout.together.asperites
     return float(np.max(a.l1 + a.l2))
 
 

@@ -43,8 +43,8 @@ class ToleranceScales:
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
-    a = layout.view.together.asperites
-    relative = _relative_velocity(layout, layout.view.together)
+    a = layout.together.asperites
+    relative = _relative_velocity(layout, layout.together)
     frequency = np.sqrt(a.kappa / a.inertia)
     omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
     velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
@@ -56,7 +56,7 @@ def first_guess(layout: Layout) -> ToleranceScales:
 
 def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
     """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
-    velocities = layout.view.velocities
+    velocities = layout.velocities
     first = velocities[0]  # less this all is exact where all surfaces move fast
     mean = np.mean(velocities - first, axis=0)
     return np.asarray((span.velocity.T - first) - mean)
@@ -68,7 +68,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     The works are those in the frame of the surfaces' mean velocity.
     """
     guess = first_guess(layout)
-    span, motion = layout.view.together, Motion(layout.view, layout.view.together, samples)
+    span, motion = layout.together, Motion(layout, layout.together, samples)
     relative = _relative_velocity(layout, span)
     vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
     bob = bob_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
@@ -118,7 +118,7 @@ WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.view.accounted.asperites
+    a = layout.accounted.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0
@@ -131,8 +131,8 @@ def _account_weights(layout: Layout) -> np.ndarray:
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a = layout.view.accounted.asperites
-    velocity = _relative_velocity(layout, layout.view.accounted)
+    a = layout.accounted.asperites
+    velocity = _relative_velocity(layout, layout.accounted)
     highest = 0.0
     for name, offsets in IMPULSES.items():
         present = getattr(a, name) >= 0
@@ -153,7 +153,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     `near` is the largest step, as a fraction of the time to the next encounter.
     """
     level = max(level, FLOOR)
-    a = layout.view.together.asperites
+    a = layout.together.asperites
     energy = float(_slower_below(level * scales.energy, scales.lost_energy))
     speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
     q = np.full(layout.coordinates, level * longest_rod(layout))

@@ -18,7 +18,6 @@ from tribo.ledger.guards import grows, passed_through
 from tribo.ledger.ledger import assemble
 from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
-from tribo.loops.choose_batch import choose_batch
 from tribo.loops.lane_loop import fit_lanes
 from tribo.loops.resolution import longest_damped_step
 from tribo.prepared import Simulation
@@ -98,8 +97,7 @@ class StepRuns(BatchRuns):
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
         super().__init__(simulation, kept, own_numbers)
-        layout, first_step = simulation.layout, simulation.integrator.first_step
-        self._batch = choose_batch(layout, simulation.method, first_step, bool(own_numbers))
+        layout, self._batch = simulation.layout, simulation.integrator.batch(bool(own_numbers))
         assert isinstance(simulation.plan.setting, float)
         self._step = simulation.plan.setting
         self.chunk = chunk_of(simulation, layout.scene.duration / self._step + layout.times.size)

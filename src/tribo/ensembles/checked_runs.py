@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property, partial
 from typing import NamedTuple, Self
 
@@ -19,20 +19,17 @@ from tribo.accuracy.cheapest_setting import NEAR_ALONE
 from tribo.accuracy.comparison import strictest
 from tribo.accuracy.levels import setting_at
 from tribo.accuracy.members import FineMembers
-from tribo.accuracy.scales import EPSILON, KINDS
+from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import EVALUATIONS, STEPS
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.other_rounding import shifts
-from tribo.ledger.ledger import assemble
+from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
-from tribo.loops.choose_batch import choose_batch
 from tribo.loops.integrate import Setting
 from tribo.prepared import Simulation
 
@@ -119,11 +116,7 @@ class CheckedRuns(BatchRuns):
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name
         self.steppers = _steppers(simulation, bool(own_numbers))
-        layout, rounded = simulation.integrator.rounded
-        first_step = simulation.integrator.first_step
-        self._checks = choose_batch(
-            layout, simulation.method, first_step, bool(own_numbers), rounded
-        )
+        self._checks = simulation.integrator.batch(bool(own_numbers), rounded=True)
         pair = simulation.integrator.pair is not None
         self.pilot = PILOT if pair else PILOT_OF_LARGE
         self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
@@ -157,7 +150,7 @@ class CheckedRuns(BatchRuns):
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
         rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
-        return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
+        return self.compared(runs, rough)[1] > AGREED
 
     def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
         """Run members by the method and tolerances of a plan; `near` in place of the method's."""
@@ -168,7 +161,7 @@ class CheckedRuns(BatchRuns):
     def _check(self, level: float, starts: MemberStarts) -> MemberRuns:
         """Run members by the method of single runs, with other roundings of the bobs' places."""
         if starts.numbers is not None:
-            places = starts.numbers.displaced(*shifts(self.simulation.layout))
+            places = starts.numbers.displaced(*self.simulation.layout.shifts)
             starts = starts._replace(numbers=places)
         setting = self._setting(self.plan._replace(level=level), NEAR_ALONE)
         return self._checks.run(setting, starts)
@@ -183,8 +176,8 @@ class CheckedRuns(BatchRuns):
         That is the largest difference, in units of the accuracy; infinite where either run did not
         complete.
         """
-        exact = FineMembers(fine.layout, _few_samples(fine), self._accuracy)
-        excess = exact.excess(_few_samples(runs))
+        exact = FineMembers(*_few_times(fine), self._accuracy)
+        excess = exact.excess(_few_times(runs)[1])
         complete = runs.complete & fine.complete & np.isfinite(excess)
         return exact, np.where(complete, excess, np.inf)
 
@@ -221,70 +214,25 @@ class CheckedRuns(BatchRuns):
         found["status"][now] = UNKNOWN
 
 
-def _few_samples(runs: MemberRuns) -> Samples:
+def _few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
     """The samples by which members are compared, as single runs are where they have many."""
-    samples, members = runs.samples, runs.samples.runs
+    layout, samples, members = runs.layout, runs.samples, runs.samples.runs
     times = samples.t.size // members
-    if times <= MOST_COMPARED or runs.layout.view.numbers is not None:
-        return samples
+    if times <= MOST_COMPARED:
+        return layout, samples
     chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
     rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
     columns = (getattr(samples, each.name)[rows] for each in fields(Samples))
-    return Samples.of_runs(members, *columns)
+    return replace(layout, member_times=chosen.size), Samples.of_runs(members, *columns)
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
     """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
-    batch = choose_batch(layout, method, simulation.integrator.first_step, own_numbers, pair)
+    batch = simulation.integrator.batch(own_numbers)
     steppers = {method.name: Stepper(batch, NEAR_ALONE, 1.0)}
     if pair is not None and has_lanes(pair) and layout.times.size == 2:
         for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
             lanes = Batch(partial(PairLanes, pair, explicit, own_numbers))
             steppers[name] = Stepper(lanes, NEAR_IN_LANES, COST_IN_LANES)
     return steppers
-
-
-def rough_differences(
-    runs: MemberRuns, rough: MemberRuns, numbers: MemberNumbers, accuracy: Mapping[str, float]
-) -> np.ndarray:
-    """The largest difference of each member from a rougher run (members,), in accuracies.
-
-    Infinite where a run did not complete.  Energies of members with numbers of their own may differ
-    by far, and so may the errors that one tolerance causes.  The scales of errors would take longer
-    to compute than both runs; lower bounds on them stand in their place, which make differences
-    larger.
-    """
-    members, scales = len(runs.counts), _least_scales(runs, numbers)
-    own, other = (assemble(each.layout, each.samples) for each in (runs, rough))
-    found = np.zeros(members)
-    for name, relative in accuracy.items():
-        scale = relative * scales[KINDS[name.rpartition(".")[2]]]
-        for one, two in zip(own.series(name), other.series(name), strict=True):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                gaps = np.abs(one - two).reshape(-1, members, *one.shape[1:2] or (1,))
-                found = np.fmax(found, gaps.max(axis=(0, 2)) / scale)
-    return np.where(runs.complete & rough.complete & ~np.isnan(found), found, np.inf)
-
-
-def _least_scales(runs: MemberRuns, numbers: MemberNumbers) -> dict[str, np.ndarray | float]:
-    """Lower bounds on the scales of each member, by kind of quantity."""
-    a, members = numbers.asperites, len(runs.counts)
-    n, asperites = runs.samples.y.shape[1] // 2, a.shape[1]
-    rows = runs.samples.y.reshape(-1, members, 2 * n)
-    rates = rows[..., n : n + asperites]
-    phi = np.where(a["dof_phi"][0] >= 0, rows[..., a["dof_phi"][0]], 0.0)
-    twists = rows[..., :asperites] - phi
-    doubled = a["inertia"] * rates**2 + a["kappa"] * twists**2
-    energy = 0.5 * np.abs(doubled - doubled[0]).max(axis=(0, 2))
-    fastest = np.abs(rates).max(axis=(0, 2))
-    moving = numbers.velocity - numbers.velocity.mean(axis=1, keepdims=True)
-    speed = np.hypot(moving[..., 0], moving[..., 1]).max(axis=1)
-    return {
-        "rate": fastest,
-        "length": (a["l1"] + a["l2"]).max(axis=1),
-        "velocity": np.maximum(speed, fastest * a["l1"].min(axis=1)),
-        "energy": energy,
-        "total": energy,
-        "angle": 1.0,
-    }

@@ -14,7 +14,7 @@ from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import together, with_scratch
-from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, model_tables
 from tribo.model.scene import Scene
 
@@ -77,8 +77,7 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
 
 def _shared_accounts(layout: Layout) -> int:
     """The number of accounts that are of no asperite."""
-    fields = [field.account for field in layout.model.fields or ()]
-    return int(max([*layout.surfaces.acc_block.tolist(), *fields])) + 1
+    return max([-1, *layout.surfaces.acc_block.tolist(), *layout.accounts_of_fields]) + 1
 
 
 def _with_own_numbers(model: Model) -> Model:

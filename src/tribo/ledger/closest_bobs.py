@@ -76,7 +76,7 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
     places = np.empty((samples.t.size, layout.asperites.size, 3))
     places[..., 2] = layout.depths
     for index in range(len(layout.scene.surfaces)):
-        for span, motion in motions(layout.view, samples, index):
+        for span, motion in motions(layout, samples, index):
             a = span.asperites
             x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
             x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))

@@ -25,8 +25,8 @@ from tribo.ledger.quantities import (
     QUANTITIES,
     Quantity,
     Table,
-    further_series,
     needs_accounts,
+    present_names,
     reported,
 )
 from tribo.ledger.samples import Samples
@@ -241,14 +241,13 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
     """
     forces, kept = Forces(layout, samples), layout.scene.output.ledger
     wholes, surfaces, blocks = [], {}, {}
-    for surface in layout.scene.surfaces:
-        index, has_field, reservoirs = layout.effects[surface.name]
-        whole = SurfaceSeries(layout.view, samples, index, forces=forces)
-        found = reported(kept, has_field, reservoirs, further_series(layout.scene, surface))
+    for index, surface in enumerate(layout.scene.surfaces):
+        whole = SurfaceSeries(layout, samples, index, forces=forces)
+        found = reported(kept, present_names(layout.scene, surface))
         surfaces[surface.name] = _series(found.asperites, whole)
         blocks[surface.name] = _series(found.blocks, whole)
         wholes.append(whole)
-    system = _series(found.system, SystemSeries(layout.view, samples, tuple(wholes)))
+    system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
     ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
     ledger.last = partial(_last, layout, samples)
     return ledger

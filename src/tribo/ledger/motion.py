@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
-from tribo.layout.ledger_view import LedgerView
+from tribo.layout.layout import Layout
 from tribo.layout.span import Asperites, Span, columns
 from tribo.ledger.samples import Samples
 
@@ -31,14 +31,14 @@ class Motion:
     the start of the run.
     """
 
-    def __init__(self, view: LedgerView, span: Span, samples: Samples) -> None:
+    def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
         self.span = span
         self.samples = samples
-        self._view = view
+        self._layout = layout
 
     def part(self, span: Span) -> Motion:
         """The same of some of the asperites, with the arrays from which totals are summed."""
-        part = Motion(self._view, span, self.samples)
+        part = Motion(self._layout, span, self.samples)
         for name in ("vx", "vy", "moving", "internal"):
             part.__dict__[name] = getattr(self, name)[:, span.place]
         return part
@@ -82,8 +82,8 @@ class Motion:
     def centre(self) -> Position:
         """The centre of mass."""
         a, velocity = self.span.asperites, self.span.velocity
-        x = self._view.origin[0] + (a.x + velocity[0] * self.t + self.x)
-        y = self._view.origin[1] + (a.y + velocity[1] * self.t + self.y)
+        x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
+        y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
 
     @cached_property
@@ -169,17 +169,17 @@ class Motion:
 
     @property
     def _q(self) -> np.ndarray:
-        return self.samples.y[:, : self._view.core]
+        return self.samples.y[:, : self._layout.core]
 
     @property
     def _v(self) -> np.ndarray:
-        return self.samples.y[:, self._view.core :]
+        return self.samples.y[:, self._layout.core :]
 
 
-def motions(view: LedgerView, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
     """The motion of surface `index`, span by span."""
-    for span in view.spans[index]:
-        yield span, Motion(view, span, samples)
+    for span in layout.spans[index]:
+        yield span, Motion(layout, span, samples)
 
 
 def about_pivots(

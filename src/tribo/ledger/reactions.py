@@ -20,10 +20,10 @@ def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarra
     """
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
-            changes = [_changes(layout, span, y, start) for span in layout.view.spans[index]]
+            changes = [_changes(layout, span, y, start) for span in layout.spans[index]]
             if layout.model.sums is not None:
                 changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
-            for span, change in zip(layout.view.accounted_spans[index], changes, strict=True):
+            for span, change in zip(layout.accounted_spans[index], changes, strict=True):
                 _add(Accounts(span, s), s, change)
 
 

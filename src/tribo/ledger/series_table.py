@@ -9,7 +9,14 @@ import numpy as np
 
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, reported
+from tribo.ledger.quantities import (
+    BLOCK_QUANTITIES,
+    OPTIONAL_QUANTITIES,
+    Quantity,
+    needs_accounts,
+    present_names,
+    reported,
+)
 from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 
 
@@ -69,17 +76,14 @@ class ReportedSeries(NamedTuple):
 
 def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     """All quantities that are reported."""
-    samples, effects = group.samples, layout.effects.values()
+    samples, scene = group.samples, layout.scene
     (motion,) = group.motions
-    wholes = tuple(SurfaceSeries(layout.view, samples, k, motion) for k in range(len(layout.parts)))
-    system = SystemSeries(layout.view, samples, wholes)
-    found = reported(
-        layout.scene.output.ledger,
-        any(field for _, field, _ in effects),
-        max(reservoirs for *_, reservoirs in effects),
-    )
+    wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))
+    system = SystemSeries(layout, samples, wholes)
+    present = frozenset[str]().union(*(present_names(scene, each) for each in scene.surfaces))
+    found = reported(scene.output.ledger, present.intersection(OPTIONAL_QUANTITIES))
     of_each: list[tuple[Mapping[str, Quantity], Sequence[AsperiteSeries | SystemSeries], int]] = [
-        (found.asperites, (group,), layout.scene.count),
+        (found.asperites, (group,), scene.count),
         (found.blocks, wholes, len(wholes)),
         (found.system, (system,), 1),
     ]
@@ -96,7 +100,7 @@ def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesT
         surface, _, name = full.rpartition(".")
         if surface:
             start = int(columns.starts[columns.names.index(name)])
-            index = layout.effects[surface][0]
+            index = list(layout.parts).index(surface)
             sums = needs_accounts(name) and layout.model.sums is not None
             whole = name in BLOCK_QUANTITIES or sums
             part = slice(index, index + 1) if whole else layout.parts[surface]

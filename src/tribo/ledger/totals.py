@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.ledger_view import LedgerView
+from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.ledger.forces import Forces
@@ -24,15 +24,15 @@ _with_infinities = np.errstate(over="ignore", invalid="ignore")
 class AsperiteSeries:
     """Some asperites, by their spans, from the samples of a run that begin with its start."""
 
-    def __init__(self, view: LedgerView, samples: Samples, spans: tuple[Span, ...]) -> None:
-        self._view = view
+    def __init__(self, layout: Layout, samples: Samples, spans: tuple[Span, ...]) -> None:
+        self._layout = layout
         self.samples = samples
         self.spans = spans
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The motion of the asperites, span by span."""
-        return tuple(Motion(self._view, span, self.samples) for span in self.spans)
+        return tuple(Motion(self._layout, span, self.samples) for span in self.spans)
 
     @_with_infinities
     def each(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
@@ -53,13 +53,13 @@ class SurfaceSeries(AsperiteSeries):
 
     def __init__(
         self,
-        view: LedgerView,
+        layout: Layout,
         samples: Samples,
         index: int,
         among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
-        super().__init__(view, samples, view.spans[index])
+        super().__init__(layout, samples, layout.spans[index])
         self._index = index
         self._among = among
         self._forces = forces
@@ -101,7 +101,7 @@ class SurfaceSeries(AsperiteSeries):
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
-        vx, vy = self._view.velocity_of(self._index)
+        vx, vy = self._layout.velocity_of(self._index)
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
         return self.samples.change(moving)
@@ -127,8 +127,7 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def without_contact(self) -> np.ndarray:
         """1 where no bob of the surface is in contact with another surface, else 0."""
-        assert self._forces is not None
-        return without_contact(self._forces.layout, self.samples, self._index).astype(float)
+        return without_contact(self._layout, self.samples, self._index).astype(float)
 
     def stored(self, place: int) -> np.ndarray:
         """A stored energy, SPRINGS or WITHIN."""
@@ -151,7 +150,7 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def kinetic_of_bath(self) -> np.ndarray:
         """The kinetic energy of the bath in the laboratory."""
-        vx, vy = self._view.velocity_of(self._index)
+        vx, vy = self._layout.velocity_of(self._index)
         stored = self._stored
         moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
         own = self._own_kinetic_of_bath + moving
@@ -175,23 +174,23 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def _own_kinetic_of_bath(self) -> np.ndarray:
         """The kinetic energy of the bath, in the surface's first frame."""
-        part = list(self._view.parts.values())[self._index]
-        columns = self._view.columns[part]
+        part = list(self._layout.parts.values())[self._index]
+        columns = self._layout.places.columns[part]
         return np.asarray(self.samples.baths[:, KINETIC, columns].sum(axis=1))
 
     @property
     def _record(self) -> np.record:
-        return self._view.surfaces[self._index]
+        return self._layout.surfaces[self._index]
 
     @cached_property
     def _mass(self) -> float | np.ndarray:
         """The mass of the surface and its bath."""
-        return self._view.mass_of(self._index)
+        return self._layout.mass_of(self._index)
 
     @property
     def _accounted(self) -> tuple[Span, ...]:
         """The asperites, or lanes that stand for their sums, with accounts."""
-        return self._view.accounted_spans[self._index]
+        return self._layout.accounted_spans[self._index]
 
     @property
     def _stored(self) -> np.ndarray:
@@ -231,10 +230,8 @@ class SurfaceSeries(AsperiteSeries):
 class SystemSeries:
     """The whole system, which is no span of asperites, from the samples of a run."""
 
-    def __init__(
-        self, view: LedgerView, samples: Samples, wholes: tuple[SurfaceSeries, ...]
-    ) -> None:
-        self._view = view
+    def __init__(self, layout: Layout, samples: Samples, wholes: tuple[SurfaceSeries, ...]) -> None:
+        self._layout = layout
         self.samples = samples
         self.spans: tuple[Span, ...] = ()
         self._wholes = wholes
@@ -249,7 +246,9 @@ class SystemSeries:
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""
         works = sum(whole.applied(integrals) for whole in self._wholes)
-        return np.asarray(sum((integrals.s[:, slot] for slot in self._view.fields), start=works))
+        return np.asarray(
+            sum((integrals.s[:, slot] for slot in self._layout.accounts_of_fields), start=works)
+        )
 
 
 class Linear:

@@ -74,7 +74,7 @@ def _works(layout: Layout, samples: Samples) -> np.ndarray:
     """The work of all drives, and friction times distance, minus the sum of V . J1; (times, 2)."""
     work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
     integrals = Integrals(samples.s)
-    for span in (span for spans in layout.view.accounted_spans for span in spans):
+    for span in (span for spans in layout.accounted_spans for span in spans):
         accounts = integrals.of(span)
         work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))

@@ -12,7 +12,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.kernels.status import CODE, COMPLETED
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.reactions import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Setting
@@ -60,7 +60,9 @@ class MemberRuns(NamedTuple):
 
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""
-        layout = replace(self.layout, view=self.layout.view.of_members(selected))
+        layout = self.layout
+        if layout.numbers is not None:
+            layout = replace(layout, numbers=layout.numbers.of_members(selected))
         return MemberRuns(layout, self.samples.of_members(selected), self.counts[selected])
 
 
@@ -91,7 +93,7 @@ class RecordingLoop(ABC):
         )
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
-            layout = layout.of_members(starts.numbers)
+            layout = replace(layout, numbers=starts.numbers, member_times=times.size)
         return MemberRuns.of(layout, samples, counts)
 
 

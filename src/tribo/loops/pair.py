@@ -62,7 +62,7 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    a, surfaces = layout.view.together.asperites, layout.surfaces
+    a, surfaces = layout.together.asperites, layout.surfaces
     along_x = a.dof_x[a.dof_x >= 0]
     return (
         layout.scene.count == surfaces.size == 2
