@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.cheapest_setting import single_setting
 from tribo.accuracy.comparison import (
     ABORTED,
     Errors,
@@ -19,9 +18,9 @@ from tribo.accuracy.comparison import (
     weak_notes,
 )
 from tribo.accuracy.levels import fine_level
-from tribo.accuracy.plan import Plan
+from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
-from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.search_runs import StopTimes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start

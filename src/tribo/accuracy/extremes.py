@@ -79,8 +79,8 @@ def _extremes(
     rounding = rounding_of_terms(layout, motion, steps)
     return Extremes(
         run.names,
-        tops=run.largest(),
-        gaps=at_shared.minus(coarse).largest(),
+        tops=run.largest()[:, 0],
+        gaps=at_shared.minus(coarse).largest()[:, 0],
         terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
         speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
         internal=largest(motion.energy[:count]),

@@ -154,14 +154,15 @@ def mean_velocity(layout: Layout) -> np.ndarray:
     return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
-def longest_rod(layout: Layout) -> float:
-    a = layout.together.asperites
-    return float(np.max(a.l1 + a.l2))
-
-
 def kind_of(name: str) -> str:
     """The kind of a quantity, "w1" or "upper.w1"."""
     return KINDS[name.rpartition(".")[2]]
+
+
+def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
+    """The largest magnitude of a series in each of some runs, over times and asperites."""
+    each = np.abs(series).reshape(-1, runs, series.shape[1])
+    return np.asarray(each.max(axis=(0, 2)))
 
 
 def largest(values: np.ndarray) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.accuracy.force_rounding import rounding_of_forces
-from tribo.accuracy.scales import largest, longest_rod, resolved
+from tribo.accuracy.scales import largest, resolved
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
@@ -156,7 +156,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     a = layout.together.asperites
     energy = float(_slower_below(level * scales.energy, scales.lost_energy))
     speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
-    q = np.full(layout.coordinates, level * longest_rod(layout))
+    q = np.full(layout.coordinates, level * float(np.max(a.l1 + a.l2)))
     v = np.full(layout.coordinates, speed)
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.

@@ -15,10 +15,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tribo.accuracy.cheapest_setting import NEAR_ALONE
-from tribo.accuracy.comparison import strictest
+from tribo.accuracy.comparison import FineMembers, strictest
 from tribo.accuracy.levels import setting_at
-from tribo.accuracy.members import FineMembers
+from tribo.accuracy.plan import NEAR_ALONE
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series

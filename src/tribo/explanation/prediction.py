@@ -21,8 +21,7 @@ from tribo.accuracy.extremes import BYTES, PORTION
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import make_plan
 from tribo.accuracy.search import FIRST, FoundSettings
-from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
-from tribo.accuracy.stop_times import PARTS, StopTimes
+from tribo.accuracy.search_runs import COARSE_RUNS, PARTS, PILOT_LEVEL, StopTimes
 from tribo.integrators.methods import Method
 from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status

@@ -31,9 +31,10 @@ class SeriesTable(NamedTuple):
         """The same series at some of the times."""
         return self._replace(values=self.values[selected])
 
-    def largest(self) -> np.ndarray:
-        """The largest magnitude of each quantity, (names,)."""
-        return np.maximum.reduceat(np.abs(self.values).max(axis=0, initial=0.0), self.starts)
+    def largest(self, runs: int = 1) -> np.ndarray:
+        """The largest magnitude of each quantity in each of some runs, (names, runs)."""
+        each = np.abs(self.values).reshape(-1, runs, self.values.shape[1])
+        return np.maximum.reduceat(each.max(axis=0, initial=0.0), self.starts, axis=1).T
 
     def minus(self, other: SeriesTable) -> SeriesTable:
         """The differences of the series from those of another run at the same times."""
