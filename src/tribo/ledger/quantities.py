@@ -168,7 +168,12 @@ def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
 def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
     """The x component of the sum of some forces on a surface."""
     meaning = f"x of {force} on the surface"
-    return Quantity("force", meaning, lambda whole: whole.force_along_x(*names), present)
+    return Quantity(
+        "force",
+        meaning,
+        lambda whole: np.sum(sum(whole.force(name, 0) for name in names), axis=1),
+        present,
+    )
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -204,12 +209,12 @@ FURTHER_OF_SURFACES = {
     ),
     "e_springs": _energy(
         "energy of the lattice springs",
-        lambda whole: whole.stored(SPRINGS),
+        lambda whole: whole.stored[:, SPRINGS],
         FORCES["f_spring"].acts,
     ),
     "e_within": _energy(
         "energy of contact within the surface",
-        lambda whole: whole.stored(WITHIN),
+        lambda whole: whole.stored[:, WITHIN],
         Scene.has_contact_within,
     ),
     "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
