@@ -301,7 +301,7 @@ class Table:
                     mine = side == length
                     label = rf"${length:g} \times {length:g}$"
                     ax.plot(turn[mine] / length, friction[mine], label=label)
-                ax.set(xlabel="angle [rad]", xscale="log")
+                ax.set(xlabel="angle (rad)", xscale="log")
             else:
                 for case, mark in (("reservoirs", "o"), ("none", "s")):
                     x, _, _, friction, load = self.of(study, case, "friction", "load").T

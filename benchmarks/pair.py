@@ -535,7 +535,7 @@ def main() -> None:
     """Measure all programs in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--markdown", action="store_true", help="as in docs/explanation/pairs.md")
+    parser.add_argument("--markdown", action="store_true", help="as in docs/measured/pair.md")
     parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--cases", default="ABCD")
     options = parser.parse_args()

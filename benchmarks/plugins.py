@@ -20,7 +20,7 @@ import tempfile
 from pathlib import Path
 
 import tribo
-from tribo.potentials import expression, lennard_jones, named
+from tribo.potentials import LennardJones, expression, named
 
 # Bobs of each row.
 BOBS = 64
@@ -50,7 +50,7 @@ def scene(potential: object) -> tribo.Scene:
 
 def versions(folder: Path) -> dict[str, object]:
     """The same potential in every version, by name."""
-    source = inspect.getsource(lennard_jones)
+    source = f"from tribo import Potential\n\n\n{inspect.getsource(LennardJones)}"
     for name in ("first", "copied", "again"):
         (folder / f"{name}.py").write_text(source)
     (folder / "energy_alone.py").write_text(source.partition("    def force")[0])

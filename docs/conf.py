@@ -26,7 +26,7 @@ exclude_patterns = ["_build", "_generated", "_inventories", "measured"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
-autodoc_typehints_description_target = "documented"
+autodoc_typehints_description_target = "documented_params"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = False
 napoleon_preprocess_types = True

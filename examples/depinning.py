@@ -45,11 +45,15 @@ def velocities():
 def main(folder="."):
     """Velocities below and above the static friction, in units of F_c / gamma."""
     found = np.array(velocities()) * GAMMA / STATIC_FRICTION
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    force = np.linspace(0.0, FORCES[-1], 1000)
-    ax.plot(force, np.sqrt(np.maximum(force**2 - 1.0, 0.0)), color="#d55e00")
-    ax.plot(FORCES, found, "o", ms=4, color=tribo.plotting.INK)
-    ax.set(xlabel="force / static friction", ylabel=r"velocity $\gamma v / F_c$")
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        force = np.linspace(0.0, FORCES[-1], 1000)
+        ax.plot(
+            force, np.sqrt(np.maximum(force**2 - 1.0, 0.0)), color="#d55e00", label="closed form"
+        )
+        ax.plot(FORCES, found, "o", ms=4, color=tribo.plotting.INK, label="simulation")
+        ax.set(xlabel="force / static friction", ylabel=r"velocity $\gamma v / F_c$")
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/depinning.png")
     return {"velocity at 0.9 F_c": found[1], "velocity at 1.25 F_c": found[3]}
 

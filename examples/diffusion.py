@@ -48,11 +48,14 @@ def diffusion(particles):
 def main(folder=".", particles=8000):
     """D gamma / T at each A / T, and the half-width at the largest."""
     found, half_width = diffusion(particles)
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    barrier = np.linspace(0.0, 2.5, 200)
-    ax.plot(barrier, 1.0 / i0(barrier) ** 2, color="#d55e00")
-    ax.errorbar(BARRIERS, found, half_width, fmt="o", ms=3, capsize=2, color=tribo.plotting.INK)
-    ax.set(xlabel="$A / T$", ylabel=r"$D\,\gamma / T$", ylim=(0.0, 1.1))
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        barrier = np.linspace(0.0, 2.5, 200)
+        ax.plot(barrier, 1.0 / i0(barrier) ** 2, color="#d55e00", label="closed form")
+        look = {"fmt": "o", "ms": 3, "capsize": 2, "color": tribo.plotting.INK}
+        ax.errorbar(BARRIERS, found, half_width, label="simulation", **look)
+        ax.set(xlabel="$A / T$", ylabel=r"$D\,\gamma / T$", ylim=(0.0, 1.1))
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/diffusion.png")
     shown = {f"D gamma / T at A / T = {b:g}": d for b, d in zip(BARRIERS, found, strict=True)}
     return shown | {"half-width at A / T = 2": half_width[-1]}

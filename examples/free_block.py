@@ -49,11 +49,20 @@ def main(folder="."):
     expected = solve_ivp(deceleration, (0.0, t[-1]), [SPEED], t_eval=t, rtol=1e-8).y[0]
     passes = np.interp(np.arange(place[0], place[-1], 2.0 * np.pi / Q), place, t)
     middle, mean = 0.5 * (passes[1:] + passes[:-1]), 2.0 * np.pi / Q / np.diff(passes)
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    ax.plot(t, speed, color="0.8", lw=0.5)
-    ax.plot(t, expected, color="#d55e00")
-    ax.plot(middle[::2], mean[::2], "o", ms=2.5, color=tribo.plotting.INK)
-    ax.set(xlabel="$t$", ylabel="speed of the block")
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        ax.plot(t, speed, color="0.8", lw=0.5, label="block and oscillators")
+        ax.plot(t, expected, color="#d55e00", label="closed form")
+        ax.plot(
+            middle[::2],
+            mean[::2],
+            "o",
+            ms=2.5,
+            color=tribo.plotting.INK,
+            label="mean over a period",
+        )
+        ax.set(xlabel="$t$", ylabel="speed of the block")
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/free_block.png")
     late = t > 0.9 * t[-1]
     lost = [SPEED - each[late].mean() for each in (speed, expected)]

@@ -47,10 +47,12 @@ def static_friction(load):
 def main(folder="."):
     """Slope of the static friction against the load, and that of the spheres."""
     found = np.array([static_friction(load) for load in LOADS])
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    ax.plot([0.0, 0.45], [0.0, 0.45 * SLOPE], color="#d55e00")
-    ax.plot(LOADS, found, "o", ms=4, color=tribo.plotting.INK)
-    ax.set(xlabel="load", ylabel="static friction", xlim=(0, None), ylim=(0, None))
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        ax.plot([0.0, 0.45], [0.0, 0.45 * SLOPE], color="#d55e00", label="slope of the spheres")
+        ax.plot(LOADS, found, "o", ms=4, color=tribo.plotting.INK, label="simulation")
+        ax.set(xlabel="load", ylabel="static friction", xlim=(0, None), ylim=(0, None))
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/friction_against_load.png")
     return {"friction / load": np.polyfit(LOADS, found, 1)[0], "slope of the spheres": SLOPE}
 

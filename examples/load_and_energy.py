@@ -43,14 +43,17 @@ def main(folder="."):
     with tribo.plotting.style():
         figure = Figure(figsize=(tribo.plotting.PAGE, 2.5), layout="constrained")
         law, budget = figure.subplots(1, 2)
-        law.errorbar(LOADS, force, error, fmt="o", ms=4, color=tribo.plotting.INK)
-        law.plot(LOADS, np.exp(logarithm) * LOADS**exponent, color="#d55e00")
+        law.errorbar(
+            LOADS, force, error, fmt="o", ms=4, color=tribo.plotting.INK, label="simulation"
+        )
+        law.plot(LOADS, np.exp(logarithm) * LOADS**exponent, color="#d55e00", label="power law")
         law.set(
             xlabel="load per asperite",
             ylabel="friction per asperite",
             xlim=(0, None),
             ylim=(0, None),
         )
+        law.legend(frameon=False)
         budget.stackplot(results[-1].t, *parts.values(), labels=parts)
         budget.plot(results[-1].t, upper.w2, color=tribo.plotting.INK, label="drive")
         budget.set(xlabel="$t$", ylabel="energy", xlim=(0, 60))

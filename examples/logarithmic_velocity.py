@@ -52,10 +52,13 @@ def main(folder="."):
     found, half_width = np.transpose([friction(v) for v in SPEEDS]) / (Q * A)
     fine = np.geomspace(SPEEDS[0], SPEEDS[-1], 31)
     theory = np.array([kramers(v) for v in fine]) / (Q * A)
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    ax.semilogx(fine, theory, color="#d55e00")
-    ax.errorbar(SPEEDS, found, half_width, fmt="o", ms=3, capsize=2, color=tribo.plotting.INK)
-    ax.set(xlabel="speed", ylabel=r"friction $/\,(2\pi A/a)$", ylim=(0.1, 0.32))
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        ax.semilogx(fine, theory, color="#d55e00", label="Kramers' rate")
+        look = {"fmt": "o", "ms": 3, "capsize": 2, "color": tribo.plotting.INK}
+        ax.errorbar(SPEEDS, found, half_width, label="simulation", **look)
+        ax.set(xlabel="speed", ylabel=r"friction $/\,(2\pi A/a)$", ylim=(0.1, 0.32))
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/logarithmic_velocity.png")
     ratio = found / np.interp(SPEEDS, fine, theory)
     return {f"friction / Kramers at {v:g}": r for v, r in zip(SPEEDS, ratio, strict=True)}

@@ -30,7 +30,7 @@ def draw(potential, t, work, change, path):
         law, balance = figure.subplots(1, 2)
         law.plot(r, potential.energy(r), label="energy")
         law.plot(r, force, label="force")
-        law.set(xlabel="distance $r$")
+        law.set(xlabel="distance $r$", ylabel="energy, force")
         balance.plot(t, work, color=tribo.plotting.INK, label="work of the drives")
         balance.plot(t, change, "--", color="#d55e00", label="change of energy")
         balance.set(xlabel="$t$", ylabel="energy", ylim=(-1.0, 0.6))

@@ -61,9 +61,10 @@ def main(folder="."):
         energy, steps = figure.subplots(1, 2)
         energy.plot(r, LIQUID.energy(r), color="#0b62a4")
         energy.set(xlabel="gap $r$", ylabel="energy $U$")
-        steps.plot(load, gap, color=tribo.plotting.INK)
-        steps.plot(STRENGTHS, GAPS, "o", ms=4, color="#d55e00")
+        steps.plot(load, gap, color=tribo.plotting.INK, label="simulation")
+        steps.plot(STRENGTHS, GAPS, "o", ms=4, color="#d55e00", label="a layer breaks, closed form")
         steps.set(xlabel="load", ylabel="gap $r$", xlim=(0.0, load[-1]))
+        steps.legend(frameon=False)
     tribo.plotting.save(figure, f"{folder}/squeezed_layers.png")
     ratios = zip(("first", "second", "third"), broken / STRENGTHS, strict=True)
     return {f"load of the {k} break / closed form": ratio for k, ratio in ratios}

@@ -45,12 +45,14 @@ def static_friction():
 def main(folder="."):
     """Static friction with a spacing that fits, and with half the misfit that cancels it."""
     found = static_friction()
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    misfit = np.linspace(0.0, 3.0, 500) / N
-    closed_form = np.abs(np.sinc(N * misfit) / np.sinc(misfit))
-    ax.plot(N * misfit, closed_form, color="#d55e00")
-    ax.plot(N * MISFITS, found, "o", ms=3, color=tribo.plotting.INK)
-    ax.set(xlabel="misfit $N (s - a) / a$", ylabel="static friction $F_N / (N F_1)$")
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        misfit = np.linspace(0.0, 3.0, 500) / N
+        closed_form = np.abs(np.sinc(N * misfit) / np.sinc(misfit))
+        ax.plot(N * misfit, closed_form, color="#d55e00", label="closed form")
+        ax.plot(N * MISFITS, found, "o", ms=3, color=tribo.plotting.INK, label="simulation")
+        ax.set(xlabel="misfit $N (s - a) / a$", ylabel="static friction $F_N / (N F_1)$")
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/structural_lubricity.png")
     return {"friction with a spacing that fits": found[0], "with a misfit of 1/(2N)": found[1]}
 

@@ -40,7 +40,7 @@ def main(folder="."):
         ax.plot(forward.t, forward["upper"].theta, color="#0b62a4", label="forward")
         time = forward.t[-1] + back.t
         ax.plot(time, back["upper"].theta, color="#d55e00", label="reversed")
-        ax.set(xlabel="$t$", ylabel=r"$\theta$")
+        ax.set(xlabel="$t$", ylabel=r"$\theta$ (rad)")
         ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/time_reversal.png")
     gained, lost = (run["upper"].delta_e_int[-1, 0] for run in (forward, back))

@@ -33,7 +33,7 @@ def main(folder="."):
     with tribo.plotting.style():
         ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
         ax.plot(VELOCITIES, work, "o-", ms=3, color="#0b62a4", label="work of the contact")
-        ax.plot(VELOCITIES, pseudowork, "s-", ms=3, color="#7fadd0", label="its pseudowork")
+        ax.plot(VELOCITIES, pseudowork, "s--", ms=3, color="#1f8a70", label="its pseudowork")
         ax.plot(VELOCITIES, internal, "^-", ms=3, color="#d55e00", label="internal energy")
         ax.set(xlabel="velocity $u$ of all surfaces", ylabel="energy")
         ax.legend(frameon=False)

@@ -44,11 +44,20 @@ def closed_form(frequency):
 def main(folder="."):
     """Friction at the resonance, in units of the closed form."""
     found = np.array([friction(w) for w in FREQUENCIES])
-    ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
-    fine = np.linspace(FREQUENCIES[0], FREQUENCIES[-1], 300)
-    ax.plot(fine, closed_form(fine) / closed_form(1.0), color="#d55e00")
-    ax.plot(FREQUENCIES, found / closed_form(1.0), "o", ms=4, color=tribo.plotting.INK)
-    ax.set(xlabel=r"$q v / \sqrt{\kappa / I}$", ylabel="friction / closed form at the peak")
+    with tribo.plotting.style():
+        ax = tribo.plotting.axes(tribo.plotting.COLUMN, 2.4)
+        fine = np.linspace(FREQUENCIES[0], FREQUENCIES[-1], 300)
+        ax.plot(fine, closed_form(fine) / closed_form(1.0), color="#d55e00", label="closed form")
+        ax.plot(
+            FREQUENCIES,
+            found / closed_form(1.0),
+            "o",
+            ms=4,
+            color=tribo.plotting.INK,
+            label="simulation",
+        )
+        ax.set(xlabel=r"$q v / \sqrt{\kappa / I}$", ylabel="friction / closed form at the peak")
+        ax.legend(frameon=False)
     tribo.plotting.save(ax, f"{folder}/washboard_resonance.png")
     peak = np.argmin(np.abs(FREQUENCIES - 1.0))
     return {"friction / closed form at the resonance": found[peak] / closed_form(1.0)}

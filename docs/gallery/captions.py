@@ -28,7 +28,7 @@ CAPTIONS = {
     "two_frames": (
         "works",
         "Work and pseudowork of the contact in case A of the paper, and the internal "
-        "energy, for observers who move at different velocities. Work and pseudowork "
+        "energy, against the velocity that an observer adds to all surfaces. Work and pseudowork "
         "change by the same amount; for all observers the internal energy is {0:.3f}.",
     ),
     "time_reversal": (
@@ -46,7 +46,7 @@ CAPTIONS = {
     "depinning": (
         "velocities",
         "Mean velocity of an overdamped particle under a constant force. The particle "
-        "stands still below the static friction $F_c$; at $1.25\\,F_c$ its velocity is "
+        "stands still up to the static friction $F_c$; at $1.25\\,F_c$ its velocity is "
         "{1:.3f} $F_c/\\gamma$ (closed form: 0.750).",
     ),
     "thermal_friction": (

@@ -96,10 +96,6 @@ class Simulation:
         estimate : bool
             False omits the two coarser runs that estimate the error.
 
-        Returns
-        -------
-        Result
-
         Raises
         ------
         InputError

@@ -1,7 +1,5 @@
 """Progress on a terminal or in a notebook: how far a computation is, and the time left."""
 
-from __future__ import annotations
-
 import math
 import sys
 import threading

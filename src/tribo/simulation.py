@@ -1,7 +1,5 @@
 """From a scene and an accuracy to a result with error estimates."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
@@ -69,10 +67,6 @@ def prepare(
     threads : int, optional
         Threads that share each step of a splitting method if that saves time; by default
         TRIBO_THREADS, else the number of cores.  The results do not depend on it.
-
-    Returns
-    -------
-    Simulation
 
     Raises
     ------
@@ -188,10 +182,6 @@ def simulate(
     resume : bool
         Continue from ``out.part``, with the same bits as without a pause.  Without such a file the
         run starts from the beginning, or ``out`` is read if it is complete.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------

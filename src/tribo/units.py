@@ -76,10 +76,6 @@ def from_energy(length: float, mass: float, energy: float) -> Units:
     length, mass, energy : float
         Units of length [m], of mass [kg] and of energy [J], as sigma and epsilon of a
         Lennard-Jones potential.
-
-    Returns
-    -------
-    Units
     """
     return Units(length, mass, length * math.sqrt(mass / energy))
 

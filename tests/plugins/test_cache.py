@@ -266,7 +266,7 @@ def copy(monkeypatch, tmp_path):
 def test_edited_package_is_another(copy, stamp, others):
     """An edit of a compiled source changes the stamp of machine code, and of others it does not."""
     stamps = [stamp.__wrapped__()]
-    edited = ["kernels/contact.py", "potentials/coulomb.py", "model/fields.py", *others]
+    edited = ["kernels/contact.py", "potentials/charges.py", "model/fields.py", *others]
     for name in edited:
         with (copy / name).open("a") as source:
             source.write("\n")

@@ -4,8 +4,6 @@ The archive is a ZIP file whose bits depend on its content alone.  `manifest.jso
 file; `SHA256SUMS` is read by ``sha256sum --check`` and ``shasum --check``.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import io

@@ -3,8 +3,6 @@
 Only the standard library is imported before the program can be interrupted.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 

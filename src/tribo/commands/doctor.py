@@ -1,7 +1,5 @@
 """The command `tribo doctor`: versions, the machine, compiled code on disk, the speed of a run."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import platform

@@ -1,7 +1,5 @@
 """The commands: their options and their help, and what each prints."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

@@ -1,7 +1,5 @@
 """Runs that are repeated from their files, and how the two differ."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

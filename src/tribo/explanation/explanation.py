@@ -1,7 +1,5 @@
 """What a run will do and cost, before it is run: as data, as JSON and as text."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from textwrap import fill
@@ -226,10 +224,6 @@ def explain(scene: Scene) -> Explanation:
     ----------
     scene : Scene
         The scene to explain.
-
-    Returns
-    -------
-    Explanation
 
     Raises
     ------

@@ -5,8 +5,6 @@ seconds by the model of costs, not by a clock.  It is then extrapolated: by the 
 that its last run reached, and by the ratios of the levels of the runs that are left.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

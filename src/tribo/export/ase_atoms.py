@@ -3,8 +3,6 @@
 A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -3,8 +3,6 @@
 A. P. Thompson et al., Comput. Phys. Commun. 271 (2022) 108171.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path
@@ -55,10 +53,6 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     scene : Scene
     directory : path
         A folder, made if it does not exist; files of the same names are replaced.
-
-    Returns
-    -------
-    LammpsFiles
 
     Raises
     ------

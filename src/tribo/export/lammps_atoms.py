@@ -5,8 +5,6 @@ a bond without a length: its force is linear in the distance of two atoms, as th
 and differs from it by a constant, which is written beside the atoms.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What holds and moves the surfaces of a scene, as fixes of LAMMPS."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

@@ -4,24 +4,18 @@ Potentials for which LAMMPS has a style of the same form take that; others are w
 which LAMMPS differentiates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from tribo.export.lepton import NoFormulaError, energy_text
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
-from tribo.potentials.born_mayer import BornMayer
-from tribo.potentials.buckingham import Buckingham
-from tribo.potentials.coulomb import Coulomb
+from tribo.potentials.charges import Coulomb
 from tribo.potentials.cutoff import Shifted, Truncated
+from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
 from tribo.potentials.from_ase import Live
-from tribo.potentials.gaussian import Gaussian
-from tribo.potentials.lennard_jones import LennardJones
-from tribo.potentials.mie import Mie
-from tribo.potentials.morse import Morse
-from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
+from tribo.potentials.inverse_powers import LennardJones, Mie, WeeksChandlerAndersen
+from tribo.potentials.soft_cores import Gaussian
 
 # The style with the same form, and its coefficients but for the cutoff.
 STYLES: dict[type, tuple[str, Callable[[Any], tuple[float, ...]]]] = {

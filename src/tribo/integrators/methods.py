@@ -1,7 +1,5 @@
 """The table of methods: coefficients, use, source, and the effects that each refuses."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

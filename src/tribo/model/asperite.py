@@ -1,7 +1,5 @@
 """An asperite: a bar, and a pendulum on a torsion spring that swings from the bar's centre."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 

@@ -4,8 +4,6 @@ A point oscillator is a mass m in the plane, tied to the bar's centre by a sprin
 and zero rest length.  A torsional one is a moment of inertia tied to the bar's angle phi.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Protocol

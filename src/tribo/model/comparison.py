@@ -1,7 +1,5 @@
 """Equality by value for dataclasses whose fields may be arrays."""
 
-from __future__ import annotations
-
 from dataclasses import fields, is_dataclass
 from typing import Any
 

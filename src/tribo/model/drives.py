@@ -4,8 +4,6 @@ Each drive is a class of a few numbers.  :func:`tribo.kernels.equations_of_motio
 computes the force.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self

@@ -6,8 +6,6 @@ another energy, a complex step computes the gradient to round-off.  x and y are 
 bob in the field's own frame.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """How the asperites of a surface start: angles, displacements and rates, given or drawn."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Interactions between the bobs of surfaces, and the periods of a scene."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Langevin reservoirs: friction and noise in place of a bath of oscillators."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from tribo.model.tables import from_table

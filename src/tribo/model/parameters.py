@@ -11,8 +11,6 @@ The keys are those of scene files, with the name of a surface in place of its nu
 A star in place of the name of a surface means all surfaces.
 """
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Mapping
 from dataclasses import fields as fields_of

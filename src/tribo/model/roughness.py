@@ -11,8 +11,6 @@ B. N. J. Persson et al., J. Phys.: Condens. Matter 17 (2005) R1;
 T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

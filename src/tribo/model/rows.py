@@ -12,8 +12,6 @@ The golden mean is the ratio that fractions approximate worst, and so the usual 
 M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import fields

@@ -3,8 +3,6 @@
 The names of the keys are a contract: scene files of older versions stay valid.
 """
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import fields as fields_of
 from pathlib import Path
@@ -37,10 +35,6 @@ def load_scene(path: object) -> Scene:
     ----------
     path : str or path-like
         A TOML file.  Plug-ins that it names are looked up relative to its folder.
-
-    Returns
-    -------
-    Scene
 
     Raises
     ------

@@ -1,7 +1,5 @@
 """Parts of scenes as nested tables of TOML: the inverse of :mod:`tribo.model.scene_file`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Settings that a scene file may hold beside the physics: times to record, accuracy and method."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

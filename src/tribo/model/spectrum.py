@@ -13,8 +13,6 @@ recurrence time, which :func:`valid_until` computes.  The equations are linear, 
 is a sum of exponentials: oscillating ones with n oscillators, decaying ones with the continuum.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -4,8 +4,6 @@ Energy 1/2 k |(r2_i - r2_j) - (r2_i - r2_j)_rest|^2, where rest means every thet
 and phi = 0.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Dataclasses as tables of scene files, and back."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar

@@ -53,10 +53,6 @@ def scene(case: str, attractive: bool = False) -> Scene:
         "A" to "E".
     attractive : bool
         Sign of the force in case E, which the paper gives with both.
-
-    Returns
-    -------
-    Scene
     """
     forced = case in "AB"
     pulls = case in "BD" or (case == "E" and attractive)

@@ -5,8 +5,6 @@ last digit.  Where it does not agree, the row says at which time that rounds to 
 with which step of the paper's own method, it does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum

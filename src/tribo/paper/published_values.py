@@ -3,8 +3,6 @@
 J. David Brown, *Work Done by Sliding Friction*.
 """
 
-from __future__ import annotations
-
 import csv
 from decimal import Decimal
 from importlib.resources import files

@@ -1,7 +1,5 @@
 """The table of printed and computed numbers as text, and why some of them differ."""
 
-from __future__ import annotations
-
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence

@@ -32,10 +32,6 @@ def compare(
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

@@ -32,10 +32,6 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError
@@ -84,10 +80,6 @@ def reflected_histogram(
         Label of the axis of works.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------

@@ -4,8 +4,6 @@ The order in the row is that of frequencies.  One factor magnifies all displacem
 that the largest is seen.  Torsional oscillators are not drawn: results do not record their angles.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.model.surface import Surface

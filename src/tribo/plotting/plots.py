@@ -46,7 +46,7 @@ SIZE = (7.0, 7.6)
 
 
 class Plots:
-    """The plots of a result.
+    """The plots of a result: each draws on the Axes `ax`, or in a new figure, and returns the Axes.
 
     Parameters
     ----------
@@ -64,15 +64,6 @@ class Plots:
 
         For a surface of more than 6 asperites, draw the median and a band from the 5th to the
         95th percentile.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         result, look = self._result, self._look
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
@@ -149,15 +140,6 @@ class Plots:
         last edge is the sum, which equals the work that is put in; a text gives the largest gap
         between the two.  The applied work of the ledger is net of the heat given to reservoirs.
         With reservoirs, heat is a part of the stack, and is added to the applied work.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         return budget.energy_budget(self._result, self._look, ax)
 
@@ -173,12 +155,6 @@ class Plots:
         after : float or "auto", optional
             When the average begins, to leave out the run-in; by default the scene's
             ``output.run_in`` [time].
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -205,15 +181,6 @@ class Plots:
         """Draw the angular velocity of pendulums over their swing.
 
         Of a surface with more than 200 asperites, 200 are drawn.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
         """
         result, look = self._result, self._look
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
@@ -255,12 +222,6 @@ class Plots:
         bath : bool
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -298,12 +259,6 @@ class Plots:
             Its points, of "bar", "cm" and "bob".
         phases : sequence of str
             Words beside the gaps, one fewer than the times.
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -332,12 +287,6 @@ class Plots:
             The first without it.
         t : float, optional
             The nearest sample counts, the last without it [time].
-        ax : matplotlib.axes.Axes, optional
-            The axes to draw on; by default a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Raises
         ------
@@ -352,10 +301,6 @@ class Plots:
 
         Where sliding goes on and forces are recorded, the friction force on the first surface takes
         the place of the phases.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
 
         Raises
         ------

@@ -1,7 +1,5 @@
 """Figures that a notebook shows, whether matplotlib's backend for notebooks is on or not."""
 
-from __future__ import annotations
-
 import io
 
 from matplotlib.axes import Axes

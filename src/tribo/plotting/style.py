@@ -62,10 +62,6 @@ def axes(width: float = COLUMN, height: float | None = None) -> Axes:
         Width of the figure [inch].
     height : float, optional
         Height of the figure [inch]; 0.62 of the width without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     from tribo.plotting.shown import ShownAxes, ShownFigure
 

@@ -1,7 +1,5 @@
 """Messages for plug-ins that do not compile: the line of their source, and what is wrong there."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The sources of plug-ins: modules in files, and a hash that changes when the sources do."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import hashlib

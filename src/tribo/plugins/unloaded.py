@@ -1,7 +1,5 @@
 """Plug-ins whose code is not loaded: in results that are only opened, and where code is refused."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,30 +1,21 @@
-"""Interaction potentials, one formula a file, and potentials made from tables and calculators."""
+"""Interaction potentials: formulas, and potentials made from tables and calculators."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tribo.potentials.born_mayer import BornMayer
-from tribo.potentials.buckingham import Buckingham
+from tribo.potentials.charges import Coulomb, Plummer, Yukawa
 from tribo.potentials.combined import Scaled, Sum
-from tribo.potentials.coulomb import Coulomb
 from tribo.potentials.cutoff import ForceShifted, Shifted, Switched, Truncated
 from tribo.potentials.dimers import from_dimer
+from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
 from tribo.potentials.expression import expression
 from tribo.potentials.from_ase import from_calculator
-from tribo.potentials.gaussian import Gaussian
-from tribo.potentials.hertz import Hertz
-from tribo.potentials.lennard_jones import LennardJones
-from tribo.potentials.mie import Mie
-from tribo.potentials.morse import Morse
-from tribo.potentials.plummer import Plummer
+from tribo.potentials.inverse_powers import LennardJones, Mie, SoftSphere, WeeksChandlerAndersen
 from tribo.potentials.potential import Potential, as_potential
-from tribo.potentials.registry import BUILT_IN
-from tribo.potentials.soft_sphere import SoftSphere
+from tribo.potentials.soft_cores import Gaussian, Hertz
 from tribo.potentials.spline import Table, from_csv, from_points, tabulated
-from tribo.potentials.tables import named
-from tribo.potentials.weeks_chandler_andersen import WeeksChandlerAndersen
-from tribo.potentials.yukawa import Yukawa
+from tribo.potentials.tables import BUILT_IN, named
 
 if TYPE_CHECKING:
     from ase.calculators.calculator import Calculator

@@ -6,8 +6,6 @@ return, with arithmetic, functions of numpy or math, and a choice between two va
 complex step, which costs several times as much and allows no comparison of r.
 """
 
-from __future__ import annotations
-
 import ast
 import linecache
 import math

@@ -62,10 +62,6 @@ def from_dimer(
     arguments : dict, optional
         Arguments of the class, if `calculator` names one.
 
-    Returns
-    -------
-    Table
-
     Raises
     ------
     InputError

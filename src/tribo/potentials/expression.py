@@ -5,8 +5,6 @@ functions below are allowed.  It is differentiated term by term.  Energy and for
 the source of a class as a user would write it, so it is compiled and cached like a user's class.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from functools import cache

@@ -230,10 +230,6 @@ def as_potential(value: Any) -> Any:
     value : Potential or NamedTuple
         An instance of a built-in or user-defined class.
 
-    Returns
-    -------
-    Potential
-
     Raises
     ------
     InputError

@@ -8,8 +8,6 @@ where the slopes U'_k are those for which the second derivative is continuous ("
 ends).  C. de Boor, A Practical Guide to Splines, Springer 1978, chapter IV.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Self
@@ -139,10 +137,6 @@ def from_points(r: object, energy: object, error: float | None = None) -> Table:
         Largest error of U between the points [energy].  By default the table is compared with a
         spline through every other point, whose error is larger where the points resolve U.
 
-    Returns
-    -------
-    Table
-
     Raises
     ------
     InputError
@@ -173,10 +167,6 @@ def from_csv(path: object, error: float | None = None) -> Table:
         or by spaces.  Empty lines and lines that begin with # are skipped.
     error : float, optional
         As for :func:`from_points`.
-
-    Returns
-    -------
-    Table
 
     Raises
     ------
@@ -218,10 +208,6 @@ def tabulated(
     tolerance : float
         Largest error of the table [energy]; its stated error is twice the largest difference that
         remains.
-
-    Returns
-    -------
-    Table
 
     Raises
     ------

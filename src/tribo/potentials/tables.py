@@ -1,7 +1,5 @@
 """Potentials as tables of scene files: a name or an expression, and numbers."""
 
-from __future__ import annotations
-
 import functools
 import operator
 from pathlib import Path
@@ -10,14 +8,32 @@ from typing import Any
 from tribo.plugins import classes as plugins
 from tribo.plugins.unloaded import left
 from tribo.potentials import from_ase
+from tribo.potentials.charges import Coulomb, Plummer, Yukawa
 from tribo.potentials.combined import Scaled, Sum
 from tribo.potentials.dimers import from_dimer
+from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
 from tribo.potentials.expression import class_of, is_expression
+from tribo.potentials.inverse_powers import LennardJones, Mie, SoftSphere, WeeksChandlerAndersen
 from tribo.potentials.potential import AT_CUTOFF, Potential, as_potential, complete
-from tribo.potentials.registry import BUILT_IN
+from tribo.potentials.soft_cores import Gaussian, Hertz
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.validation import InputError, inside, is_list, known_keys, must_be, shortened
 
+# The built-in potentials, by their names in scene files.
+BUILT_IN: dict[str, type] = {
+    "coulomb": Coulomb,
+    "morse": Morse,
+    "lennard-jones": LennardJones,
+    "yukawa": Yukawa,
+    "buckingham": Buckingham,
+    "born-mayer": BornMayer,
+    "weeks-chandler-andersen": WeeksChandlerAndersen,
+    "mie": Mie,
+    "plummer": Plummer,
+    "hertz": Hertz,
+    "soft-sphere": SoftSphere,
+    "gaussian": Gaussian,
+}
 # Keys of a cutoff.
 CUTOFF_KEYS = ("cutoff", "at_cutoff", "switch_from")
 
@@ -32,10 +48,6 @@ def named(name: str, /, **parameters: object) -> Potential:
         ``package.module:Class`` of a user's own, or an expression in r.
     **parameters : float
         Its parameters; also `cutoff`, `at_cutoff` and `switch_from`.
-
-    Returns
-    -------
-    Potential
 
     Raises
     ------

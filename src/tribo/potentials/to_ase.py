@@ -10,8 +10,6 @@ in eV and Angstrom.  Charged potentials use the atoms' initial charges, in the u
 A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

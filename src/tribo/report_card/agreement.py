@@ -1,7 +1,5 @@
 """One potential computed in several ways: arrays, compiled code, and two charges exchanged."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Energy and force are finite where runs need them: as r -> 0, far away, and in between."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -12,8 +12,6 @@ is halved again, down to the spacing of floating-point numbers.  Over all these 
 so that a smooth function has none of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -3,8 +3,6 @@
 A curve is rounded to the digits that the page shows, which numbers of 32 bits keep.
 """
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from typing import Any

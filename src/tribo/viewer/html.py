@@ -1,7 +1,5 @@
 """The page: one HTML document with its style, the module that shows runs, and their data."""
 
-from __future__ import annotations
-
 from html import escape
 from importlib.resources import files
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One sentence that says what a run shows of work and pseudowork."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -4,8 +4,6 @@ It listens on 127.0.0.1 alone.  The address of the page has a random token, whic
 brings back, so that no other page in the browser can ask for anything.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import threading

@@ -1,7 +1,5 @@
 """The player in a notebook, by anywidget."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -152,10 +152,6 @@ def means_precision(
     report : callable, optional
         Called with all ensembles so far, after each.
 
-    Returns
-    -------
-    MeansPrecision
-
     Raises
     ------
     InputError

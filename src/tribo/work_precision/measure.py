@@ -6,8 +6,6 @@ end when their error reaches that of the reference, when finer settings gain not
 method's share of the time is used up.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -79,10 +77,6 @@ def work_precision(
         Called with the name of each method before its runs.
     report : callable, optional
         Called with all runs so far, before each method is compiled.
-
-    Returns
-    -------
-    WorkPrecision
 
     Raises
     ------

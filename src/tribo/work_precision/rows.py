@@ -1,7 +1,5 @@
 """The rows of a work-precision diagram: one run each, their reference, and the cheapest."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
