@@ -28,8 +28,7 @@ from tribo.layout.layout import Layout
 from tribo.ledger.guards import passing_notes
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
-from tribo.ledger.sinks import StreamedLedger, is_streamed
-from tribo.ledger.watched import Watched
+from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator, up_to_passing
 from tribo.loops.state import digest_of, state_of

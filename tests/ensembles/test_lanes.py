@@ -23,8 +23,7 @@ from tribo.kernels.status import (
     STEPS,
 )
 from tribo.layout.layout import lay_out
-from tribo.loops.batch import Batch, MemberStarts
-from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch import Batch, GeneralMembers, MemberStarts
 from tribo.loops.lane_loop import fit_lanes
 from tribo.loops.select import Integrator
 

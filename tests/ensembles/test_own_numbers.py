@@ -8,9 +8,9 @@ from scipy import stats
 
 import tribo
 from support.crossed import Push
+from tribo.ensembles.batches import SingleRuns
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation, values_at_start
-from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import policy_of
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance

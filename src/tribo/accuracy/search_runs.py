@@ -12,8 +12,7 @@ from tribo.accuracy.cost_model import evaluation_time, rate_of
 from tribo.accuracy.levels import equal_step, fine_level, setting_at
 from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
 from tribo.kernels.status import Status
-from tribo.loops.guards import most_evaluations
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration, Setting, most_evaluations
 from tribo.loops.select import Integrator
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.

@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.scales import TOTALS
+from tribo.ensembles.batches import SingleRuns
 from tribo.ensembles.dataset import common_attributes, members_dataset, settings_attributes
 from tribo.ensembles.kept_values import (
     ERROR,
@@ -22,7 +23,6 @@ from tribo.ensembles.kept_values import (
     sum_names,
     total_names,
 )
-from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import Runs, policy_of
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status

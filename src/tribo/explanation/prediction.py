@@ -29,8 +29,7 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import PORTION_BYTES, StreamedLedger, is_streamed
 from tribo.loops import resolution
 from tribo.loops.general import GeneralLoop
-from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import MOST_PREDICTED, Integration, Setting, most_evaluations, reach_of
 from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].

@@ -13,8 +13,7 @@ from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
-from tribo.loops.batch import Batch, Pool
-from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch import Batch, GeneralMembers, Pool
 from tribo.loops.batch_pair import PairMembers
 from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate

@@ -13,11 +13,10 @@ from tribo.kernels.encounters import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import asperite_names, closest_bobs
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.watched import Watched, levers
-from tribo.loops.guards import reach_of
-from tribo.loops.integrate import Integration
+from tribo.ledger.separation import asperite_names, closest_bobs
+from tribo.ledger.sinks import Watched, levers
+from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
