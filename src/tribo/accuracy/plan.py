@@ -13,10 +13,9 @@ from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy, error_bounds
 from tribo.accuracy.cost_model import counted, evaluation_time
 from tribo.accuracy.decision import LONG_RUN
-from tribo.accuracy.levels import setting_at, work
+from tribo.accuracy.levels import setting_at, tolerance_scales, work
 from tribo.accuracy.search import FoundSettings, find_settings
 from tribo.accuracy.search_runs import PARTS, Announce, StopTimes
-from tribo.accuracy.tolerance_scales import tolerance_scales
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed

@@ -26,9 +26,9 @@ from tribo.accuracy.comparison import (
     strictest,
 )
 from tribo.accuracy.decision import LONG_RUN, Limits, Round, Stop
+from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns, StopTimes
-from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator

@@ -9,8 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.cost_model import evaluation_time, rate_of
-from tribo.accuracy.levels import equal_step, fine_level, setting_at
-from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
+from tribo.accuracy.levels import (
+    ToleranceScales,
+    equal_step,
+    fine_level,
+    first_guess,
+    setting_at,
+    tolerance_scales,
+)
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting, most_evaluations
 from tribo.loops.select import Integrator

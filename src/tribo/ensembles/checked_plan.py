@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tribo.accuracy.tolerance_scales import FLOOR, tolerance_scales
+from tribo.accuracy.levels import FLOOR, tolerance_scales
 from tribo.ensembles.checked_runs import FINER, KEPT, ROUGHER, SAMPLE, CheckedPlan, CheckedRuns
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.members import Variation

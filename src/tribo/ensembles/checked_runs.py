@@ -16,10 +16,9 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from tribo.accuracy.comparison import FineMembers, strictest
-from tribo.accuracy.levels import setting_at
+from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at
 from tribo.accuracy.plan import NEAR_ALONE
 from tribo.accuracy.scales import EPSILON
-from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
@@ -83,7 +82,7 @@ class CheckedPlan(NamedTuple):
     level: float
     # members that take more are checked; -1 where members have numbers of their own
     most_evaluations: int
-    scales: tuple[float, ...]  # fields of tribo.accuracy.tolerance_scales.ToleranceScales
+    scales: tuple[float, ...]  # fields of tribo.accuracy.levels.ToleranceScales
 
     @property
     def attributes(self) -> dict[str, str | float]:

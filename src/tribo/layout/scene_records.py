@@ -10,18 +10,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import (
-    BARS,
-    CUSTOM,
-    FORCED,
-    FREE,
-    PULLED,
-    PUSHED,
-    RIGID,
-    Custom,
-    FieldOn,
-    Springs,
-)
+from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
@@ -114,9 +103,15 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
     # A rigid body of one asperite is a free asperite.
-    free = RIGID if surface.moves_as_one else FREE
-    kinds = {Forced: FORCED, Free: free, DrivenBars: BARS, Pulled: PULLED, Pushed: PUSHED}
-    record["drive"] = kinds.get(type(drive), CUSTOM)
+    free = records.RIGID if surface.moves_as_one else records.FREE
+    kinds = {
+        Forced: records.FORCED,
+        Free: free,
+        DrivenBars: records.BARS,
+        Pulled: records.PULLED,
+        Pushed: records.PUSHED,
+    }
+    record["drive"] = kinds.get(type(drive), records.CUSTOM)
     if isinstance(drive, Pulled):
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]
