@@ -35,7 +35,7 @@ from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
-from tribo.results.run_result import Constant, Cost
+from tribo.results.run_result import Cost, itself
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
@@ -205,7 +205,7 @@ class Simulation:
             return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed)
-        return run, Constant(streamed.whole(run.samples)), streamed.watched
+        return run, partial(itself, streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -295,7 +295,7 @@ class Simulation:
         layout, method, keep = self.layout, self.method.name, self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
-            assemble_ledger, add_up_cost = Constant(ledger), Constant(cost)
+            assemble_ledger, add_up_cost = partial(itself, ledger), partial(itself, cost)
             names = {*ledger.names, *ledger.kept}  # and observables, as "upper.W"
             bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings

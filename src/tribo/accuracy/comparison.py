@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.extremes import Extremes, extremes
+from tribo.accuracy.extremes import Extremes, extremes, member_extremes
 from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import (
     EPSILON,
@@ -24,20 +24,14 @@ from tribo.accuracy.scales import (
     are_lost,
     kind_of,
     largest,
-    largest_of_runs,
-    mean_velocity,
     reported_scales,
-    scales_by_kind,
     scales_of,
 )
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.motion import Motion
 from tribo.ledger.quantities import needs_accounts
 from tribo.ledger.samples import Samples
-from tribo.ledger.series_table import SeriesTable, series_table
-from tribo.ledger.totals import AsperiteSeries
 from tribo.loops.integrate import Integration, Setting
 from tribo.validation import InputError
 
@@ -292,53 +286,22 @@ def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
     ]
 
 
-class FineMembers:
-    """Members that others are compared with.
+def compare_members(
+    layout: Layout, fine: Samples, other: Samples, accuracy: Accuracy
+) -> tuple[Scales, np.ndarray]:
+    """The scales of the errors of members, and their largest differences from other runs.
 
-    Errors are relative to the scales of the member, as those of a single run.
+    Scales are arrays (members,), those of each as of a single run.  Differences are in units of the
+    accuracy, (members,); NaN where a value is not finite.
     """
-
-    def __init__(self, layout: Layout, fine: Samples, accuracy: Accuracy) -> None:
-        self._layout = layout
-        self._accuracy = accuracy
-        self._names = observables(accuracy)
-        self._members = fine.runs
-        self._columns, motion = self._series(fine)
-        self._scales = scales_by_kind(
-            layout,
-            self._by_name(self._columns),
-            largest_of_runs(motion.bob_speed(mean_velocity(layout)), fine.runs),
-            largest_of_runs(motion.energy, fine.runs),
-        )
-
-    @property
-    def notes(self) -> list[str]:
-        """A note on each member whose works are lost in rounding, else ""."""
-        return weak_notes(self._scales["work"], self._scales["energy"], self._accuracy)
-
-    def scale_of(self, name: str) -> np.ndarray:
-        """What the errors of a quantity are relative to, (members,)."""
-        return self._scales[kind_of(name)]
-
-    def excess(self, other: Samples) -> np.ndarray:
-        """The largest differences of members from those of another run at the same times.
-
-        In units of the accuracy, (members,); NaN where a value is not finite.
-        """
-        accuracy, (theirs, _) = self._accuracy, self._series(other)
-        gaps = self._by_name(self._columns.minus(theirs))
-        worst = np.zeros(self._members)
-        for name in self._names or self._columns.names:
-            relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
-            scale = relative * self.scale_of(name)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                worst = np.maximum(worst, np.where(gaps[name] == 0.0, 0.0, gaps[name] / scale))
-        return worst
-
-    def _series(self, samples: Samples) -> tuple[SeriesTable, Motion]:
-        group = AsperiteSeries(self._layout, samples, (self._layout.together,))
-        return series_table(self._layout, group, self._names), group.motions[0]
-
-    def _by_name(self, columns: SeriesTable) -> dict[str, np.ndarray]:
-        """The largest magnitude of each quantity in each member, over times and asperites."""
-        return dict(zip(columns.names, columns.largest(self._members), strict=True))
+    found = member_extremes(layout, fine, other, observables(accuracy))
+    tops = dict(zip(found.names, found.tops, strict=True))
+    scales, worst = scales_of(layout, tops, found.speed, found.internal), np.zeros(fine.runs)
+    for name, gap in zip(found.names, found.gaps, strict=True):
+        if isinstance(accuracy, Mapping) and name not in accuracy:
+            continue
+        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
+        with np.errstate(divide="ignore", invalid="ignore"):
+            excess = gap / (relative * scales.of(name))
+        worst = np.maximum(worst, np.where(gap == 0.0, 0.0, excess))
+    return scales, worst

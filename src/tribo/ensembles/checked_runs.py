@@ -15,10 +15,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tribo.accuracy.comparison import FineMembers, strictest
+from tribo.accuracy.comparison import compare_members, strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at
 from tribo.accuracy.plan import NEAR_ALONE
-from tribo.accuracy.scales import EPSILON
+from tribo.accuracy.scales import EPSILON, Scales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members
@@ -168,16 +168,15 @@ class CheckedRuns(BatchRuns):
         layout, method = self.simulation.layout, self.simulation.method
         return setting_at(layout, method, ToleranceScales(*plan.scales), plan.level, near)
 
-    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
+    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[Scales, np.ndarray]:
         """Finer runs with the scales of their errors, and the difference of each member from its.
 
         That is the largest difference, in units of the accuracy; infinite where either run did not
         complete.
         """
-        exact = FineMembers(*_few_times(fine), self._accuracy)
-        excess = exact.excess(_few_times(runs)[1])
+        scales, excess = compare_members(*_few_times(fine), _few_times(runs)[1], self._accuracy)
         complete = runs.complete & fine.complete & np.isfinite(excess)
-        return exact, np.where(complete, excess, np.inf)
+        return scales, np.where(complete, excess, np.inf)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -191,13 +190,13 @@ class CheckedRuns(BatchRuns):
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self._check(level, starts.of_members(now))
-            exact, excess = self.compared(fine, coarse)
+            scales, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
-            set_notes(found, now, exact.notes)
+            set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
                 worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
                 asked = self._accuracy.get(name, np.nan)
-                found[f"{name}{ERROR}"][now] = worst * asked * exact.scale_of(name)
+                found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now = now[bad]

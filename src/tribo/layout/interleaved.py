@@ -43,7 +43,9 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     has neither calculators that are not compiled, nor sums over surfaces as accounts.
     """
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
-    surfaces, shared = mine.copy(), _shared_accounts(layout)
+    # Accounts that are of no asperite come first.
+    shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
+    surfaces = mine.copy()
     surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
@@ -73,11 +75,6 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)
-
-
-def _shared_accounts(layout: Layout) -> int:
-    """The number of accounts that are of no asperite."""
-    return max([-1, *layout.surfaces.acc_block.tolist(), *layout.accounts_of_fields]) + 1
 
 
 def _with_own_numbers(model: Model) -> Model:

@@ -70,10 +70,6 @@ def _has_reservoir(scene: Scene, surface: Surface) -> bool:
     return bool(surface.reservoirs)
 
 
-def _has_two_reservoirs(scene: Scene, surface: Surface) -> bool:
-    return len(surface.reservoirs) == 2
-
-
 def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
     return Quantity("energy", long_name, of, present)
 
@@ -123,7 +119,9 @@ OPTIONAL_QUANTITIES = {
     **_works({"w_T": "the reservoir"}, _has_reservoir),
     "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir),
     "heat_swing": _accounted(
-        "heat_swing", "heat given to the reservoir on the swing", _has_two_reservoirs
+        "heat_swing",
+        "heat given to the reservoir on the swing",
+        lambda scene, surface: len(surface.reservoirs) == 2,
     ),
 }
 # Of each surface as a whole.

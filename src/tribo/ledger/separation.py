@@ -262,7 +262,11 @@ def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
     surfaces = [scene.surfaces[k] for pair in scene.pairs(interaction) for k in pair]
     if not surfaces:
         return None
-    least = IN_CONTACT * (_torsion(surfaces) + max(map(_temperature, surfaces)))
+    stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
+    torsion = 0.5 * float(np.min(stiffness[np.isfinite(stiffness)], initial=np.inf))  # by 1 rad
+    warm = [surface.bath.temperature for surface in surfaces]
+    warm += [each.temperature for surface in surfaces for each in surface.reservoirs]
+    least = IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
     charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
     distances = (weak_from * DISTANCES).tolist()
     try:
@@ -279,15 +283,3 @@ def has_contact_distance(scene: Scene, surface: Surface) -> bool:
     index = [each.name for each in scene.surfaces].index(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
     return bool(mine) and all(contact_distance(scene, i) is not None for i in mine)
-
-
-def _torsion(surfaces: list[Surface]) -> float:
-    """The energy of torsion by 1 rad of the softest asperite; 0 if all are rigid."""
-    stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
-    finite = stiffness[np.isfinite(stiffness)]
-    return 0.5 * float(np.min(finite)) if finite.size else 0.0
-
-
-def _temperature(surface: Surface) -> float:
-    """The largest temperature of a surface's reservoirs and baths, times k_B."""
-    return max(surface.bath.temperature, *(each.temperature for each in surface.reservoirs), 0.0)
