@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import NamedTuple, Self
 
@@ -219,8 +219,8 @@ def _few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
         return layout, samples
     chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
     rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
-    columns = (getattr(samples, each.name)[rows] for each in fields(Samples))
-    return replace(layout, member_times=chosen.size), Samples.of_runs(members, *columns)
+    few = Samples.of_runs(members, *samples.rows(rows).columns)
+    return replace(layout, member_times=chosen.size), few
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -147,7 +147,7 @@ class PairSamples(Samples):
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Samples, tuple(getattr(self, f.name) for f in fields(Samples))
+        return Samples, self.columns
 
     @cached_property
     def _arcs(self) -> np.ndarray:

@@ -6,7 +6,7 @@ import hashlib
 import io
 import json
 import re
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -221,4 +221,5 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     names = [name for name in surfaces if f"{name}{OSCILLATORS}" in data]
     oscillators = {name: data[f"{name}{OSCILLATORS}"].values for name in names}
     kept = tuple(scene.output.keep or ())
-    return Ledger.of_flat(data["time"].values, series, surfaces, kept, oscillators)
+    found = Ledger.of_flat(data["time"].values, series, surfaces, kept)
+    return replace(found, oscillators=oscillators)
