@@ -10,7 +10,7 @@ Student's intervals.  With a half-width, `tribo.ensemble` chooses their number b
 import numpy as np
 
 import tribo
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 
 TEMPERATURE, DURATION, STEP = 0.3, 60.0, 0.05
 # Groups of members, and ensembles by Stein's rule with their half-width.

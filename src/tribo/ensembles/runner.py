@@ -18,8 +18,7 @@ import numpy as np
 from tribo import interrupts
 from tribo.accuracy.levels import work
 from tribo.ensembles.batches import Policy, SingleRuns, StepRuns
-from tribo.ensembles.checked_plan import checked_plan
-from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
+from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns, checked_plan
 from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation

@@ -21,7 +21,7 @@ from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, S
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import arrays_in, together
 from tribo.layout.scene_records import MemberNumbers
-from tribo.ledger.reactions import add_reactions
+from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.general import GeneralLoop, in_blocks, unit_setting

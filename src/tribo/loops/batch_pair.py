@@ -15,12 +15,11 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.layout.loop_memory import entry_point
-from tribo.layout.pair_scene import factors_of, record_of
 from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
-from tribo.loops.pair import Pair
+from tribo.loops.pair import Pair, factors_of, record_of
 from tribo.pair import lanes
 from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes

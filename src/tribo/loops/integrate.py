@@ -18,7 +18,7 @@ from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COUNTS, EVALUATIONS, PAUSED, STATUS_OF_CODE, STEPS, Status
 from tribo.layout.layout import Layout
-from tribo.ledger.reactions import add_reactions
+from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger, portion_size
 from tribo.model.scene import Scene

@@ -23,7 +23,7 @@ from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 from tribo.validation import short_repr
 
 # Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
