@@ -222,7 +222,7 @@ def sum_names(scene: Scene) -> list[str]:
         f"{surface.name}.{name}"
         for surface in scene.surfaces
         for found in [_reported(scene, surface)]
-        for name in (found.asperites | found.blocks)
+        for name in [*found.asperites, *found.blocks]
         if name in WORKS
     ]
 

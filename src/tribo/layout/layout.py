@@ -182,8 +182,8 @@ class Layout:
         """Those that have the accounts: all asperites, or lanes that stand for their sums."""
         if self.model.sums is None:
             return self.together
-        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces)
-        return span_of(lanes, self.surfaces, self.velocities[lanes["surface"]])
+        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
+        return span_of(lanes, self.surfaces, self.velocities[lanes.surface])
 
     @cached_property
     def accounted_parts(self) -> tuple[slice, ...]:
