@@ -33,7 +33,10 @@ from tribo.report_card import check
 
 HERE = Path(__file__).resolve().parent
 PUBLIC_PARTS = (paper, plotting, potentials, units)
-PAGES_WITH_PICTURES = [*notebooks.PAGES, HERE / "how-to" / "ensembles.md"]
+PAGES_WITH_PICTURES = [
+    *notebooks.PAGES,
+    *(HERE / "how-to" / f"{name}.md" for name in ("afm", "ensembles")),
+]
 
 
 def everything(folder: Path) -> None:

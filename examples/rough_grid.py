@@ -59,9 +59,7 @@ def main(folder="."):
         above.plot(x, z, "s", ms=1.5, color="#d55e00")
         law.plot(loads, shares, color="#d55e00", label="Greenwood and Williamson")
         law.plot(load, share, "o", ms=3, color=tribo.plotting.INK, label="simulation")
-        law.set(
-            xlabel="load per asperite", ylabel="share in contact", xlim=(0, None), ylim=(0, None)
-        )
+        law.set(xlabel="load per asperite", ylabel="share in contact", xlim=0, ylim=0)
         law.legend(frameon=False)
     tribo.plotting.save(figure, f"{folder}/rough_grid.png")
     doubled = np.interp([load[k], 2.0 * load[k]], load, share)

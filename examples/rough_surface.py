@@ -36,7 +36,7 @@ def main(folder="."):
     upper = surface("upper", 14, 10, bob=(0.75, 1.6), velocity=(SPEED, 0.0))
     lower = surface("lower", 32, 11, facing="up", bob=(-1.5, 0.0))
     scene = tribo.Scene((upper, lower), REPULSION, TRAVEL / SPEED)
-    result = tribo.simulate(scene, accuracy=1e-6)
+    result = tribo.simulate(scene, accuracy=1e-5)
     both, contact = (result["upper"], result["lower"]), result.system["contact_energy"]
     work = sum((s.w2 + s.wL + s.wR + s.w_T + s.heat).sum(axis=1) for s in both)
     heat = sum(s.heat.sum(axis=1) for s in both)

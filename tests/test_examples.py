@@ -63,7 +63,7 @@ def load_and_energy(shown):
     assert shown["largest gap / work, to 0.001"] == 0.0
 
 
-def logarithmic_velocity(shown):
+def friction_against_speed(shown):
     """Friction by Kramers' rate, within 6 % at every speed: the error of the mean of 40 tips."""
     assert len(shown) == 4
     assert list(shown.values()) == pytest.approx([1.0] * 4, rel=0.06)

@@ -6,7 +6,7 @@ of the example.
 
 THEMES = {
     "Work and energy": ["two_frames", "time_reversal"],
-    "Stick and slip": ["stick_slip", "depinning", "thermal_friction", "logarithmic_velocity"],
+    "Stick and slip": ["stick_slip", "depinning", "thermal_friction", "friction_against_speed"],
     "Rows that fit and rows that do not": [
         "structural_lubricity",
         "commensurate_rows",
@@ -56,7 +56,7 @@ CAPTIONS = {
         "in the last period its mean is {0:.2f} ± {1:.2f} $A/a$ at $T = 0.01\\,A$; at "
         "$0.3\\,A$ it is {4:.2f} ± {5:.2f}.",
     ),
-    "logarithmic_velocity": (
+    "friction_against_speed": (
         "friction",
         "Friction of a warm tip against its speed. Points are means of 40 tips with "
         "95 % intervals; the line follows from Kramers' rate of escape. At the lowest "

@@ -23,9 +23,23 @@ from tribo.ledger.motion import Motion
 
 # Roundings of a difference: those of a displacement, of sine and cosine in it, and of the product.
 ROUNDINGS = 4.0
-# Where bars move in a step by less than this many roundings of their places, what these change is
+# Where a coordinate changes in a step by less than this many of its roundings, what these change is
 # no random walk: increments of half a rounding are lost in every step.
 FEW_ROUNDINGS = 16.0
+
+
+class Lost(NamedTuple):
+    """What a run loses where its steps change a coordinate by less than the rounding of it."""
+
+    duration: float  # [time]
+    steps: int
+
+    def of(self, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """A bound for coordinates and their rates, (times, asperites) each: (asperites,)."""
+        change = self.duration * np.abs(rates).max(axis=0)
+        roundings = self.steps * EPSILON * np.abs(values).max(axis=0)
+        slow = change < FEW_ROUNDINGS * roundings
+        return np.where(slow, np.minimum(change, roundings), 0.0)
 
 
 class Errors(NamedTuple):
@@ -45,10 +59,10 @@ def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[s
     `motion` is that of all asperites, in a run of so many `steps` and in those that it is compared
     with.
     """
-    stiffness = _stiffness(layout)
-    if not (stiffness.any() or largest(motion.phi) > 0.0):
+    stiffness, lost = _stiffness(layout), Lost(float(np.max(motion.t)) - layout.beginning, steps)
+    if not (stiffness.any() or motion.phi.any() or lost.of(motion.swing, motion.omega).any()):
         return {}
-    e, a = _errors(layout, motion, stiffness, steps), motion.span.asperites
+    e, a = _errors(layout, motion, stiffness, lost), motion.span.asperites
     place = e.stretch + a.l2 * e.swing
     internal = _of_square(a.inertia, motion.omega, e.omega) + _of_square(a.i2, motion.nu, e.nu)
     internal += _of_square(a.kappa, motion.swing - motion.phi, e.swing + e.phi)
@@ -75,9 +89,9 @@ def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[s
     return found
 
 
-def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, steps: int) -> Errors:
+def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -> Errors:
     """Bounds on the errors of the motion; `stiffness` is that of all springs on each bar."""
-    a, duration = motion.span.asperites, float(np.max(motion.t) - layout.beginning)
+    a, duration = motion.span.asperites, lost.duration
     moves = a.pivot == 0.0  # driven bars are held where they are
     away = np.hypot(
         np.abs(motion.x) + a.l2 * np.abs(np.sin(motion.swing)),
@@ -87,10 +101,8 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, steps: int) -
     farthest = np.zeros(stiffness.size)
     for part in layout.parts.values():
         farthest[part] = largest(away[:, part])
-    fastest = (np.hypot(motion.vx, motion.vy) + a.l2 * np.abs(motion.omega)).max(axis=0)
-    lost = np.minimum(fastest * duration, steps * EPSILON * farthest)
-    slow = fastest * duration < FEW_ROUNDINGS * EPSILON * farthest * steps
-    stretch = ROUNDINGS * EPSILON * farthest + np.where(slow, lost, 0.0)
+    fastest = np.hypot(motion.vx, motion.vy) + a.l2 * np.abs(motion.omega)
+    stretch = ROUNDINGS * EPSILON * farthest + lost.of(farthest[None], fastest)
     stretch *= moves & (stiffness > 0.0)
     pendulum = np.where(layout.surfaces.fixed[a.surface], 0.0, 1.0 / a.inertia)
     impulse = stretch * _impulse(stiffness, 1.0 / a.mass + a.l2**2 * pendulum, duration)
@@ -102,7 +114,14 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, steps: int) -
     angular = twist * _impulse(a.kappa + torsional[a.surface], pendulum + bar, duration)
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
     period = _inverse_frequency(a.kappa * pendulum, duration)
-    return Errors(stretch, impulse / a.mass, omega * period, omega, nu * duration, nu)
+    return Errors(
+        stretch=stretch,
+        speed=impulse / a.mass,
+        swing=omega * period + lost.of(motion.swing, motion.omega),
+        omega=omega,
+        phi=nu * duration + lost.of(motion.phi, motion.nu),
+        nu=nu,
+    )
 
 
 def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:

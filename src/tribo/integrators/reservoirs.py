@@ -8,7 +8,7 @@ see `jumps`.  Momentum then balances with the displacement d of the bar relative
     m (v' - v) = F tau - gamma d + noise of variance 2 gamma T tau,
 
 and the sum over steps makes the drift F / gamma and the diffusion T / gamma, for any gamma tau / m.
-The reasons for this scheme are in docs/explanation/methods.md.
+The reasons for this scheme are in docs/developers/methods.md.
 """
 
 from tribo.compiler.jit import inlined, kernel

@@ -57,9 +57,9 @@ def main(folder="."):
         ax.semilogx(fine, theory, color="#d55e00", label="Kramers' rate")
         look = {"fmt": "o", "ms": 3, "capsize": 2, "color": tribo.plotting.INK}
         ax.errorbar(SPEEDS, found, half_width, label="simulation", **look)
-        ax.set(xlabel="speed", ylabel=r"friction $/\,(2\pi A/a)$", ylim=(0.1, 0.32))
+        ax.set(xlabel="speed", ylabel=r"friction / $(2\pi A/a)$", ylim=(0.1, 0.32))
         ax.legend(frameon=False)
-    tribo.plotting.save(ax, f"{folder}/logarithmic_velocity.png")
+    tribo.plotting.save(ax, f"{folder}/friction_against_speed.png")
     ratio = found / np.interp(SPEEDS, fine, theory)
     return {f"friction / Kramers at {v:g}": r for v, r in zip(SPEEDS, ratio, strict=True)}
 
