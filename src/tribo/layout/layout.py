@@ -32,6 +32,8 @@ from tribo.model.identity import loaded
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call, Live
 
+# Times that differ by less than this fraction of the duration are one.
+SAME = 1e-12
 # Largest error of rounding to the nearest double, relative to it.
 ROUNDING = 0.5 * float(np.finfo(float).eps)
 
@@ -66,9 +68,10 @@ class Layout:
 
     @cached_property
     def times(self) -> np.ndarray:
-        """The times to record, from the start of the run on."""
+        """The times to record, from the start of the run on, but for its rounding."""
         times = self.scene.times
-        return np.union1d(times[times > self.beginning], [self.beginning])
+        later = times - self.beginning > SAME * self.scene.duration
+        return np.union1d(times[later], [self.beginning])
 
     @property
     def sampled_baths(self) -> tuple[int, int]:
