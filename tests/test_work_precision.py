@@ -27,7 +27,7 @@ from tribo.work_precision import (
     measure,
     work_precision,
 )
-from tribo.work_precision.rows import with_front
+from tribo.work_precision.diagram import with_front
 
 FLOOR = 1e-9
 ERRORS = st.sampled_from([1e-11, 1e-10, 1e-9, 1e-6, 1e-3, 1.0])  # some cannot be told apart

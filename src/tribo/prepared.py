@@ -9,14 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.accuracy.comparison import (
-    ABORTED,
-    Errors,
-    error_bounds,
-    out_of_reach,
-    strictest,
-    weak_notes,
-)
+from tribo.accuracy import comparison
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
@@ -132,7 +125,7 @@ class Simulation:
             (tuned.coarse, many, True),
             (self.plan.setting, fine, False),
         ):
-            if not runs or runs[-1].status not in ABORTED:
+            if not runs or runs[-1].status not in comparison.ABORTED:
                 runs.append(self.integrator(setting, times, y, rounded=rounded))
         return self._estimated_result(runs, y)
 
@@ -226,7 +219,7 @@ class Simulation:
             ledger = assemble(self.layout, fine.samples)
             open_budget = notes_on.budget_notes(self.layout, ledger, bounds)
             assert self.accuracy is not None
-            weak = weak_notes(scales.work, scales.energy, self.accuracy) if met else []
+            weak = comparison.weak_notes(scales.work, scales.energy, self.accuracy) if met else []
             met, notes = met and not open_budget, (*notes, *filter(None, weak), *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
@@ -254,13 +247,15 @@ class Simulation:
             *notes_on.pumping_notes(layout, watched),
         )
 
-    def _errors(self, runs: Sequence[Integration], search: FoundSettings | None) -> Errors:
+    def _errors(
+        self, runs: Sequence[Integration], search: FoundSettings | None
+    ) -> comparison.Errors:
         """Bounds on the last run's errors, which the search knows if it made the runs."""
         assert self.accuracy is not None and self.plan.tuned is not None
         grown, known = self.plan.tuned.amplification, None if search is None else search.errors
         if known is not None and known.amplification == grown:
             return known
-        return error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
+        return comparison.error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
 
     def _missed(self, excess: float) -> str:
         """By how much the request was missed, and why."""
@@ -276,8 +271,8 @@ class Simulation:
             why = f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
             why += "run that is delivered"
         else:
-            why = out_of_reach(strictest(self.accuracy), tuned.amplification)
-        if excess * strictest(self.accuracy) > 1.0:
+            why = comparison.out_of_reach(comparison.strictest(self.accuracy), tuned.amplification)
+        if excess * comparison.strictest(self.accuracy) > 1.0:
             return f"errors may exceed the scales of their quantities; {why}"
         return f"errors are estimated at {excess:.1e} of the request; {why}"
 

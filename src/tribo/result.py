@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import netcdf_path, strict_json
+from tribo.files import netcdf_path, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
 from tribo.results import dataset, force_averages, report
@@ -171,10 +171,6 @@ class Result(RunResult):
         ----------
         style : "text" or "bibtex"
             "text" for a line each, "bibtex" for BibTeX entries.
-
-        Returns
-        -------
-        str
         """
         return citations(self.scene, self.method, style)
 
@@ -249,11 +245,6 @@ class Result(RunResult):
             ``frames`` (120, evenly spaced in time) and ``rate`` (20 a second) of the pictures,
             ``surface`` whose works are shown (the first), ``width`` (1000 pixels), and ``bath``
             (whether bath oscillators are drawn).
-
-        Returns
-        -------
-        Path
-            The file.
         """
         from tribo.plotting.animation import animate
 
@@ -320,20 +311,18 @@ class Result(RunResult):
             Whether bath oscillators are drawn, as dots behind their bars with magnified
             displacements; the scene's output must ask for the series "oscillators".
 
-        Returns
-        -------
-        Path
-            The file.
-
         Raises
         ------
         InputError
             If the file cannot be written, or the positions of asperites, or of requested
             oscillators, are not recorded.
         """
-        from tribo.viewer import write_page
+        from tribo.viewer.contents import contents
+        from tribo.viewer.html import document
 
-        return write_page(self, path, bath)
+        path = as_path(path)
+        replace_file(path, document({"run": contents(self, bath), "sliders": []}).encode())
+        return path
 
     def widget(self) -> Any:
         """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""

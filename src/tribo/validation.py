@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -19,6 +20,8 @@ import numpy as np
 Word = TypeVar("Word", bound=str)
 
 Condition = tuple[str, Callable[[float], bool]]
+# Takes the name of a field and its value, and returns that in the form on which the package relies.
+Check = Callable[[str, Any], Any]
 
 
 class InputError(ValueError):
@@ -140,6 +143,29 @@ def vector(
                 raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {item}")
     array.flags.writeable = False
     return array
+
+
+def one(condition: Condition = ANY, unit: str = "") -> Check:
+    """The check of a field that is one number."""
+    return partial(number, condition=condition, unit=unit)
+
+
+def count(least: int, most: int | None = None) -> Check:
+    """The check of a field that is an integer."""
+    return partial(integer, least=least, most=most)
+
+
+def pair(condition: Condition = ANY, unit: str = "") -> Check:
+    """The check of a field that is two numbers, which become a tuple."""
+    return lambda field, value: tuple(vector(field, value, condition, 2, unit).tolist())
+
+
+def fields(item: Any, **checks: Check) -> None:
+    """Replace fields of a frozen dataclass by what their checks return; a None by default stays."""
+    for name, check in checks.items():
+        value, known = getattr(item, name), item.__dataclass_fields__[name]
+        if value is not None or known.default is not None:
+            object.__setattr__(item, name, check(name, value))
 
 
 def is_list(value: object) -> TypeGuard[Sequence[Any] | np.ndarray]:

@@ -1,7 +1,5 @@
 """The entries of the atlas: a scene file, a declared outcome and a reference for each."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The table of the atlas: each scene is run, and its end is compared with its reference."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass

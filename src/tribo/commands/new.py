@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from tribo.files import replace_file
-from tribo.starters.scenes_by_kind import KINDS, starter
+from tribo.starters import KINDS, starter
 from tribo.validation import InputError
 
 # The cases of the paper.

@@ -9,19 +9,20 @@ import hashlib
 import io
 import pickle
 import uuid
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numba
 
-from tribo.compiler.numba_private import FunctionCache, IndexDataCacheFile, dumps
+from tribo.compiler.numba_private import caching, dumps
 from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
 CHECKSUM = 32
 
 
-class KernelCache(FunctionCache):
+class KernelCache(caching.FunctionCache):
     """The compiled forms of one function on disk.
 
     Raises RuntimeError if there is no folder for it that can be written.
@@ -32,16 +33,14 @@ class KernelCache(FunctionCache):
         self._cache_file = CodeFiles(self._cache_file)
 
     def _save_overload(self, signature: Any, data: Any) -> None:
-        try:
+        with suppress(OSError):  # the code is in memory; another process compiles it again
             super()._save_overload(signature, data)
-        except OSError:  # the code is in memory; another process compiles it again
-            return
 
 
 class CodeFiles:
     """The files of one function, in place of numba's `IndexDataCacheFile`."""
 
-    def __init__(self, files: IndexDataCacheFile) -> None:
+    def __init__(self, files: caching.IndexDataCacheFile) -> None:
         self._folder = Path(files._cache_path)
         self._name = files._index_name.removesuffix(".nbi")
         self._made_by = (numba.__version__, files._source_stamp)

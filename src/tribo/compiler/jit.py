@@ -160,15 +160,8 @@ def remove_stale(loop: FunctionType) -> None:
     """
     for path in cached_files(loop):
         if f"_{code_stamp()}_" not in path.name:
-            remove(path)
-
-
-def remove(path: Path) -> None:
-    """Remove a file unless another process has removed it, uses it, or owns it."""
-    try:
-        path.unlink()
-    except OSError:
-        return
+            with suppress(OSError):  # another process has removed it, uses it, or owns it
+                path.unlink()
 
 
 @contextmanager

@@ -9,24 +9,10 @@ front end leaves it until the time loop that contains it is optimised.
 import ctypes
 from typing import Any
 
-from tribo.compiler.numba_private import (
-    AnnotateTypes,
-    CompilerBase,
-    DefaultPassBuilder,
-    DumpParforDiagnostics,
-    InlineClosureLikes,
-    InlineOverloads,
-    JITCodeLibrary,
-    Lower,
-    MakeFunctionToJitFunction,
-    NativeLowering,
-    NopythonRewrites,
-    PassManager,
-    StateDict,
-    WithLifting,
-    _dynfunc,
-    register_pass,
-)
+from tribo.compiler.numba_private import JITCodeLibrary, Lower, _dynfunc, compiler
+from tribo.compiler.numba_private import compiler_machinery as machinery
+from tribo.compiler.numba_private import typed_passes as typed
+from tribo.compiler.numba_private import untyped_passes as untyped
 from tribo.compiler.tuple_types import TupleLibrary
 
 
@@ -102,14 +88,14 @@ class KernelLower(Lower):
         super().storevar(value, name, argidx if self.context.enable_nrt else None)
 
 
-@register_pass(mutates_CFG=False, analysis_only=False)
-class LinkedLowering(NativeLowering):
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class LinkedLowering(typed.NativeLowering):
     """Lower a kernel to code for its callers."""
 
     _name = "linked_lowering"
     lowering_class = KernelLower
 
-    def run_pass(self, state: StateDict) -> bool:
+    def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
         context = state.targetctx
         state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
@@ -127,13 +113,13 @@ class LinkedLowering(NativeLowering):
         return True
 
 
-@register_pass(mutates_CFG=False, analysis_only=False)
-class LoopLowering(NativeLowering):
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class LoopLowering(typed.NativeLowering):
     """Lower a time loop to machine code."""
 
     _name = "loop_lowering"
 
-    def run_pass(self, state: StateDict) -> bool:
+    def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LoopLibrary`."""
         state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
@@ -143,28 +129,30 @@ class LoopLowering(NativeLowering):
 # Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, overloads
 # that are expanded in their callers, and reports of types and of parallel loops.
 UNNEEDED = (
-    WithLifting,
-    InlineClosureLikes,
-    MakeFunctionToJitFunction,
-    NopythonRewrites,
-    InlineOverloads,
-    AnnotateTypes,
-    DumpParforDiagnostics,
+    untyped.WithLifting,
+    untyped.InlineClosureLikes,
+    untyped.MakeFunctionToJitFunction,
+    typed.NopythonRewrites,
+    typed.InlineOverloads,
+    typed.AnnotateTypes,
+    typed.DumpParforDiagnostics,
 )
 
 
-class KernelCompiler(CompilerBase):
+class KernelCompiler(compiler.CompilerBase):
     """numba's compiler of kernels (numba.njit takes it as pipeline_class)."""
 
-    lowering: type[NativeLowering] = LinkedLowering
+    lowering: type[typed.NativeLowering] = LinkedLowering
 
-    def define_pipelines(self) -> list[PassManager]:
+    def define_pipelines(self) -> list[machinery.PassManager]:
         """numba's passes without those for what kernels do not have; the last one is ours."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        changed = PassManager("kernel")
+        passes = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        changed = machinery.PassManager("kernel")
         for each, description in passes.passes:
             if each not in UNNEEDED:
-                changed.add_pass(self.lowering if each is NativeLowering else each, description)
+                changed.add_pass(
+                    self.lowering if each is typed.NativeLowering else each, description
+                )
         changed.finalize()
         return [changed]
 

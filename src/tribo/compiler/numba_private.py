@@ -64,21 +64,11 @@ def cpu_features() -> str:
 if NATIVE:
     from llvmlite.binding import parse_assembly as parse_assembly
     from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]
-    from numba.core.caching import FunctionCache as FunctionCache
-    from numba.core.caching import IndexDataCacheFile as IndexDataCacheFile
+    from numba.core import caching as caching
+    from numba.core import compiler as compiler
+    from numba.core import compiler_machinery as compiler_machinery
+    from numba.core import typed_passes as typed_passes
+    from numba.core import untyped_passes as untyped_passes
     from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
-    from numba.core.compiler import CompilerBase as CompilerBase
-    from numba.core.compiler import DefaultPassBuilder as DefaultPassBuilder
-    from numba.core.compiler import StateDict as StateDict
-    from numba.core.compiler_machinery import PassManager as PassManager
-    from numba.core.compiler_machinery import register_pass as register_pass
     from numba.core.lowering import Lower as Lower
     from numba.core.serialize import dumps as dumps
-    from numba.core.typed_passes import AnnotateTypes as AnnotateTypes
-    from numba.core.typed_passes import DumpParforDiagnostics as DumpParforDiagnostics
-    from numba.core.typed_passes import InlineOverloads as InlineOverloads
-    from numba.core.typed_passes import NativeLowering as NativeLowering
-    from numba.core.typed_passes import NopythonRewrites as NopythonRewrites
-    from numba.core.untyped_passes import InlineClosureLikes as InlineClosureLikes
-    from numba.core.untyped_passes import MakeFunctionToJitFunction as MakeFunctionToJitFunction
-    from numba.core.untyped_passes import WithLifting as WithLifting

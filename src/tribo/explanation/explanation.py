@@ -115,13 +115,7 @@ class Explanation:
         return sum(self.coordinates.values())
 
     def to_json(self) -> str:
-        """The whole explanation as JSON, as ``tribo explain --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object.
-        """
+        """The whole explanation as one JSON object, as ``tribo explain --json`` prints it."""
         table: dict[str, Any] = vars(self) | {
             "effects": list(self.effects),
             "absent": list(self.absent),

@@ -12,7 +12,7 @@ import numpy as np
 
 from tribo.export import lammps_motion as motion
 from tribo.export.lammps_atoms import CONSTANT_FORCES, Atoms, atoms_of, data_file
-from tribo.export.lammps_pairs import longest_cutoff, pair_lines
+from tribo.export.lammps_pairs import pair_lines
 from tribo.files import replace_file
 from tribo.kernels.kinematics import nearest_image
 from tribo.layout.contacts import SKIN
@@ -65,7 +65,8 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     # A distance that no pair reaches as long as surfaces keep their velocities.
     extent = float(np.linalg.norm(np.ptp(atoms.positions, axis=0)))
     farthest = 2.0 * (extent + atoms.largest_speed * scene.duration) + 1.0
-    reach = longest_cutoff(scene, farthest)
+    cutoffs = (min(each.potential.range(), farthest) for each in scene.interactions)
+    reach = max(cutoffs, default=0.0)
     pairs, omitted = pair_lines(scene, atoms.kinds, farthest)
     omitted += motion.omitted_fields(scene)
     for surface in scene.surfaces:

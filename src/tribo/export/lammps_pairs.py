@@ -68,11 +68,6 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
     return _commands(pairs, len(kinds), strength), omitted
 
 
-def longest_cutoff(scene: Scene, farthest: float) -> float:
-    """The longest cutoff of any interaction [length]."""
-    return max((min(i.potential.range(), farthest) for i in scene.interactions), default=0.0)
-
-
 def _pair(potential: Any, farthest: float, strength: float) -> Pair:
     """A potential as LAMMPS has it; `strength` is that which ``dielectric`` stands for."""
     if isinstance(potential, Live):

@@ -13,11 +13,7 @@ if TYPE_CHECKING:
 
 
 def ledger_table(result: RunResult) -> pandas.DataFrame:
-    """All series: a row for each time, columns (surface, asperite, quantity).
-
-    Quantities of a whole surface have the asperite "all"; those of the system have the surface
-    "system".
-    """
+    """All series; see :meth:`tribo.Result.to_pandas`."""
     import pandas
 
     columns: dict[tuple[str, int | str, str], np.ndarray] = {}

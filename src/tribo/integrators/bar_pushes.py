@@ -2,20 +2,26 @@
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
+from tribo.kernels import records as rows
+from tribo.kernels.blocks import (
+    column_of_constants,
+    constant,
+    coordinates,
+    directions,
+    is_fixed,
+    keeps_velocity,
+)
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import place_of
-from tribo.kernels.records import (
-    COS_PHI,
-    INVERSE_BAR_LENGTH,
-    INVERSE_INERTIA,
-    INVERSE_MASS,
-    L2,
-    SIN_PHI,
-    TX,
-    TY,
-)
+
+
+@inlined
+def impulse_on_end(model, s, i, impulse):
+    """The impulse on the left ends of clamped bars at rest that an angular impulse makes."""
+    inverse_length = constant(model, rows.INVERSE_BAR_LENGTH, s, i)
+    sin, cos = constant(model, rows.SIN_PHI, s, i), constant(model, rows.COS_PHI, s, i)
+    return end_force(impulse, inverse_length, sin, cos)
 
 
 @inlined
@@ -26,11 +32,12 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     """
     a = model.constants
     c = column_of_constants(s, i)
-    along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
+    tx, ty = directions(model, i)
+    along = tx * px + ty * py
     omega = block(v, i)
-    change = 0.0 - block(a[L2], c) * along * block(a[INVERSE_INERTIA], c)
-    change_x = px * block(a[INVERSE_MASS], c)
-    change_y = py * block(a[INVERSE_MASS], c)
+    change = 0.0 - block(a[rows.L2], c) * along * block(a[rows.INVERSE_INERTIA], c)
+    change_x = px * block(a[rows.INVERSE_MASS], c)
+    change_y = py * block(a[rows.INVERSE_MASS], c)
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
     set_block(v, i, omega + change)
@@ -45,13 +52,10 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     pivot = pivot_lengths(model.pivots, s, i)
     add_block(accounts, k, px)
     add_block(accounts, k + stride, py)
-    add_block(accounts, k + 2 * stride, 0.0 - (block(a[L2], c) + pivot) * swept)
+    add_block(accounts, k + 2 * stride, 0.0 - (block(a[rows.L2], c) + pivot) * swept)
     add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
     if is_fixed(model.fixed, s):
-        torque = 0.0 - block(a[L2], c) * along
-        x, y = end_force(
-            torque, block(a[INVERSE_BAR_LENGTH], c), block(a[SIN_PHI], c), block(a[COS_PHI], c)
-        )
+        x, y = impulse_on_end(model, s, i, 0.0 - block(a[rows.L2], c) * along)
         k = place_of(s, s.acc_ends + 2 * stride, i)
         add_block(accounts, k, x)
         add_block(accounts, k + stride, y)

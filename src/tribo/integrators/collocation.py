@@ -18,6 +18,7 @@ from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates
+from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
@@ -150,11 +151,10 @@ def predict(method, clock, h, memory, accelerations):
 @expanded
 def evaluate_node(model, neighbours, method, i, t, h, y, work):
     """q'' at node i, and (q, v) there, from the present values at all nodes."""
-    n = y.size // 2
-    q = work.y[:n]
-    v = work.y[n:]
-    combine_twice(y[:n], h, method.c[i], y[n:], method.a[i], work.accelerations, q)
-    combine(y[n:], h, method.r[i], work.accelerations, v)
+    q, v = halves(work.y)
+    q_start, v_start = halves(y)
+    combine_twice(q_start, h, method.c[i], v_start, method.a[i], work.accelerations, q)
+    combine(v_start, h, method.r[i], work.accelerations, v)
     equations_of_motion(model, neighbours, t + method.c[i] * h, q, v, work.acceleration)
 
 
@@ -197,12 +197,11 @@ def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
 @expanded
 def evaluate_powers(method, model, neighbours, clock, h, state, work):
     """A last sweep, with the powers at all nodes."""
-    n = state.acceleration.size
     for i in range(method.c.size):
         if method.c[i] > 0.0:
             evaluate_node(model, neighbours, method, i, clock.t, h, state.y, work)
             t = clock.t + method.c[i] * h
-            all_powers(model, model.ledger, t, work.y[:n], work.y[n:], work.powers[i])
+            all_powers(model, model.ledger, t, *halves(work.y), work.powers[i])
             copy(work.acceleration, work.accelerations[i])
     clock.evaluations += unknown_nodes(method)
 

@@ -11,24 +11,20 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
-from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, keeps_velocity
+from tribo.kernels import records as rows
+from tribo.kernels.blocks import (
+    column_of_constants,
+    constant,
+    coordinates,
+    is_fixed,
+    keeps_velocity,
+)
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.powers import place_of
-from tribo.kernels.records import (
-    BAR_LENGTH,
-    COS_PHI,
-    FREQUENCY,
-    I2,
-    INERTIA,
-    INVERSE_BAR_LENGTH,
-    KAPPA,
-    NU_START,
-    PHI_START,
-    SIN_PHI,
-)
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
@@ -39,10 +35,7 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 @inlined
 def add_end_impulses(model, s, i, impulse, v, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
-    a = model.constants
-    c = column_of_constants(s, i)
-    sin = block(a[SIN_PHI], c)
-    x, y = end_force(impulse, block(a[INVERSE_BAR_LENGTH], c), sin, block(a[COS_PHI], c))
+    x, y = impulse_on_end(model, s, i, impulse)
     stride = s.account_stride
     k = place_of(s, s.acc_ends + 2 * stride, i)
     # Memory limits the steps of large scenes, so accounts that stay zero are left alone.
@@ -60,16 +53,14 @@ def settle_end_works(model, q, accounts, arcs):
 
     They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
     """
-    a = model.constants
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.acc_ends >= 0 and s.turning == 0:
             for i in range(s.start, s.stop, LANES):
-                c = column_of_constants(s, i)
-                twist = block(q, i) - block(a[PHI_START], c)
+                twist = block(q, i) - constant(model, rows.PHI_START, s, i)
                 sin, cos = sine_cosine(twist)
                 arc = sin - twist * cos
-                force = block(a[KAPPA], c) / block(a[BAR_LENGTH], c)
+                force = constant(model, rows.KAPPA, s, i) / constant(model, rows.BAR_LENGTH, s, i)
                 swept = s.facing * force * (arc - block(arcs, i))
                 work = lever_of_bar(model, model.pivots, s, i) * swept
                 m = place_of(s, s.acc_ends, i)
@@ -85,9 +76,9 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
     a = model.constants
     c = column_of_constants(s, i)
-    stiffness = block(a[KAPPA], c)
-    inverse_length = block(a[INVERSE_BAR_LENGTH], c)
-    nu = block(a[NU_START], c)
+    stiffness = block(a[rows.KAPPA], c)
+    inverse_length = block(a[rows.INVERSE_BAR_LENGTH], c)
+    nu = block(a[rows.NU_START], c)
     stride = s.account_stride
     k = place_of(s, s.acc_ends, i)
     turning = 0.5 * nu * impulse
@@ -95,11 +86,11 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     add_block(accounts, k + stride, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        turn = rotation(block(a[FREQUENCY], c), NODES[m] * tau)
+        turn = rotation(block(a[rows.FREQUENCY], c), NODES[m] * tau)
         change, change_of_rate = changes(twist, rate, turn)
         now = twist + change
         now_rate = rate + change_of_rate
-        phi = block(a[PHI_START], c) + nu * (t + NODES[m] * tau)
+        phi = block(a[rows.PHI_START], c) + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, inverse_length, sin, cos)
         sin, cos = sine_cosine(now + phi)
@@ -121,12 +112,10 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 
     Returns the new swings; twist, its rate, and the change of the rate.
     """
-    a = model.constants
-    c = column_of_constants(s, i)
-    nu = block(a[NU_START], c)
+    nu = constant(model, rows.NU_START, s, i)
     old = block(q, i)
     omega = block(v, i)
-    twist = old - (block(a[PHI_START], c) + nu * t)
+    twist = old - (constant(model, rows.PHI_START, s, i) + nu * t)
     rate = omega - nu
     change, change_of_rate = changes(twist, rate, turn)
     now = old + (change + nu * tau)
@@ -139,7 +128,7 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 def add_end_works(model, turning, s, i, twists, t, tau, v, accounts):
     """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
     twist, rate, change_of_rate = twists
-    impulse = 0.0 - block(model.constants[INERTIA], column_of_constants(s, i)) * change_of_rate
+    impulse = 0.0 - constant(model, rows.INERTIA, s, i) * change_of_rate
     if turning is None:
         add_end_impulses(model, s, i, impulse, v, accounts)
     elif s.turning == 0:
@@ -157,9 +146,7 @@ def drift_free(model, s, i, tau, q, v, turn):
     phi = block(q, k)
     omega = block(v, i)
     nu = block(v, k)
-    c = column_of_constants(s, i)
-    inertia = block(model.constants[INERTIA], c)
-    i2 = block(model.constants[I2], c)
+    inertia, i2 = constant(model, rows.INERTIA, s, i), constant(model, rows.I2, s, i)
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)

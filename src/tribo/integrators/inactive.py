@@ -16,7 +16,7 @@ from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
 from tribo.compiler.lanes_memory import block
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import column_of_constants, is_fixed
+from tribo.kernels.blocks import constant, is_fixed
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places, rebuild
@@ -62,8 +62,7 @@ def advance_inactive(model, active, t, q, v, accounts):
                 for i in range(s.start, s.stop, LANES):
                     tau = t - active.since[i // LANES]
                     if abs(tau) > 0.0:  # nan for active blocks
-                        c = column_of_constants(s, i)
-                        turn = rotation(block(model.constants[FREQUENCY], c), tau)
+                        turn = rotation(constant(model, FREQUENCY, s, i), tau)
                         drift_block(model, s, i, t, tau, q, v, accounts, turn)
                         active.since[i // LANES] = t
 
@@ -126,11 +125,10 @@ def longest_paths(model, s, i, t, q, v):
     """
     if is_fixed(model.fixed, s):
         return broadcast(0.0)
-    c = column_of_constants(s, i)
-    diameter = 2.0 * block(model.constants[L1], c)
+    diameter = 2.0 * constant(model, L1, s, i)
     if s.dof_phi >= 0:
         return diameter
-    frequency = block(model.constants[FREQUENCY], c)
+    frequency = constant(model, FREQUENCY, s, i)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
     rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
     amplitude = sqrt(twist * twist + rate * rate)

@@ -19,12 +19,12 @@ from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.kernels.blocks import column_of_constants, coordinates, is_fixed, set_coordinates
+from tribo.kernels.blocks import constant, coordinates, directions, is_fixed, set_coordinates
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
 from tribo.kernels.powers import place_of
-from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS, TX, TY
+from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS
 from tribo.kernels.samples import copy
 
 
@@ -79,12 +79,11 @@ def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
     if reservoirs is not None:
         if s.gamma > 0.0 or s.swing_gamma > 0.0:
             swing, _, x, y = acceleration
-            c = column_of_constants(s, i)
             about = broadcast(0.0)
             if not is_fixed(model.fixed, s):
-                torque = block(model.constants[INERTIA], c) * swing
+                torque = constant(model, INERTIA, s, i) * swing
                 about = 0.5 * torque * block(reservoirs.jumps, i)
-            half = 0.5 * block(model.constants[MASS], c)
+            half = 0.5 * constant(model, MASS, s, i)
             pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, half * x, half * y)
             add_to_reservoir(s, i, -about, -pseudowork, accounts)
 
@@ -98,9 +97,9 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
     if reservoirs is not None:
         if s.acc_internal >= 0:
             rate = 1.0 / reservoirs.tau
-            along = block(model.bobs[TX], i) * px + block(model.bobs[TY], i) * py
-            swept = rate * along * block(reservoirs.jumps, i)
-            lever = block(model.constants[L2], column_of_constants(s, i))
+            tx, ty = directions(model, i)
+            swept = rate * (tx * px + ty * py) * block(reservoirs.jumps, i)
+            lever = constant(model, L2, s, i)
             pivot = pivot_lengths(model.pivots, s, i)
             pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, rate * px, rate * py)
             k = place_of(s, s.acc_internal + 2 * s.account_stride, i)
@@ -118,7 +117,7 @@ def set_jump(model, s, i, t, q, turn, x, y, jumps, accounts):
     if not is_fixed(model.fixed, s):
         phi = bar_angles(model, s, i, t, q)
         swing = block(q, i) + 0.5 * turn  # in the middle of the jump
-        torque = block(model.constants[KAPPA], column_of_constants(s, i)) * (swing - phi)
+        torque = constant(model, KAPPA, s, i) * (swing - phi)
         add_to_reservoir(s, i, torque * turn, broadcast(0.0), accounts)
         if s.acc_ends >= 0:
             add_end_works(model, s, i, swing, phi, torque, jumps, accounts)
@@ -130,9 +129,7 @@ def add_end_works(model, s, i, swing, phi, torque, jumps, accounts):
 
     The works about the centre of mass of bars at rest are functions of the angle.
     """
-    sin, cos = sine_cosine(phi)
-    inverse_length = block(model.constants[INVERSE_BAR_LENGTH], column_of_constants(s, i))
-    x, y = end_force(torque, inverse_length, sin, cos)
+    x, y = end_force(torque, constant(model, INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
     pseudowork = pseudowork_along_jump(jumps, s, i, x, y)
     k = place_of(s, s.acc_ends, i)
     if s.turning == 1:

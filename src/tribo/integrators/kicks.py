@@ -15,6 +15,7 @@ from tribo.kernels.blocks import (
     all_coordinates,
     column_of,
     first_block,
+    halves,
     is_fixed,
     keeps_velocity,
     last_block,
@@ -164,15 +165,13 @@ def add_half_shared_works(model, t, tau, state):
     """Add half of the works that are of no asperite: noise changes a surface's momentum."""
     if model.friction is not None:
         power = Powers(state.s, model.sums, tau)
-        shared_powers(model, model.ledger, t, state.y[state.y.size // 2 :], power)
+        shared_powers(model, model.ledger, t, halves(state.y)[1], power)
 
 
 @inlined
 def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
-    m = state.y.size // 2
-    q = state.y[:m]
-    v = state.y[m:]
+    q, v = halves(state.y)
     reservoirs = reservoirs_of(model, state, work, 2.0 * tau)
     for n in range(begin, end):
         i = column_of(active, n)
@@ -191,9 +190,7 @@ def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
 @inlined
 def repeat_kick(model, reservoirs, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
-    m = state.y.size // 2
-    q = state.y[:m]
-    v = state.y[m:]
+    q, v = halves(state.y)
     power = Powers(state.s, model.sums, 2.0 * tau)
     if model.friction is None:
         shared_powers(model, model.ledger, t, v, power)

@@ -12,26 +12,12 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
+from tribo.integrators import step_control as control
 from tribo.integrators.lane_queue import leave_member, next_member
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, begin_works, take_step
-from tribo.integrators.step_control import (
-    ENCOUNTER_UPDATE,
-    EPSILON,
-    UPDATE_INTERVAL,
-    accept_step,
-    advance_equally,
-    end_of_step,
-    equal_step,
-    evaluate_rates,
-    growth_factor,
-    next_step,
-    reject_step,
-    step_underflows,
-    time_left,
-)
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import clear
+from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
@@ -84,7 +70,7 @@ def load_member(clock, state, starts, m, lane):
 @kernel
 def write_due(model, clock, state, times, record, queue, lane):
     """Record what is due of a member, bobs in place, and leave it at its end."""
-    while time_left(clock, times[clock.sample]) <= 0.0:
+    while control.time_left(clock, times[clock.sample]) <= 0.0:
         row = queue.held[lane] * times.size + clock.sample
         write_row(model, None, clock.t, state, record, row, lane)
         clock.sample += 1
@@ -112,12 +98,11 @@ def fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, s
         tried[TAKEN, lane] = 1.0 if m >= 0 else 0.0
     if queue.waiting[0] == first:
         return
-    n = state.acceleration.size
     t, begun = block(tried[BEGIN], 0), block(tried[TAKEN], 0)
-    evaluate_rates(model, None, t, state.y, new.acceleration, new.power)
+    control.evaluate_rates(model, None, t, state.y, new.acceleration, new.power)
     take_lanes(new.acceleration, state.acceleration, begun)
     take_lanes(new.power, state.power, begun)
-    top_speeds(model, None, t, state.y[:n], state.y[n:], speeds)
+    top_speeds(model, None, t, *halves(state.y), speeds)
     for lane in range(LANES):
         if tried[TAKEN, lane] == 1.0:
             found = next_encounter(model, None, speeds, lane)
@@ -138,12 +123,12 @@ def plan_steps(clocks, times, queue, tried):
         if queue.held[lane] < 0:
             continue
         goal = times[clock.sample]
-        h, landing = next_step(clock, clock.encounter_rate, time_left(clock, goal))
+        h, landing = control.next_step(clock, clock.encounter_rate, control.time_left(clock, goal))
         trials = clock.steps + clock.rejected
-        if trials >= MOST_TRIALS or step_underflows(h, landing, times[times.size - 1]):
+        if trials >= MOST_TRIALS or control.step_underflows(h, landing, times[times.size - 1]):
             leave_member(queue, lane, PAUSED, clock.steps, clock.evaluations)
             continue
-        tried[LENGTH, lane], tried[END, lane] = h, end_of_step(clock, goal, h, landing)
+        tried[LENGTH, lane], tried[END, lane] = h, control.end_of_step(clock, goal, h, landing)
         tried[LANDING, lane] = 1.0 if landing else 0.0
         count += 1
     return count
@@ -153,16 +138,16 @@ def plan_steps(clocks, times, queue, tried):
 def is_taken(model, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
     h, error = tried[LENGTH, lane], tried[ERROR, lane]
-    growth = growth_factor(error, method.order, method.most_growth)
+    growth = control.growth_factor(error, method.order, method.most_growth)
     if not error <= 1.0:
-        reject_step(clock, h * growth)
+        control.reject_step(clock, h * growth)
         return False
     found = next_encounter(model, None, speeds, lane)
     if not h * found.rate <= 1.0:
-        reject_step(clock, 0.5 * h)
+        control.reject_step(clock, 0.5 * h)
         return False
     clock.encounter_rate = found.rate
-    accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
+    control.accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
     return True
 
 
@@ -203,7 +188,6 @@ def nystrom_members(
         (model, method, tolerance, state, times, record, work, new)
     )
     queue, starts, tried, speeds = pointers((queue, starts, tried, speeds))
-    n = state.acceleration.size
     for _ in range(budget):
         fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
         if plan_steps(clocks, times, queue, tried) == 0:
@@ -213,7 +197,7 @@ def nystrom_members(
         t, h, end = block(tried[BEGIN], 0), block(tried[LENGTH], 0), block(tried[END], 0)
         error = try_step(method, model, None, t, h, end, state, new, tolerance, work)
         set_block(tried[ERROR], 0, error)
-        top_speeds(model, None, end, new.y[:n], new.y[n:], speeds)
+        top_speeds(model, None, end, *halves(new.y), speeds)
         for lane in range(LANES):
             taken = False
             if queue.held[lane] >= 0:
@@ -233,14 +217,13 @@ def watch_encounters(model, t, y, speeds, watch, h, all_of_them):
 
     What is computed of a member depends on that member alone.
     """
-    n = y.size // 2
     known = False
     for lane in range(LANES):
-        near = (watch[AGE, lane] + h) * watch[RATE, lane] > ENCOUNTER_UPDATE
+        near = (watch[AGE, lane] + h) * watch[RATE, lane] > control.ENCOUNTER_UPDATE
         if not (near or all_of_them):
             continue
         if not known:
-            top_speeds(model, None, t, y[:n], y[n:], speeds)
+            top_speeds(model, None, t, *halves(y), speeds)
             known = True
         found = next_encounter(model, None, speeds, lane)
         watch[RATE, lane] = found.rate
@@ -264,16 +247,16 @@ def splitting_members(
         (model, splitting, state, times, record, watch, noise, work)
     )
     last = times[times.size - 1]
-    n = state.y.size // 2
+    q, v = halves(state.y)
     clear(model.friction)
     clear(model.swing_friction)
-    set_bath_momenta(model, model.bath, state.y[n:])
+    set_bath_momenta(model, model.bath, v)
     if clock.evaluations == 0:
-        place_bobs(model, clock.t, state.y[:n])
+        place_bobs(model, clock.t, q)
         watch_encounters(model, clock.t, state.y, work.speeds, watch, 0.0, True)
         begin_works(model, state, work)
     for done in range(budget + 1):
-        left = time_left(clock, times[clock.sample])
+        left = control.time_left(clock, times[clock.sample])
         if left <= 0.0:
             arrive(model, None, clock, state, work)
         while left <= 0.0:
@@ -283,19 +266,19 @@ def splitting_members(
             clock.sample += 1
             if clock.sample == times.size:
                 return COMPLETED
-            left = time_left(clock, times[clock.sample])
+            left = control.time_left(clock, times[clock.sample])
         if done == budget:
             break
-        h, landing = equal_step(clock, left, step)
-        if h < EPSILON * last:
+        h, landing = control.equal_step(clock, left, step)
+        if h < control.EPSILON * last:
             return STEP_UNDERFLOW
         for lane in range(LANES):
             if h * watch[RATE, lane] > 1.0:
                 watch[LOST, lane] = 1.0
         take_step(model, None, splitting, clock, h, state, work, noise)
-        advance_equally(clock, times[clock.sample], h, landing)
+        control.advance_equally(clock, times[clock.sample], h, landing)
         for lane in range(LANES):
             watch[AGE, lane] += h
-        every = clock.steps % UPDATE_INTERVAL == 0
+        every = clock.steps % control.UPDATE_INTERVAL == 0
         watch_encounters(model, clock.t, state.y, work.speeds, watch, h, every)
     return PAUSED

@@ -19,6 +19,7 @@ from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
+from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
@@ -120,8 +121,7 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
     """Forces at all stages; coordinates, velocities and their rates of change at the end."""
     n = state.acceleration.size
     last = method.c.size
-    q = state.y[:n]
-    v = state.y[n:]
+    q, v = halves(state.y)
     f = work.accelerations
     for i in range(1, last):
         place = work.q[i]

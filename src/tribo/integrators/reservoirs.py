@@ -19,26 +19,11 @@ from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
-from tribo.kernels.blocks import column_of_constants, is_fixed, own_number
+from tribo.kernels import records as rows
+from tribo.kernels.blocks import column_of_constants, constant, directions, is_fixed, own_number
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import momentum, place_of
-from tribo.kernels.records import (
-    FREQUENCY,
-    INERTIA,
-    INVERSE_INERTIA,
-    INVERSE_MASS,
-    KAPPA,
-    L2,
-    MASS,
-    OWN_GAMMA,
-    OWN_SWING_GAMMA,
-    OWN_SWING_TEMPERATURE,
-    OWN_TEMPERATURE,
-    PRESENT,
-    TX,
-    TY,
-)
 
 
 @inlined
@@ -52,33 +37,32 @@ def torsion_gains(model, s, i, t, tau, q):
     if is_fixed(model.fixed, s):
         return broadcast(0.0)
     a, c = model.constants, column_of_constants(s, i)
-    angle = 0.5 * tau * block(a[FREQUENCY], c)
+    angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
     sin, cos = sine_cosine(angle)
     ratio = where_less(0.0, angle, sin / (angle * cos), 1.0)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
-    return 0.0 - tau * ratio * block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c) * twist
+    return 0.0 - tau * ratio * block(a[rows.KAPPA], c) * block(a[rows.INVERSE_INERTIA], c) * twist
 
 
 @inlined
 def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
     a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
+    tx, ty = directions(model, i)
     vx, vy = velocities_of_bars(model, s, i, v)
     old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
     gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    across = block(a[INVERSE_MASS], c)
-    lever = block(a[L2], c)
+    across = block(a[rows.INVERSE_MASS], c)
+    lever = block(a[rows.L2], c)
     count, omega = min(LANES, s.end - i), block(v, i)
     warmest, each = max(s.temperature, s.swing_temperature), 6 if s.swing_gamma > 0.0 else 4
     first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, each)
-    gamma = own_number(model.own, OWN_GAMMA, s.gamma, i)
-    heat = own_number(model.own, OWN_TEMPERATURE, s.temperature, i)
-    present = block(model.each[PRESENT], i)
+    gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
+    heat = own_number(model.own, rows.OWN_TEMPERATURE, s.temperature, i)
+    present = block(model.each[rows.PRESENT], i)
     slip, gain = tx * x + ty * y, tx * gain_x + ty * gain_y
     turn_gain = torsion_gains(model, s, i, t, tau, q)
     turning = broadcast(0.0)
@@ -89,9 +73,10 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
         along, turning, far, turn, given = damped_arc(
             gamma * across,
-            own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i) * block(a[INVERSE_INERTIA], c),
-            (heat, own_number(model.own, OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
-            (block(a[MASS], c), block(a[INERTIA], c)),
+            own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+            * block(a[rows.INVERSE_INERTIA], c),
+            (heat, own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
+            (block(a[rows.MASS], c), block(a[rows.INERTIA], c)),
             lever,
             (slip + lever * omega, omega),
             (gain, turn_gain),
@@ -99,11 +84,11 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
             (first, second, fifth, sixth),
         )
     else:
-        arc = across + lever * lever * block(a[INVERSE_INERTIA], c)
+        arc = across + lever * lever * block(a[rows.INVERSE_INERTIA], c)
         gain = gain - lever * turn_gain
         along, far = damped_motion(gamma, heat, arc, slip, gain, tau, first, second)
         # A jump has the directions of the momentum that would cause it.
-        turn = 0.0 - lever * (far / arc) * block(a[INVERSE_INERTIA], c)
+        turn = 0.0 - lever * (far / arc) * block(a[rows.INVERSE_INERTIA], c)
         far = across * (far / arc)
     gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
     side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
@@ -131,7 +116,7 @@ def turn_swings(model, s, i, turning, given, v, accounts):
     What the angular momenta do in addition to this heat is the bars' reservoir's.
     """
     omega = block(v, i)
-    now = omega + turning * block(model.constants[INVERSE_INERTIA], column_of_constants(s, i))
+    now = omega + turning * constant(model, rows.INVERSE_INERTIA, s, i)
     set_block(v, i, now)
     if s.acc_swing >= 0:
         add_block(accounts, place_of(s, s.acc_swing, i), 0.0 - given)
@@ -167,9 +152,9 @@ def damp_swings(model, swing_friction, reservoirs, t, q, v, accounts, noise):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0 and s.gamma == 0.0:
                 for i in range(s.start, s.stop, LANES):
-                    gamma = own_number(model.own, OWN_SWING_GAMMA, s.swing_gamma, i)
-                    heat = own_number(model.own, OWN_SWING_TEMPERATURE, s.swing_temperature, i)
-                    mobility = block(a[INVERSE_INERTIA], column_of_constants(s, i))
+                    gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+                    heat = own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)
+                    mobility = block(a[rows.INVERSE_INERTIA], column_of_constants(s, i))
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
                     omega = block(v, i)

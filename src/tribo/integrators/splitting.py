@@ -19,23 +19,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.compiler import team as teams
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
-from tribo.compiler.team import (
-    DRIFT,
-    KICK,
-    LISTS,
-    PHASE,
-    REACTIONS,
-    begin_phase,
-    continue_phase,
-    finish_piece,
-    next_rank,
-    part_of,
-    wait_for_piece,
-)
+from tribo.integrators import step_control as control
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
@@ -50,16 +39,6 @@ from tribo.integrators.kicks import (
     substep_of,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
-from tribo.integrators.step_control import (
-    advance_equally,
-    all_finite,
-    current_encounter,
-    equal_step,
-    equal_step_status,
-    record_due,
-    time_left,
-    update_encounter,
-)
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import (
     active_of,
@@ -67,6 +46,7 @@ from tribo.kernels.blocks import (
     column_of,
     column_of_constants,
     first_block,
+    halves,
     last_block,
 )
 from tribo.kernels.contact_forces import contact_piece
@@ -140,20 +120,20 @@ def drift(model, neighbours, team, now, tau, state, work):
             begin, end = first_block(active, s, k), last_block(active, s, k)
             drift_part(model, neighbours, s, begin, end, now, tau, state, work)
     else:
-        share_phase(model, neighbours, team, DRIFT, now, tau, state, work)
+        share_phase(model, neighbours, team, teams.DRIFT, now, tau, state, work)
 
 
 @inlined
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
     """Drift of some active blocks of a surface."""
-    m = state.y.size // 2
+    q, v = halves(state.y)
     rotations = work.rotations[0]
     active = active_of(neighbours)
     crossed = broadcast(0.0)
     for n in range(begin, end):
         i = column_of(active, n)
         turn = rotation_of(rotations, column_of_constants(s, i))
-        drift_block(model, s, i, now, tau, state.y[:m], state.y[m:], state.s, turn)
+        drift_block(model, s, i, now, tau, q, v, state.s, turn)
         crossed = crossed + have_left(model, neighbours, i)
     note_crossed(neighbours, crossed)
 
@@ -161,18 +141,17 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
 @inlined
 def kick(model, twice, neighbours, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau; `twice` as `repeats`."""
-    n = state.y.size // 2
-    q = state.y[:n]
     active = active_of(neighbours)
     gather_contact(model, model.members)
-    settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, state.y[n:], work)
+    q, v = halves(state.y)
+    settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, v, work)
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = first_block(active, s, k), last_block(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
-        share_phase(model, neighbours, team, KICK, t, tau, state, work)
+        share_phase(model, neighbours, team, teams.KICK, t, tau, state, work)
     if twice is None:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
     else:
@@ -182,11 +161,10 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
 @inlined
 def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
-    n = state.y.size // 2
     if substep is None:
         kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
-        q, v = state.y[:n], state.y[n:]
+        q, v = halves(state.y)
         reservoirs = reservoirs_of(model, state, work, tau)
         keep_velocities(reservoirs, v)
         kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
@@ -204,10 +182,10 @@ def share_phase(model, neighbours, team, phase, t, tau, state, work):
     """Compute all pieces of a drift or kick, together with assistants."""
     team.numbers[0] = t
     team.numbers[1] = tau
-    piece = begin_phase(team, phase, team.tiles.shape[0])
+    piece = teams.begin_phase(team, phase, team.tiles.shape[0])
     while piece >= 0:
         step_piece(model, neighbours, team, piece, state, work)
-        piece = continue_phase(team)
+        piece = teams.continue_phase(team)
 
 
 @kernel
@@ -217,9 +195,9 @@ def step_piece(model, neighbours, team, piece, state, work):
     s = model.surfaces[k]
     active = active_of(neighbours)
     first, last = first_block(active, s, k), last_block(active, s, k)
-    begin, end = part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
-    phase, t, tau = team.counters[PHASE], team.numbers[0], team.numbers[1]
-    if phase == DRIFT:
+    begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
+    phase, t, tau = team.counters[teams.PHASE], team.numbers[0], team.numbers[1]
+    if phase == teams.DRIFT:
         drift_part(model, neighbours, s, begin, end, t, tau, state, work)
     else:
         kick_part(model, repeats(model), active, s, begin, end, t, tau, state, work)
@@ -234,30 +212,29 @@ def assist(model, neighbours, state, work):
 @kernel
 def assist_team(model, team, neighbours, state, work):
     """Compute pieces until the team is closed."""
-    rank = next_rank(team)
-    piece = wait_for_piece(team, rank)
+    rank = teams.next_rank(team)
+    piece = teams.wait_for_piece(team, rank)
     while piece >= 0:
-        if team.counters[PHASE] == LISTS:
+        if team.counters[teams.PHASE] == teams.LISTS:
             list_piece(model, team, neighbours, piece)
-        elif team.counters[PHASE] <= REACTIONS:
+        elif team.counters[teams.PHASE] <= teams.REACTIONS:
             contact_piece(model, team, neighbours, piece)
         else:
             step_piece(model, neighbours, team, piece, state, work)
-        finish_piece(team)
-        piece = wait_for_piece(team, rank)
+        teams.finish_piece(team)
+        piece = teams.wait_for_piece(team, rank)
 
 
 @kernel
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
-    n = state.y.size // 2
-    q = state.y[:n]
+    q, v = halves(state.y)
     place_bobs(model, clock.t, q)
     if is_empty(neighbours):
-        make_lists(model, neighbours, active_of(neighbours), clock.t, q, state.y[n:], state.s)
+        make_lists(model, neighbours, active_of(neighbours), clock.t, q, v, state.s)
     if crowded(neighbours):
         return PAUSED
-    rate, closest = current_encounter(model, neighbours, clock.t, state.y, work.speeds)
+    rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, work.speeds)
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
@@ -269,16 +246,14 @@ def begin(model, neighbours, clock, state, work):
 def begin_works(model, state, work):
     """Set what the works of ends are counted from; the accounts stay as they are."""
     copy(state.s, work.accounts)
-    settle_end_works(model, state.y[: state.y.size // 2], state.s, state.memory[0])
+    settle_end_works(model, halves(state.y)[0], state.s, state.memory[0])
     copy(work.accounts, state.s)
 
 
 @kernel
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
-    n = state.y.size // 2
-    q = state.y[:n]
-    v = state.y[n:]
+    q, v = halves(state.y)
     active = active_of(neighbours)
     drift(model, neighbours, model.team, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
@@ -290,9 +265,7 @@ def arrive(model, neighbours, clock, state, work):
 @inlined
 def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     """The drifts and kicks of a step, but for its last drift, which is left."""
-    n = state.y.size // 2
-    q = state.y[:n]
-    v = state.y[n:]
+    q, v = halves(state.y)
     s = state.s
     t = clock.t
     active = active_of(neighbours)
@@ -327,7 +300,7 @@ def splitting_steps(
     work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
     clear(model.friction)
     clear(model.swing_friction)
-    set_bath_momenta(model, model.bath, state.y[state.y.size // 2 :])
+    set_bath_momenta(model, model.bath, halves(state.y)[1])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:
@@ -335,19 +308,19 @@ def splitting_steps(
     for _ in range(budget):
         if crowded(neighbours):
             return PAUSED
-        if clock.sample < times.size and time_left(clock, times[clock.sample]) <= 0.0:
+        if clock.sample < times.size and control.time_left(clock, times[clock.sample]) <= 0.0:
             arrive(model, neighbours, clock, state, work)
-        left = record_due(model, neighbours, clock, state, times, record)
+        left = control.record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
-            return COMPLETED if all_finite(state.y) else NOT_FINITE
-        h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, last)
+            return COMPLETED if control.all_finite(state.y) else NOT_FINITE
+        h, landing = control.equal_step(clock, left, step)
+        status = control.equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         take_step(model, neighbours, splitting, clock, h, state, work, noise)
-        advance_equally(clock, times[clock.sample], h, landing)
-        updated = update_encounter(model, neighbours, clock, state.y, work.speeds, h)
+        control.advance_equally(clock, times[clock.sample], h, landing)
+        updated = control.update_encounter(model, neighbours, clock, state.y, work.speeds, h)
         # Whatever is not finite reaches the velocities of the asperites within a step.
-        if updated and not all_finite(state.y[state.y.size // 2 :][: model.core]):
+        if updated and not control.all_finite(halves(state.y)[1][: model.core]):
             return NOT_FINITE
     return PAUSED

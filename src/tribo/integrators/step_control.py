@@ -9,20 +9,13 @@ from numba.extending import register_jitable
 from tribo.compiler.jit import NUMPY_ERRORS, expanded, inlined, kernel
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
-from tribo.kernels.blocks import active_of
+from tribo.kernels import status as codes
+from tribo.kernels.blocks import active_of, halves
 from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_sample
-from tribo.kernels.status import (
-    BOBS_COINCIDE,
-    COMPLETED,
-    ENCOUNTER_JUMPED,
-    NOT_FINITE,
-    PAUSED,
-    STEP_UNDERFLOW,
-)
 
 # Spacing of floating-point numbers at 1.
 EPSILON = 2.0**-52
@@ -56,8 +49,7 @@ class Tolerance(NamedTuple):
 @kernel
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
-    n = y.size // 2
-    top_speeds(model, active_of(neighbours), t, y[:n], y[n:], speeds)
+    top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
     found = next_encounter(model, neighbours, speeds, None)
     return found.rate, found.closest
 
@@ -68,8 +60,7 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
 
     No pair can have moved farther towards its next encounter than the fastest bobs of all have.
     """
-    n = y.size // 2
-    top_speeds(model, active_of(neighbours), clock.t, y[:n], y[n:], speeds)
+    top_speeds(model, active_of(neighbours), clock.t, *halves(y), speeds)
     speed = fastest_approach(model, active_of(neighbours), speeds)
     clock.clearance -= speed * clock.encounter_age
     clearance = least_clearance(model, clock.clearance)
@@ -96,9 +87,9 @@ def all_finite(x):
 @expanded
 def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
-    n = y.size // 2
-    equations_of_motion(model, neighbours, t, y[:n], y[n:], acceleration)
-    all_powers(model, model.ledger, t, y[:n], y[n:], power)
+    q, v = halves(y)
+    equations_of_motion(model, neighbours, t, q, v, acceleration)
+    all_powers(model, model.ledger, t, q, v, power)
 
 
 @kernel
@@ -108,21 +99,20 @@ def initialize(model, neighbours, clock, state, speeds):
     After a pause only the bobs are placed again: whatever else is computed there, such as a
     neighbour list, could differ from that of a run without the pause.
     """
-    n = state.acceleration.size
-    place_bobs(model, clock.t, state.y[:n])
+    place_bobs(model, clock.t, halves(state.y)[0])
     if is_empty(neighbours):
         refresh(model, neighbours)
         if crowded(neighbours):
-            return PAUSED
+            return codes.PAUSED
     if clock.evaluations > 0:
-        return COMPLETED
+        return codes.COMPLETED
     evaluate_rates(model, neighbours, clock.t, state.y, state.acceleration, state.power)
     clock.evaluations = 1
     clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
-        return BOBS_COINCIDE
+        return codes.BOBS_COINCIDE
     finite = all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.power)
-    return COMPLETED if finite else NOT_FINITE
+    return codes.COMPLETED if finite else codes.NOT_FINITE
 
 
 @kernel
@@ -163,8 +153,8 @@ def equal_step(clock, left, step):
 def equal_step_status(clock, h, end):
     """The status with which an equal step stops the run; COMPLETED if it can be taken."""
     if h < EPSILON * end:
-        return STEP_UNDERFLOW
-    return ENCOUNTER_JUMPED if h * clock.encounter_rate > 1.0 else COMPLETED
+        return codes.STEP_UNDERFLOW
+    return codes.ENCOUNTER_JUMPED if h * clock.encounter_rate > 1.0 else codes.COMPLETED
 
 
 @inlined
@@ -207,7 +197,7 @@ def step_underflows(h, landing, end):
 @kernel
 def underflow_status(clock):
     """The status of a run whose steps became too short."""
-    return NOT_FINITE if clock.not_finite == 1 else STEP_UNDERFLOW
+    return codes.NOT_FINITE if clock.not_finite == 1 else codes.STEP_UNDERFLOW
 
 
 @kernel

@@ -15,8 +15,10 @@ Comets, eds. Carusi and Valsecchi, Reidel 1985, p. 185.
 """
 
 import json
+import math
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -141,8 +143,11 @@ RADAU = (
 def collocation(nodes: tuple[str, ...]) -> Collocation:
     """The method with these nodes, each coefficient rounded once."""
     c = [Fraction(node) for node in nodes]
-    poles = [_reciprocal(c, j) for j in range(len(c))]
-    basis = [[pole * x for x in _product(c, j)] for j, pole in enumerate(poles)]
+    others = [c[:j] + c[j + 1 :] for j in range(len(c))]
+    poles = [1 / Fraction(math.prod(x - y for y in r)) for x, r in zip(c, others, strict=True)]
+    # Coefficients of Lagrange's polynomials, from the constant on.
+    products: list[Any] = [np.poly(np.array(rest, object))[::-1] for rest in others]
+    basis = [product * pole for product, pole in zip(products, poles, strict=True)]
     one = Fraction(1)
     return Collocation(
         c=np.array([float(x) for x in c]),
@@ -156,31 +161,12 @@ def collocation(nodes: tuple[str, ...]) -> Collocation:
     )
 
 
-def _reciprocal(c: list[Fraction], j: int) -> Fraction:
-    """1 / product of c_j - c_k over all k but j."""
-    product = Fraction(1)
-    for k, node in enumerate(c):
-        if k != j:
-            product *= c[j] - node
-    return 1 / product
-
-
-def _product(c: list[Fraction], j: int) -> list[Fraction]:
-    """Coefficients, from the constant on, of the product of x - c_k over all k but j."""
-    product = [Fraction(1)]
-    for k, node in enumerate(c):
-        if k != j:
-            higher, lower = [Fraction(0), *product], [*product, Fraction(0)]
-            product = [one - node * other for one, other in zip(higher, lower, strict=True)]
-    return product
-
-
-def _integral(p: list[Fraction], x: Fraction) -> Fraction:
+def _integral(p: np.ndarray, x: Fraction) -> Fraction:
     """The integral of a polynomial from 0 to x."""
     return sum((a * x ** (k + 1) / (k + 1) for k, a in enumerate(p)), Fraction(0))
 
 
-def _twice(p: list[Fraction], x: Fraction) -> Fraction:
+def _twice(p: np.ndarray, x: Fraction) -> Fraction:
     """The integral of its integral."""
     return sum((a * x ** (k + 2) / ((k + 1) * (k + 2)) for k, a in enumerate(p)), Fraction(0))
 

@@ -16,23 +16,7 @@ the method keeps for the next step.
 """
 
 from tribo.compiler.pointers import pointers
-from tribo.integrators.step_control import (
-    accept_step,
-    advance_equally,
-    all_finite,
-    check_arrival,
-    end_of_step,
-    equal_step,
-    equal_step_status,
-    growth_factor,
-    initialize,
-    next_step,
-    record_due,
-    reject_step,
-    step_underflows,
-    underflow_status,
-    update_encounter,
-)
+from tribo.integrators import step_control as control
 from tribo.kernels.neighbours import crowded
 from tribo.kernels.samples import copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
@@ -51,28 +35,32 @@ def equal_steps(
         (model, neighbours, method, state, times, record, work, speeds)
     )
     last = times[times.size - 1]
-    status = initialize(model, neighbours, clock, state, speeds)
+    status = control.initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
     for _ in range(budget):
         if crowded(neighbours):
             return PAUSED
-        left = record_due(model, neighbours, clock, state, times, record)
+        left = control.record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        h, landing = equal_step(clock, left, step)
-        status = equal_step_status(clock, h, last)
+        h, landing = control.equal_step(clock, left, step)
+        status = control.equal_step_status(clock, h, last)
         if status != COMPLETED:
             return status
         goal = times[clock.sample]
-        end = end_of_step(clock, goal, h, landing)
+        end = control.end_of_step(clock, goal, h, landing)
         status = method.step(model, neighbours, clock, h, end, state, work)
         if status != COMPLETED:
             return status
-        advance_equally(clock, goal, h, landing)
-        if not (all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.s)):
+        control.advance_equally(clock, goal, h, landing)
+        if not (
+            control.all_finite(state.y)
+            and control.all_finite(state.acceleration)
+            and control.all_finite(state.s)
+        ):
             return NOT_FINITE
-        update_encounter(model, neighbours, clock, state.y, speeds, h)
+        control.update_encounter(model, neighbours, clock, state.y, speeds, h)
     return PAUSED
 
 
@@ -90,25 +78,25 @@ def adaptive_steps(
         (model, neighbours, method, tolerance, state, times, record, work, speeds, new)
     )
     last = times[times.size - 1]
-    status = initialize(model, neighbours, clock, state, speeds)
+    status = control.initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
         return status
     for _ in range(budget):
         if crowded(neighbours):
             return PAUSED
-        left = record_due(model, neighbours, clock, state, times, record)
+        left = control.record_due(model, neighbours, clock, state, times, record)
         if left == 0.0:
             return COMPLETED
-        h, landing = next_step(clock, clock.encounter_rate, left)
-        if step_underflows(h, landing, last):
-            return underflow_status(clock)
-        end = end_of_step(clock, times[clock.sample], h, landing)
+        h, landing = control.next_step(clock, clock.encounter_rate, left)
+        if control.step_underflows(h, landing, last):
+            return control.underflow_status(clock)
+        end = control.end_of_step(clock, times[clock.sample], h, landing)
         error, finite = method.trial(model, neighbours, clock, h, end, state, new, tolerance, work)
         clock.not_finite = 0 if finite else 1
-        growth = growth_factor(error, method.order, method.most_growth)
+        growth = control.growth_factor(error, method.order, method.most_growth)
         if not error <= 1.0:
-            reject_step(clock, h * growth)
-        elif check_arrival(model, neighbours, clock, end, new, speeds, h):
-            accept_step(clock, end, h, landing, growth)
+            control.reject_step(clock, h * growth)
+        elif control.check_arrival(model, neighbours, clock, end, new, speeds, h):
+            control.accept_step(clock, end, h, landing, growth)
             copy_state(new, state)
     return PAUSED

@@ -11,7 +11,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
-from tribo.kernels.records import ALONG_X, ALONG_Y
+from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY, TX, TY
 
 
 @inlined
@@ -154,6 +154,37 @@ def set_vectors(table, i, x, y):
     """Set x and y of a block of a table of vectors."""
     set_block(table[ALONG_X], i, x)
     set_block(table[ALONG_Y], i, y)
+
+
+@inlined
+def plus(one, other):
+    """The sum of two vectors."""
+    return one[0] + other[0], one[1] + other[1]
+
+
+@inlined
+def contact_on(model, i):
+    """The contact force f1 on a block of bobs."""
+    return block(model.bobs[FX], i), block(model.bobs[FY], i)
+
+
+@inlined
+def directions(model, i):
+    """The unit vectors along which a growing theta moves a block of bobs."""
+    return block(model.bobs[TX], i), block(model.bobs[TY], i)
+
+
+@inlined
+def constant(model, row, s, i):
+    """One of the constants of a block of asperites."""
+    return block(model.constants[row], column_of_constants(s, i))
+
+
+@inlined
+def halves(y):
+    """Coordinates and velocities, of which a state consists."""
+    n = y.size // 2
+    return y[:n], y[n:]
 
 
 @inlined

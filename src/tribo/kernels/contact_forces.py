@@ -7,19 +7,10 @@ table of its own.  The tables are then added in the order of the chunks.
 
 from numba import literal_unroll
 
+from tribo.compiler import team as teams
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.compiler.team import (
-    CONTACT,
-    INTERACTION,
-    PAIR,
-    PHASE,
-    REACTIONS,
-    begin_phase,
-    continue_phase,
-    part_of,
-)
 from tribo.kernels.blocks import active_of, clear, column_of, first_block, last_block
 from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
 from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY
@@ -63,20 +54,20 @@ def share_contacts(model, team, contacts, first, neighbours):
     number = first
     for contact in literal_unroll(contacts):
         for k in range(contact.pairs.shape[0]):
-            team.counters[INTERACTION] = number
-            team.counters[PAIR] = k
-            share_phase(model, team, neighbours, CONTACT, team.reach.shape[0])
-            share_phase(model, team, neighbours, REACTIONS, team.tiles.shape[0])
+            team.counters[teams.INTERACTION] = number
+            team.counters[teams.PAIR] = k
+            share_phase(model, team, neighbours, teams.CONTACT, team.reach.shape[0])
+            share_phase(model, team, neighbours, teams.REACTIONS, team.tiles.shape[0])
         number += 1
 
 
 @kernel
 def share_phase(model, team, neighbours, phase, pieces):
     """Compute all pieces of a phase of contact, together with assistants."""
-    piece = begin_phase(team, phase, pieces)
+    piece = teams.begin_phase(team, phase, pieces)
     while piece >= 0:
         contact_piece(model, team, neighbours, piece)
-        piece = continue_phase(team)
+        piece = teams.continue_phase(team)
 
 
 @kernel
@@ -84,7 +75,7 @@ def contact_piece(model, team, neighbours, piece):
     """Compute a piece of the present phase of contact."""
     number = 0
     for contact in literal_unroll(model.contacts):
-        if number == team.counters[INTERACTION]:
+        if number == team.counters[teams.INTERACTION]:
             fx, fy = model.bobs[FX], model.bobs[FY]
             piece_of_contact(model, team, contact, fx, fy, neighbours, piece)
         number += 1
@@ -96,7 +87,7 @@ def piece_within(model, within, team, number, neighbours, piece):
     """The same within surfaces."""
     if within is not None:
         for contact in literal_unroll(within):
-            if number == team.counters[INTERACTION]:
+            if number == team.counters[teams.INTERACTION]:
                 fx, fy = model.inner[ALONG_X], model.inner[ALONG_Y]
                 piece_of_contact(model, team, contact, fx, fy, neighbours, piece)
             number += 1
@@ -105,13 +96,13 @@ def piece_within(model, within, team, number, neighbours, piece):
 @inlined
 def piece_of_contact(model, team, contact, fx, fy, neighbours, piece):
     """A chunk of rows of one pair of surfaces, or a tile of the sum of their reactions."""
-    k = team.counters[PAIR]
-    if team.counters[PHASE] == CONTACT:
+    k = team.counters[teams.PAIR]
+    if team.counters[teams.PHASE] == teams.CONTACT:
         add_chunk(model, team, contact, k, fx, fy, neighbours, piece)
     elif team.tiles[piece, 0] == contact.pairs[k, 1]:
         s = model.surfaces[team.tiles[piece, 0]]
         blocks = s.start // LANES, s.stop // LANES
-        begin, end = part_of(blocks[0], blocks[1], team.tiles[piece, 1], team.tiles[piece, 2])
+        begin, end = teams.part_of(blocks[0], blocks[1], team.tiles[piece, 1], team.tiles[piece, 2])
         add_reactions(team, fx, fy, LANES * begin, LANES * end)
 
 
@@ -122,7 +113,7 @@ def add_chunk(model, team, contact, k, fx, fy, neighbours, chunk):
     one = model.surfaces[own]
     active = active_of(neighbours)
     first, last = first_block(active, one, own), last_block(active, one, own)
-    begin, end = part_of(first, last, chunk, team.reach.shape[0])
+    begin, end = teams.part_of(first, last, chunk, team.reach.shape[0])
     low, high = reach_of_rows(model, contact, k, begin, end, neighbours)
     team.reach[chunk, 0] = low
     team.reach[chunk, 1] = high

@@ -10,17 +10,21 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels import records as rows
 from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
     all_coordinates,
     clear,
     column_of,
-    column_of_constants,
+    constant,
+    contact_on,
     coordinates,
+    directions,
     first_block,
     last_block,
     numbers,
     own_number,
+    plus,
     set_all,
     set_vectors,
     vectors,
@@ -30,41 +34,7 @@ from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import bar_velocity, bob_position
 from tribo.kernels.langevin import friction_force
 from tribo.kernels.neighbours import crowded, refresh
-from tribo.kernels.records import (
-    BAR_LENGTH,
-    BARS,
-    FORCED,
-    FX,
-    FY,
-    I2,
-    INVERSE_INERTIA,
-    INVERSE_MASS,
-    KAPPA,
-    L1,
-    L2,
-    LEFT_X,
-    LEFT_Y,
-    MASS,
-    NU_START,
-    OWN_LOAD,
-    OWN_SPEED,
-    OWN_STIFFNESS,
-    OWN_VX,
-    OWN_VY,
-    PHI_START,
-    PRESENT,
-    PULLED,
-    PUSHED,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGID,
-    TX,
-    TY,
-    X_START,
-    Y_START,
-    X,
-    Y,
-)
+from tribo.kernels.records import BARS, FORCED, PULLED, PUSHED, RIGID
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces
 
@@ -74,8 +44,7 @@ def bar_angles(model, s, i, t, q):
     """phi of a block: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
         return coordinates(s.dof_phi, s, i, q)
-    a, c = model.constants, column_of_constants(s, i)
-    return block(a[PHI_START], c) + block(a[NU_START], c) * t
+    return constant(model, rows.PHI_START, s, i) + constant(model, rows.NU_START, s, i) * t
 
 
 @inlined
@@ -93,22 +62,20 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 @inlined
 def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
-    a = model.constants
     b = model.bobs
-    c = column_of_constants(s, i)
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
-    place_bars(model.displaced, s, i, x, y, block(a[L2], c), sin, versine)
-    x = block(model.each[X_START], i) + own_number(model.own, OWN_VX, s.vx, i) * t + x
-    y = block(model.each[Y_START], i) + own_number(model.own, OWN_VY, s.vy, i) * t + y
-    x, y = bob_position(x, y, block(a[L1], c), tx, ty)
-    set_block(b[X], i, x)
-    set_block(b[Y], i, y)
-    set_block(b[TX], i, tx)
-    set_block(b[TY], i, ty)
-    set_block(b[FX], i, broadcast(0.0))
-    set_block(b[FY], i, broadcast(0.0))
+    place_bars(model.displaced, s, i, x, y, constant(model, rows.L2, s, i), sin, versine)
+    x = block(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
+    y = block(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
+    x, y = bob_position(x, y, constant(model, rows.L1, s, i), tx, ty)
+    set_block(b[rows.X], i, x)
+    set_block(b[rows.Y], i, y)
+    set_block(b[rows.TX], i, tx)
+    set_block(b[rows.TY], i, ty)
+    set_block(b[rows.FX], i, broadcast(0.0))
+    set_block(b[rows.FY], i, broadcast(0.0))
 
 
 @kernel
@@ -126,10 +93,8 @@ def velocities_of_bars(model, s, i, v):
     """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
     vx = coordinates(s.dof_x, s, i, v)
     vy = coordinates(s.dof_y, s, i, v)
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
-    l2 = block(model.constants[L2], column_of_constants(s, i))
-    return bar_velocity(vx, vy, block(v, i), l2, tx, ty)
+    l2 = constant(model, rows.L2, s, i)
+    return bar_velocity(vx, vy, block(v, i), l2, *directions(model, i))
 
 
 @kernel
@@ -144,7 +109,7 @@ def friction_forces(model, friction, v):
             for i in range(s.start, s.stop, LANES):
                 vx, vy = velocities_of_bars(model, s, i, v)
                 fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
-                present = block(model.each[PRESENT], i)
+                present = block(model.each[rows.PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
 
 
@@ -166,7 +131,7 @@ def gather_contact(model, members):
         if s.drive == RIGID:
             total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
-                total = total + block(model.bobs[FX], i)
+                total = total + block(model.bobs[rows.FX], i)
             if members is None:
                 s.fx = sum_of_lanes(total)
             else:
@@ -184,28 +149,27 @@ def gathered_contact(members, s):
 @inlined
 def drive_of_block(model, s, i, t, q):
     """f2 on a block of bars, contact forces in place."""
-    b = model.bobs
-    fx = block(b[FX], i)
-    fy = block(b[FY], i)
-    c = column_of_constants(s, i)
+    fx, fy = contact_on(model, i)
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
-        gx = block(model.constants[MASS], c) * (gathered_contact(model.members, s) / s.mass) - fx
+        total = gathered_contact(model.members, s)
+        gx = constant(model, rows.MASS, s, i) * (total / s.mass) - fx
     elif s.drive == PULLED:
-        bar = coordinates(s.dof_x, s, i, q) - block(model.constants[L2], c) * block(b[TY], i)
-        stiffness = own_number(model.own, OWN_STIFFNESS, s.stiffness, i)
-        speed = own_number(model.own, OWN_SPEED, s.speed, i)
+        bar = constant(model, rows.L2, s, i) * block(model.bobs[rows.TY], i)
+        bar = coordinates(s.dof_x, s, i, q) - bar
+        stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
+        speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
         gx = stiffness * ((s.anchor + speed * t) - bar)
     elif s.drive == PUSHED:
         gx = broadcast(s.push + s.push_rate * t)
     else:
         gx = broadcast(0.0)
-    load = own_number(model.own, OWN_LOAD, s.load, i)
+    load = own_number(model.own, rows.OWN_LOAD, s.load, i)
     gy = load + s.load_rate * t if s.loaded else -fy
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
-    present = block(model.each[PRESENT], i)
+    present = block(model.each[rows.PRESENT], i)
     return present * gx, present * gy
 
 
@@ -241,12 +205,18 @@ def forces(model, neighbours, t):
 
 
 @inlined
+def forces_on_ends(end_forces, i):
+    """f_L and f_R of a plug-in on a block of bars."""
+    left = block(end_forces[rows.LEFT_X], i), block(end_forces[rows.LEFT_Y], i)
+    return left, (block(end_forces[rows.RIGHT_X], i), block(end_forces[rows.RIGHT_Y], i))
+
+
+@inlined
 def end_force_sums(end_forces, i):
     """f_L + f_R of a plug-in on a block of bars."""
     if end_forces is None:
         return broadcast(-0.0), broadcast(-0.0)
-    x = block(end_forces[LEFT_X], i) + block(end_forces[RIGHT_X], i)
-    return x, block(end_forces[LEFT_Y], i) + block(end_forces[RIGHT_Y], i)
+    return plus(*forces_on_ends(end_forces, i))
 
 
 @inlined
@@ -255,44 +225,31 @@ def end_torques(model, end_forces, s, i, t, q):
     if end_forces is None:
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
-    half = 0.5 * block(model.constants[BAR_LENGTH], column_of_constants(s, i))
-    x = block(end_forces[RIGHT_X], i) - block(end_forces[LEFT_X], i)
-    y = block(end_forces[RIGHT_Y], i) - block(end_forces[LEFT_Y], i)
-    return half * (cos * y - sin * x)
+    half = 0.5 * constant(model, rows.BAR_LENGTH, s, i)
+    left, right = forces_on_ends(end_forces, i)
+    return half * (cos * (right[1] - left[1]) - sin * (right[0] - left[0]))
 
 
 @inlined
 def bar_forces(model, i, drive):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
-    x, y = drive
-    fx, fy = vectors(model.internal, i)
-    x, y = x + fx, y + fy
-    fx, fy = vectors(model.friction, i)
-    x, y = x + fx, y + fy
-    fx, fy = end_force_sums(model.end_forces, i)
-    return x + fx, y + fy
+    force = plus(plus(drive, vectors(model.internal, i)), vectors(model.friction, i))
+    return plus(force, end_force_sums(model.end_forces, i))
 
 
 @inlined
 def bob_forces(model, i):
     """Force on a block of bobs: f1, contact within the surface, and external fields."""
-    x = block(model.bobs[FX], i)
-    y = block(model.bobs[FY], i)
-    fx, fy = vectors(model.inner, i)
-    x, y = x + fx, y + fy
-    fx, fy = vectors(model.external, i)
-    return x + fx, y + fy
+    inner, external = vectors(model.inner, i), vectors(model.external, i)
+    return plus(plus(contact_on(model, i), inner), external)
 
 
 @inlined
 def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     """Torque on a block of pendulums, but for that of the torsion springs."""
-    a = model.constants
-    c = column_of_constants(s, i)
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
-    torque = block(a[L1], c) * (tx * bob_x + ty * bob_y)
-    torque = torque - block(a[L2], c) * (tx * bar_x + ty * bar_y)
+    tx, ty = directions(model, i)
+    torque = constant(model, rows.L1, s, i) * (tx * bob_x + ty * bob_y)
+    torque = torque - constant(model, rows.L2, s, i) * (tx * bar_x + ty * bar_y)
     return torque + numbers(model.swing_friction, i)
 
 
@@ -303,22 +260,20 @@ def accelerations(model, s, i, torsion, t, q, drive):
     `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  `drive` is
     f2.  Clamped ends have f_L + f_R = 0, and act on the bar's angle only.
     """
-    a = model.constants
-    c = column_of_constants(s, i)
     bob_x, bob_y = bob_forces(model, i)
     bar_x, bar_y = bar_forces(model, i, drive)
     torque = torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
     turning = broadcast(0.0)
     if torsion != 0.0 or s.dof_phi >= 0:
         twist = block(q, i) - bar_angles(model, s, i, t, q)
-        spring = torsion * block(a[KAPPA], c) * twist
+        spring = torsion * constant(model, rows.KAPPA, s, i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
             ends = end_torques(model, model.end_forces, s, i, t, q)
-            turning = (spring + ends) / block(a[I2], c)
-    mobility = block(a[INVERSE_MASS], c)
+            turning = (spring + ends) / constant(model, rows.I2, s, i)
+    mobility = constant(model, rows.INVERSE_MASS, s, i)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
-    return torque * block(a[INVERSE_INERTIA], c), turning, x, y
+    return torque * constant(model, rows.INVERSE_INERTIA, s, i), turning, x, y
 
 
 @inlined
@@ -354,18 +309,17 @@ def top_speeds(model, active, t, q, v, speeds):
     the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
     not set.
     """
-    a = model.constants
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for n in range(first_block(active, s, k), last_block(active, s, k)):
             i = column_of(active, n)
-            c = column_of_constants(s, i)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)
-            stiffness = block(a[KAPPA], c) * block(a[INVERSE_INERTIA], c)
+            stiffness = constant(model, rows.KAPPA, s, i)
+            stiffness = stiffness * constant(model, rows.INVERSE_INERTIA, s, i)
             rate = stiffness * twist * twist + omega * omega
-            vx = own_number(model.own, OWN_VX, s.vx, i)
-            vy = own_number(model.own, OWN_VY, s.vy, i)
+            vx = own_number(model.own, rows.OWN_VX, s.vx, i)
+            vy = own_number(model.own, rows.OWN_VY, s.vy, i)
             set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
-            set_block(speeds[2], i, block(a[L1], c) * sqrt(rate))
+            set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))

@@ -9,21 +9,21 @@ pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block
-from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.records import L1, L2, TX, TY
+from tribo.kernels.blocks import column_of_constants, constant, directions
+from tribo.kernels.records import L1, L2
 
 
 @inlined
 def lever_of_bob(model, pivots, s, i):
     """Distance from the centre of mass to the bob, of a block."""
-    lever = block(model.constants[L1], column_of_constants(s, i))
+    lever = constant(model, L1, s, i)
     return lever if pivots is None else lever - pivot_lengths(pivots, s, i)
 
 
 @inlined
 def lever_of_bar(model, pivots, s, i):
     """Distance from the centre of mass to the bar, of a block."""
-    lever = block(model.constants[L2], column_of_constants(s, i))
+    lever = constant(model, L2, s, i)
     return lever if pivots is None else lever + pivot_lengths(pivots, s, i)
 
 
@@ -42,4 +42,5 @@ def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
     if pivots is None:
         return vx, vy
     speed = pivot_lengths(pivots, s, i) * omega
-    return vx + speed * block(model.bobs[TX], i), vy + speed * block(model.bobs[TY], i)
+    tx, ty = directions(model, i)
+    return vx + speed * tx, vy + speed * ty

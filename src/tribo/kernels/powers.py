@@ -35,45 +35,23 @@ from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
+from tribo.kernels import equations_of_motion as equations
+from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
     all_coordinates,
-    column_of_constants,
+    constant,
+    contact_on,
     coordinates,
+    directions,
     is_fixed,
+    plus,
     vectors,
-)
-from tribo.kernels.equations_of_motion import (
-    bar_angles,
-    bar_forces,
-    bob_forces,
-    end_force_sums,
-    torques,
 )
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
-from tribo.kernels.records import (
-    ALONG_X,
-    ALONG_Y,
-    BAR_LENGTH,
-    BARS,
-    FX,
-    FY,
-    INVERSE_BAR_LENGTH,
-    KAPPA,
-    L2,
-    LEFT_X,
-    LEFT_Y,
-    MASS,
-    NU_START,
-    RIGHT_X,
-    RIGHT_Y,
-    TX,
-    TY,
-    X,
-    Y,
-)
+from tribo.kernels.records import BARS
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
 CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
@@ -136,25 +114,21 @@ def set_four(power, s, slot, i, first, second, third, fourth):
 def held_torques(model, fixed, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
     if is_fixed(fixed, s):
-        bob_x, bob_y = bob_forces(model, i)
-        bar_x, bar_y = bar_forces(model, i, vectors(model.drive, i))
-        return torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
-    return block(model.constants[KAPPA], column_of_constants(s, i)) * (block(q, i) - phi)
+        bob_x, bob_y = equations.bob_forces(model, i)
+        bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
+        return equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
+    return constant(model, rows.KAPPA, s, i) * (block(q, i) - phi)
 
 
 @inlined
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
-    a = model.constants
-    c = column_of_constants(s, i)
-    phi = bar_angles(model, s, i, t, q)
+    phi = equations.bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
-    sin, cos = sine_cosine(phi)
-    x, y = end_force(torque, block(a[INVERSE_BAR_LENGTH], c), sin, cos)
-    tx = block(model.bobs[TX], i)
-    ty = block(model.bobs[TY], i)
-    with_bar = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
-    turning = -0.5 * torque * block(a[NU_START], c)
+    x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
+    lever = -lever_of_bar(model, model.pivots, s, i)
+    with_bar = rotational_power(lever, omega, *directions(model, i), x, y)
+    turning = -0.5 * torque * constant(model, rows.NU_START, s, i)
     k = s.acc_ends
     set_four(power, s, k, i, turning + with_bar, turning - with_bar, x, y)
     set_power(power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
@@ -165,21 +139,14 @@ def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     if end_forces is not None:
         if s.acc_user_ends >= 0:
-            a = model.constants
-            c = column_of_constants(s, i)
-            left_x = block(end_forces[LEFT_X], i)
-            left_y = block(end_forces[LEFT_Y], i)
-            right_x = block(end_forces[RIGHT_X], i)
-            right_y = block(end_forces[RIGHT_Y], i)
-            sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
+            (left_x, left_y), (right_x, right_y) = equations.forces_on_ends(end_forces, i)
+            sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
             omega, nu, vx, vy = velocities
-            tip = 0.5 * block(a[BAR_LENGTH], c) * nu
+            tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
             tip_x = -tip * sin
             tip_y = tip * cos
-            zero = broadcast(0.0)
-            tx = block(model.bobs[TX], i)
-            ty = block(model.bobs[TY], i)
-            x, y = bar_velocity(zero, zero, omega, block(a[L2], c), tx, ty)
+            zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
+            x, y = bar_velocity(zero, zero, omega, l2, *directions(model, i))
             left = left_x * (x - tip_x) + left_y * (y - tip_y)
             right = right_x * (x + tip_x) + right_y * (y + tip_y)
             k = s.acc_user_ends
@@ -199,9 +166,7 @@ def set_point_powers(model, table, lever, slot, s, i, omega, vx, vy, power):
     if table is not None:
         if slot >= 0:
             x, y = vectors(table, i)
-            tx = block(model.bobs[TX], i)
-            ty = block(model.bobs[TY], i)
-            about = rotational_power(lever, omega, tx, ty, x, y)
+            about = rotational_power(lever, omega, *directions(model, i), x, y)
             set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
@@ -210,37 +175,32 @@ def set_swing_powers(model, swing_friction, s, i, omega, power):
     """Set the power of the Langevin friction on the swings."""
     if swing_friction is not None:
         if s.acc_swing >= 0:
-            x = block(swing_friction[0], i) * omega
-            set_power(power, s, s.acc_swing, i, x)
+            set_power(power, s, s.acc_swing, i, block(swing_friction[0], i) * omega)
 
 
 @inlined
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
-        tx = block(model.bobs[TX], i)
-        ty = block(model.bobs[TY], i)
+        tx, ty = directions(model, i)
         x, y = vectors(model.internal, i)
         about = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
         bob_x, bob_y = vectors(model.inner, i)
         lever = lever_of_bob(model, model.pivots, s, i)
         about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
-        x = x + bob_x
-        y = y + bob_y
+        x, y = x + bob_x, y + bob_y
         set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
 def set_contact_powers(model, sums, s, i, omega, power):
     """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
-    x = block(model.bobs[FX], i)
-    y = block(model.bobs[FY], i)
-    along_x = x * omega * block(model.bobs[TX], i)
-    along_y = y * omega * block(model.bobs[TY], i)
+    x, y = contact_on(model, i)
+    tx, ty = directions(model, i)
+    along_x, along_y = x * omega * tx, y * omega * ty
     if sums is not None:
         lever = lever_of_bob(model, model.pivots, s, i)
-        along_x = lever * along_x
-        along_y = lever * along_y
+        along_x, along_y = lever * along_x, lever * along_y
     set_four(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
@@ -252,7 +212,8 @@ def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
     """
     if s.acc_drive >= 0 and s.drive != BARS:
         x, y = vectors(model.drive, i)
-        about = omega * (block(model.bobs[TX], i) * x + block(model.bobs[TY], i) * y)
+        tx, ty = directions(model, i)
+        about = omega * (tx * x + ty * y)
         if sums is not None:
             about = lever_of_bar(model, model.pivots, s, i) * about
         set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
@@ -270,10 +231,9 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         set_contact_powers(model, model.sums, s, i, omega, power)
         if s.acc_slide >= 0:
-            k = s.acc_slide
-            set_power(power, s, k, i, block(model.bobs[FX], i) * vx)
-            k += s.account_stride
-            set_power(power, s, k, i, block(model.bobs[FY], i) * vy)
+            fx, fy = contact_on(model, i)
+            set_power(power, s, s.acc_slide, i, fx * vx)
+            set_power(power, s, s.acc_slide + s.account_stride, i, fy * vy)
         set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
         if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
             clamped_ends(model, s, i, t, q, omega, vx, vy, power)
@@ -297,8 +257,8 @@ def field_powers(model, fields, t, power):
                 for k in range(field.surfaces.shape[0]):
                     s = model.surfaces[field.surfaces[k]]
                     for i in range(s.start, s.end):
-                        x = model.bobs[X, i] + lane_of(shift_x, i)
-                        y = model.bobs[Y, i] + lane_of(shift_y, i)
+                        x = model.bobs[rows.X, i] + lane_of(shift_x, i)
+                        y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
                         fx, fy = field.potential.force_at(x, y)
                         place = i % LANES
                         done = lane(total, place) + fx * field.drift[0] + fy * field.drift[1]
@@ -329,7 +289,7 @@ def momentum(model, s, v):
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        mass = block(model.constants[MASS], column_of_constants(s, i))
+        mass = constant(model, rows.MASS, s, i)
         x, y = vectors(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
@@ -339,18 +299,12 @@ def momentum(model, s, v):
 @inlined
 def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface, Lanes of members."""
-    fx = broadcast(0.0)
-    fy = broadcast(0.0)
+    total = broadcast(0.0), broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        fx = fx + block(model.bobs[FX], i) + block(model.drive[ALONG_X], i)
-        fy = fy + block(model.bobs[FY], i) + block(model.drive[ALONG_Y], i)
-        x, y = vectors(model.external, i)
-        fx, fy = fx + x, fy + y
-        x, y = vectors(model.friction, i)
-        fx, fy = fx + x, fy + y
-        x, y = end_force_sums(model.end_forces, i)
-        fx, fy = fx + x, fy + y
-    return sum_of_runs(model.members, fx), sum_of_runs(model.members, fy)
+        total = plus(plus(total, contact_on(model, i)), vectors(model.drive, i))
+        total = plus(plus(total, vectors(model.external, i)), vectors(model.friction, i))
+        total = plus(total, equations.end_force_sums(model.end_forces, i))
+    return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
 
 
 @inlined

@@ -4,35 +4,14 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
+from tribo.kernels import equations_of_motion as equations
+from tribo.kernels import records as rows
+from tribo.kernels.blocks import constant, contact_on, set_vectors, vectors
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
-from tribo.kernels.equations_of_motion import (
-    accelerate,
-    bar_angles,
-    drive_forces,
-    equations_of_motion,
-    forces,
-    friction_forces,
-    swing_frictions,
-    update_neighbours,
-)
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.neighbours import crowded, rebuild
 from tribo.kernels.powers import held_torques
-from tribo.kernels.records import (
-    CHARGE,
-    FX,
-    FY,
-    INVERSE_BAR_LENGTH,
-    LEFT_X,
-    LEFT_Y,
-    RIGHT_X,
-    RIGHT_Y,
-    X,
-    Y,
-    Z,
-)
 from tribo.kernels.samples import PULL_X, PULL_Y
 from tribo.kernels.user_forces import custom_forces
 
@@ -66,23 +45,22 @@ def add_bath(internal, found, baths, i):
 def set_ends(model, end_forces, s, i, t, q, found):
     """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
-        c = column_of_constants(s, i)
-        phi = bar_angles(model, s, i, t, q)
+        phi = equations.bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
-        sin, cos = sine_cosine(phi)
-        x, y = end_force(torque, block(model.constants[INVERSE_BAR_LENGTH], c), sin, cos)
+        x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
         set_pair(found, LEFT, i, x, y)
         set_pair(found, RIGHT, i, -x, -y)
     if end_forces is not None:
         if s.user_ends == 1:
-            set_pair(found, LEFT, i, block(end_forces[LEFT_X], i), block(end_forces[LEFT_Y], i))
-            set_pair(found, RIGHT, i, block(end_forces[RIGHT_X], i), block(end_forces[RIGHT_Y], i))
+            left, right = equations.forces_on_ends(end_forces, i)
+            set_pair(found, LEFT, i, *left)
+            set_pair(found, RIGHT, i, *right)
 
 
 @kernel
 def note_forces(model, s, i, t, q, acceleration, found):
     """Set what is found of a block, forces and accelerations in place."""
-    set_pair(found, F1, i, block(model.bobs[FX], i), block(model.bobs[FY], i))
+    set_pair(found, F1, i, *contact_on(model, i))
     set_pair(found, WITHIN, i, *vectors(model.inner, i))
     set_pair(found, FIELD, i, *vectors(model.external, i))
     set_pair(found, F2, i, *vectors(model.drive, i))
@@ -103,18 +81,18 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
         for m in range(places.size):
             q[places[m]] = y[k, m]
             v[places[m]] = y[k, places.size + m]
-        if not update_neighbours(model, neighbours, t, q):
+        if not equations.update_neighbours(model, neighbours, t, q):
             return k
-        forces(model, neighbours, t)
+        equations.forces(model, neighbours, t)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
                 add_bath(model.internal, found[k], baths[k], i)
-        drive_forces(model, None, t, q)
-        friction_forces(model, model.friction, v)
-        swing_frictions(model, model.swing_friction, v)
+        equations.drive_forces(model, None, t, q)
+        equations.friction_forces(model, model.friction, v)
+        equations.swing_frictions(model, model.swing_friction, v)
         custom_forces(model, t, q, v)
-        accelerate(model, 1.0, t, q, acceleration)
+        equations.accelerate(model, 1.0, t, q, acceleration)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
@@ -122,23 +100,23 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
     return times.size
 
 
-def contact_probe(model, neighbours, begin, columns, positions, charges, energies, forces):
+def contact_probe(model, neighbours, begin, columns, positions, charges, energies, found):
     """Compute the contact energy, and the force on every bob, of arrangements from `begin` on.
 
     Returns the number of those that are done: fewer than all where the neighbour list needs more
-    room.  columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), forces
-    (k, n, 2).
+    room.  columns (n,) of the bobs, positions (k, n, 3), charges (k, n), energies (k,), and
+    the forces `found` (k, n, 2).
     """
     bobs = model.bobs
     for k in range(begin, positions.shape[0]):
         for m in range(columns.size):
             i = columns[m]
-            bobs[X, i] = positions[k, m, 0]
-            bobs[Y, i] = positions[k, m, 1]
-            model.each[Z, i] = positions[k, m, 2]
-            model.each[CHARGE, i] = charges[k, m]
-            bobs[FX, i] = 0.0
-            bobs[FY, i] = 0.0
+            bobs[rows.X, i] = positions[k, m, 0]
+            bobs[rows.Y, i] = positions[k, m, 1]
+            model.each[rows.Z, i] = positions[k, m, 2]
+            model.each[rows.CHARGE, i] = charges[k, m]
+            bobs[rows.FX, i] = 0.0
+            bobs[rows.FY, i] = 0.0
         if neighbours is not None:
             rebuild(model, neighbours)
         if crowded(neighbours):
@@ -146,8 +124,8 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
         contact_forces(model, neighbours)
         energies[k] = contact_energy(model, neighbours, None)
         for m in range(columns.size):
-            forces[k, m, 0] = bobs[FX, columns[m]]
-            forces[k, m, 1] = bobs[FY, columns[m]]
+            found[k, m, 0] = bobs[rows.FX, columns[m]]
+            found[k, m, 1] = bobs[rows.FY, columns[m]]
     return positions.shape[0]
 
 
@@ -156,7 +134,7 @@ def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
 
     Returns 1, or `begin`, which is 0, where the neighbour list needs more room.
     """
-    if not update_neighbours(model, neighbours, t, q):
+    if not equations.update_neighbours(model, neighbours, t, q):
         return begin
-    equations_of_motion(model, neighbours, t, q, v, acceleration)
+    equations.equations_of_motion(model, neighbours, t, q, v, acceleration)
     return 1

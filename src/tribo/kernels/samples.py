@@ -7,16 +7,8 @@ from numba import literal_unroll
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
-from tribo.kernels.baths import (
-    bar_angle,
-    first_slot,
-    oscillator_energy,
-    oscillator_kinetic,
-    oscillator_momentum,
-    pull,
-    torsional_slot,
-)
-from tribo.kernels.blocks import clear, first_column, stride_of
+from tribo.kernels import baths
+from tribo.kernels.blocks import clear, first_column, halves, stride_of
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.springs import spring_energies
@@ -116,10 +108,10 @@ def bath_energies(model, bath, q, v, stored, lane):
                 for i in range(first_column(s, lane), s.end, stride_of(lane)):
                     energy = 0.0
                     for axis in range(2):
-                        m = first_slot(s, i) + axis * count
+                        m = baths.first_slot(s, i) + axis * count
                         bar = model.displaced[axis, i]
-                        energy += oscillator_energy(bath, first, count, q, v, m, bar)
-                        momentum = oscillator_momentum(bath, first, count, v, m)
+                        energy += baths.oscillator_energy(bath, first, count, q, v, m, bar)
+                        momentum = baths.oscillator_momentum(bath, first, count, v, m)
                         stored[k, MOMENTUM_X + axis] += momentum
                     stored[k, BATH] += energy
 
@@ -144,9 +136,9 @@ def torsional_energies(model, torsional, t, q, v, stored, lane):
             count = s.torsionals
             if count > 0:
                 for i in range(first_column(s, lane), s.end, stride_of(lane)):
-                    phi = bar_angle(model, s, i, t, q)
-                    m = torsional_slot(s, i)
-                    energy = oscillator_energy(torsional, first, count, q, v, m, phi)
+                    phi = baths.bar_angle(model, s, i, t, q)
+                    m = baths.torsional_slot(s, i)
+                    energy = baths.oscillator_energy(torsional, first, count, q, v, m, phi)
                     stored[k, TORSIONAL] += energy
 
 
@@ -164,10 +156,10 @@ def write_baths(model, bath, q, v, record):
             count = s.oscillators
             for i in range(s.start, s.end):
                 for axis in range(2):
-                    m = first_slot(s, i) + axis * count
+                    m = baths.first_slot(s, i) + axis * count
                     bar = model.displaced[axis, i]
-                    record[PULL_X + axis, i] = pull(bath, first, count, q, m, bar)
-                    record[KINETIC, i] += oscillator_kinetic(bath, first, count, v, m)
+                    record[PULL_X + axis, i] = baths.pull(bath, first, count, q, m, bar)
+                    record[KINETIC, i] += baths.oscillator_kinetic(bath, first, count, v, m)
                     for n in range(min(half, count)):
                         record[BATH_ROWS + axis * half + n, i] = q[m + n] - bar
 
@@ -179,8 +171,8 @@ def add_torsional_kinetic(model, torsional, v, record):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(s.start, s.end):
-                m = torsional_slot(s, i)
-                energy = oscillator_kinetic(torsional, s.first_torsional, s.torsionals, v, m)
+                m = baths.torsional_slot(s, i)
+                energy = baths.oscillator_kinetic(torsional, s.first_torsional, s.torsionals, v, m)
                 record[KINETIC, i] += energy
 
 
@@ -202,9 +194,7 @@ def write_sample(model, neighbours, clock, state, record):
 @kernel
 def write_row(model, neighbours, t, state, record, k, lane):
     """Record the state at time t in row k of a record, for `lane` that of one member."""
-    n = state.y.size // 2
-    q = state.y[:n]
-    v = state.y[n:]
+    q, v = halves(state.y)
     for m in range(record.y_places.size):
         record.y[k, m] = state.y[first_place(record.y_places[m], lane)]
     for m in range(record.s_places.size):

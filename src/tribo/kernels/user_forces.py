@@ -4,25 +4,10 @@ from numba import literal_unroll
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.numbers_in_lanes import lane_of
+from tribo.kernels import records as rows
 from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.kinematics import bar_position, bar_velocity
-from tribo.kernels.records import (
-    ALONG_X,
-    ALONG_Y,
-    FX,
-    FY,
-    L1,
-    L2,
-    LEFT_X,
-    LEFT_Y,
-    RIGHT_X,
-    RIGHT_Y,
-    TX,
-    TY,
-    X,
-    Y,
-)
 
 
 @kernel
@@ -41,18 +26,20 @@ def custom_drives(model, drives, t, q, v):
             s = model.surfaces[drive.surface]
             for i in range(s.start, s.end):
                 c = column_of_constants(s, i)
-                tx, ty = b[TX, i], b[TY, i]
-                x, y = bar_position(b[X, i], b[Y, i], a[L1, c] + a[L2, c], tx, ty)
+                tx, ty = b[rows.TX, i], b[rows.TY, i]
+                x, y = bar_position(
+                    b[rows.X, i], b[rows.Y, i], a[rows.L1, c] + a[rows.L2, c], tx, ty
+                )
                 now = lane_of(t, i)
                 x = x + drive.origin[0] + drive.velocity[0] * now
                 y = y + drive.origin[1] + drive.velocity[1] * now
                 vx, vy = coordinate(s.dof_x, s, i, v), coordinate(s.dof_y, s, i, v)
-                vx, vy = bar_velocity(vx, vy, v[i], a[L2, c], tx, ty)
+                vx, vy = bar_velocity(vx, vy, v[i], a[rows.L2, c], tx, ty)
                 vx += s.vx + drive.velocity[0]
                 vy += s.vy + drive.velocity[1]
-                gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, b[FX, i], b[FY, i])
-                model.drive[ALONG_X, i] = gx
-                model.drive[ALONG_Y, i] = s.load if s.loaded else gy
+                gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, b[rows.FX, i], b[rows.FY, i])
+                model.drive[rows.ALONG_X, i] = gx
+                model.drive[rows.ALONG_Y, i] = s.load if s.loaded else gy
 
 
 @kernel
@@ -67,10 +54,10 @@ def custom_ends(model, ends, t, q, v):
                 now = lane_of(t, i)
                 found = end.plugin.end_forces(now, phi, nu, q[i] - phi)
                 left_x, left_y, right_x, right_y = found
-                model.end_forces[LEFT_X, i] = left_x
-                model.end_forces[LEFT_Y, i] = left_y
-                model.end_forces[RIGHT_X, i] = right_x
-                model.end_forces[RIGHT_Y, i] = right_y
+                model.end_forces[rows.LEFT_X, i] = left_x
+                model.end_forces[rows.LEFT_Y, i] = left_y
+                model.end_forces[rows.RIGHT_X, i] = right_x
+                model.end_forces[rows.RIGHT_Y, i] = right_y
 
 
 @kernel

@@ -5,29 +5,22 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tribo.model.comparison import ComparedByValue
-from tribo.validation import (
-    ANY,
-    NOT_NEGATIVE,
-    POSITIVE,
-    InputError,
-    is_list,
-    must_be,
-    number_or_array,
-)
+from tribo import validation as check
+from tribo.model.tables import ComparedByValue
+from tribo.validation import InputError, is_list, must_be
 
 # One number for all asperites of a surface, or an array with one number per asperite.
 Each = float | np.ndarray
 
 # Condition and unit of each parameter.
 LIMITS = {
-    "m1": (POSITIVE, "mass"),
-    "m2": (POSITIVE, "mass"),
-    "kappa": (NOT_NEGATIVE, "torque / rad"),
-    "length": (POSITIVE, "length"),
-    "bar_length": (POSITIVE, "length"),
-    "i2": (POSITIVE, "mass length^2"),
-    "charge": (ANY, "charge"),
+    "m1": (check.POSITIVE, "mass"),
+    "m2": (check.POSITIVE, "mass"),
+    "kappa": (check.NOT_NEGATIVE, "torque / rad"),
+    "length": (check.POSITIVE, "length"),
+    "bar_length": (check.POSITIVE, "length"),
+    "i2": (check.POSITIVE, "mass length^2"),
+    "charge": (check.ANY, "charge"),
 }
 
 
@@ -93,7 +86,7 @@ class Asperite(ComparedByValue):
             if name == "kappa" and _are_infinite(value):
                 value = np.full(len(value), math.inf) if is_list(value) else math.inf
             else:
-                value = number_or_array(name, value, condition, unit)
+                value = check.number_or_array(name, value, condition, unit)
             object.__setattr__(self, name, value)
 
     @property

@@ -10,20 +10,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tribo.model.comparison import ComparedByValue
+from tribo import validation as check
 from tribo.model.recurrence import KINDS, Kind
 from tribo.model.spectrum import Spectrum
-from tribo.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    InputError,
-    choice,
-    inside,
-    known_keys,
-    must_be,
-    number,
-    vector,
-)
+from tribo.model.tables import ComparedByValue
+from tribo.validation import InputError, inside, must_be
 
 # Keys that the table of a bath needs together with `spectrum`.
 SPECTRAL_KEYS = ("gamma", "cutoff", "n")
@@ -70,11 +61,11 @@ class Bath(ComparedByValue):
             ("masses", "frequencies", "mass"),
             ("inertias", "torsional_frequencies", "mass length^2"),
         ):
-            put(self, sizes, vector(sizes, getattr(self, sizes), POSITIVE, unit=unit))
+            put(self, sizes, check.vector(sizes, getattr(self, sizes), check.POSITIVE, unit=unit))
             count = getattr(self, sizes).size
-            frequencies = vector(rates, getattr(self, rates), POSITIVE, count, "rad / time")
-            put(self, rates, frequencies)
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
+            given = getattr(self, rates)
+            put(self, rates, check.vector(rates, given, check.POSITIVE, count, "rad / time"))
+        check.fields(self, temperature=check.one(check.NOT_NEGATIVE, "energy"))
         if self.spectrum is not None:
             self._take_from_spectrum()
 
@@ -113,7 +104,7 @@ def as_bath(value: object) -> Bath:
         return Bath()
     if isinstance(value, Bath):
         return value
-    table = known_keys(value, KEYS)
+    table = check.known_keys(value, KEYS)
     settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
     if "spectrum" in table:
         settings["spectrum"] = _spectrum(table)
@@ -127,10 +118,10 @@ def as_bath(value: object) -> Bath:
 
 
 def _spectrum(table: dict[str, Any]) -> Spectrum:
-    kind: Kind = choice("spectrum", table["spectrum"], KINDS)
+    kind: Kind = check.choice("spectrum", table["spectrum"], KINDS)
     if "oscillators" in table:
         raise InputError("oscillators", "cannot go with spectrum; give one or the other")
-    known_keys(table, table, SPECTRAL_KEYS)
+    check.known_keys(table, table, SPECTRAL_KEYS)
     return Spectrum(kind, *(table[key] for key in SPECTRAL_KEYS))
 
 
@@ -142,9 +133,9 @@ def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], li
     columns: tuple[list[float], list[float]] = ([], [])
     for i, item in enumerate(items):
         with inside(f"{key}[{i}]"):
-            known_keys(item, [size, "frequency"], [size, "frequency"])
+            check.known_keys(item, [size, "frequency"], [size, "frequency"])
             for column, name in zip(columns, (size, "frequency"), strict=True):
-                column.append(number(name, item[name], POSITIVE, UNITS[name]))
+                column.append(check.number(name, item[name], check.POSITIVE, UNITS[name]))
     return columns
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from tribo import validation as check
 from tribo.plugins import classes as plugins
-from tribo.validation import NOT_NEGATIVE, InputError, boolean, choice, known_keys, number, vector
+from tribo.validation import InputError
 
 # Signatures of the methods that plug-ins need, as messages quote them.
 FORCE_ON_BAR = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
@@ -18,15 +19,9 @@ END_FORCES = "end_forces(self, t, phi, nu, twist)"
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A drive, and the load that may go with it.
+    """A drive, and the load N that may go with it, which presses every bar to the other surface.
 
-    A load N presses every bar against the other surface: f2_y is -N on a surface that faces
-    down and +N on one that faces up, in place of -f1_y.
-
-    Attributes
-    ----------
-    load : float, optional
-        Force N on each asperite [force]; None for f2_y = -f1_y.
+    f2_y is then -N on a surface that faces down and +N on one that faces up, in place of -f1_y.
     """
 
     load: float | None = None
@@ -39,8 +34,7 @@ class Drive:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        if self.load is not None:
-            object.__setattr__(self, "load", number("load", self.load, unit="force"))
+        check.fields(self, load=check.one(unit="force"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +66,7 @@ class Free(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        boolean("rigid", self.rigid)
+        check.boolean("rigid", self.rigid)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,9 +91,8 @@ class Pulled(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        stiffness = number("stiffness", self.stiffness, NOT_NEGATIVE, "force / length")
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "speed", number("speed", self.speed, unit="length / time"))
+        stiffness = check.one(check.NOT_NEGATIVE, "force / length")
+        check.fields(self, stiffness=stiffness, speed=check.one(unit="length / time"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,11 +116,10 @@ class Pushed(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, unit in (("force", "force"), ("rate", "force / time")):
-            values = vector(name, getattr(self, name), size=2, unit=unit)
-            object.__setattr__(self, name, tuple(values.tolist()))
-            if self.load is not None and values[1] != 0.0:
-                raise InputError(name, f"must be zero along y beside a load, got {values[1]:g}")
+        check.fields(self, force=check.pair(unit="force"), rate=check.pair(unit="force / time"))
+        for name, (_, along_y) in (("force", self.force), ("rate", self.rate)):
+            if self.load is not None and along_y != 0.0:
+                raise InputError(name, f"must be zero along y beside a load, got {along_y:g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,18 +200,18 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
     if isinstance(value, Drive) and type(value) is not Drive:
         return value
     if isinstance(value, str):
-        value = {"kind": choice("", value, KINDS)}
+        value = {"kind": check.choice("", value, KINDS)}
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
         name, load = parameters.pop("kind"), parameters.pop("load", None)
         force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
         return Custom(load=load, force=force)
-    table = known_keys(value, SETTINGS, ["kind"])
-    kind = KINDS[choice("kind", table.pop("kind"), KINDS)]
+    table = check.known_keys(value, SETTINGS, ["kind"])
+    kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind is DrivenBars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
     required = {Pulled: ["stiffness", "speed"], Pushed: ["force"]}.get(kind, [])
-    return kind(**known_keys(table, kind.__dataclass_fields__, required))
+    return kind(**check.known_keys(table, kind.__dataclass_fields__, required))
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
@@ -243,7 +235,7 @@ def as_bars(value: object, folder: Path = Path()) -> str | Ends:
             raise InputError("ends", 'is missing; give "yourfile.py:YourClass"')
         name = parameters.pop("ends")
         return Ends(plugins.from_file("ends", name, parameters, folder, END_FORCES))
-    return choice("", value, ["clamped", "free"])
+    return check.choice("", value, ["clamped", "free"])
 
 
 def bars_as_table(bars: str | Ends) -> str | dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pulled, Pushed
+from tribo.model.drives import Custom, Drive, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.interaction import Interaction
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
@@ -96,6 +96,11 @@ def _surfaces(key: str, value: Callable[[Surface], object | None]) -> Finder:
     )
 
 
+def _drives(kind: type[Drive], key: str, value: Callable[[Any], object]) -> Finder:
+    """Finds the drives of a kind, with a value of each."""
+    return _surfaces(f"drive{key}", lambda s: value(s.drive) if isinstance(s.drive, kind) else None)
+
+
 def _reservoirs(on: str) -> Finder:
     """Finds the reservoirs on "bar" or "swing"; of two, by its place, which is 0 for the bars."""
     return lambda scene: (
@@ -157,25 +162,10 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
         _surfaces("bars", lambda s: None if s.bars == "clamped" else _class(s.bars)),
     ),
     Effect.CLAMPED_ENDS: ("no clamped bar holds a torsion spring", _surfaces("bars", _clamped)),
-    Effect.PULL: (
-        'no drive is "pulled"',
-        _surfaces(
-            "drive.stiffness", lambda s: s.drive.stiffness if isinstance(s.drive, Pulled) else None
-        ),
-    ),
-    Effect.PUSH: (
-        'no drive is "push"',
-        _surfaces(
-            "drive.force", lambda s: list(s.drive.force) if isinstance(s.drive, Pushed) else None
-        ),
-    ),
+    Effect.PULL: ('no drive is "pulled"', _drives(Pulled, ".stiffness", lambda d: d.stiffness)),
+    Effect.PUSH: ('no drive is "push"', _drives(Pushed, ".force", lambda d: list(d.force))),
     Effect.LOAD: ("no drive has a load", _surfaces("drive.load", lambda s: s.drive.load)),
-    Effect.OWN_DRIVE: (
-        "no drive is a plug-in",
-        _surfaces(
-            "drive", lambda s: _class(s.drive.force) if isinstance(s.drive, Custom) else None
-        ),
-    ),
+    Effect.OWN_DRIVE: ("no drive is a plug-in", _drives(Custom, "", lambda d: _class(d.force))),
     Effect.OWN_ENDS: (
         "no bars have a plug-in",
         _surfaces("bars", lambda s: _class(s.bars.force) if isinstance(s.bars, Ends) else None),
@@ -196,10 +186,7 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
         "no asperites have kappa = inf",
         _surfaces("asperite.kappa", lambda s: "inf" if s.asperite.is_rigid else None),
     ),
-    Effect.DRIVEN_BARS: (
-        'no drive is "bars"',
-        _surfaces("drive", lambda s: '"bars"' if isinstance(s.drive, DrivenBars) else None),
-    ),
+    Effect.DRIVEN_BARS: ('no drive is "bars"', _drives(DrivenBars, "", lambda _: '"bars"')),
     Effect.LANGEVIN: ("no surface has langevin on its bars", _reservoirs("bar")),
     Effect.SWING_LANGEVIN: ('no surface has langevin with on = "swing"', _reservoirs("swing")),
     Effect.FIELD: (

@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
-from tribo.validation import InputError, choice, is_list, must_be, vector
+from tribo.validation import InputError, is_list, must_be
 
 # Signature of the method that a plug-in needs, as messages quote it.
 ENERGY_AT = "energy_at(self, x, y)"
@@ -97,15 +98,14 @@ class Field:
     velocity: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "potential", as_field_potential(self.potential))
+        object.__setattr__(self, "potential", as_field_potential(self.potential))
         if not is_list(self.on) or len(self.on) == 0:
             raise must_be("on", "a list of names of surfaces", self.on)
         if any(name in self.on[:i] for i, name in enumerate(self.on)):
             raise must_be("on", "each surface once; a field acts once on each", self.on)
-        put(self, "on", tuple(self.on))
-        for name, unit in (("origin", "length"), ("velocity", "length / time")):
-            put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))
+        object.__setattr__(self, "on", tuple(self.on))
+        velocity = check.pair(unit="length / time")
+        check.fields(self, origin=check.pair(unit="length"), velocity=velocity)
 
 
 def as_field_potential(value: Any) -> Any:
@@ -134,7 +134,7 @@ def from_table(table: object, folder: Path) -> Field:
     kind = parameters.pop("kind")
     if plugins.is_named(kind):
         return Field(plugins.from_file("kind", kind, parameters, folder, ENERGY_AT), **settings)
-    cls = BUILT_IN[choice("kind", kind, BUILT_IN)]
+    cls = BUILT_IN[check.choice("kind", kind, BUILT_IN)]
     return Field(plugins.instance(cls, parameters), **settings)
 
 

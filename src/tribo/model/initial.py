@@ -1,12 +1,14 @@
 """How the asperites of a surface start: angles, displacements and rates, given or drawn."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.model.asperite import Each, broadcast
-from tribo.model.comparison import ComparedByValue
-from tribo.validation import NOT_NEGATIVE, InputError, number, number_or_array
+from tribo.model.tables import ComparedByValue
+from tribo.validation import InputError
 
 # Units of the initial angles and their rates.
 UNITS = {"theta": "rad", "phi": "rad", "omega": "rad / time", "nu": "rad / time", "swing": "rad"}
@@ -66,19 +68,14 @@ class Initial(ComparedByValue):
     temperature: float | None = None
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        for name, unit in (UNITS | DISPLACEMENTS).items():
-            value = getattr(self, name)
-            if value is not None:
-                put(self, name, number_or_array(name, value, unit=unit))
+        units = UNITS | DISPLACEMENTS
+        each = {name: partial(check.number_or_array, unit=unit) for name, unit in units.items()}
+        check.fields(self, **each, temperature=check.one(check.NOT_NEGATIVE, "energy"))
         if self.theta is not None and self.swing is not None:
             raise InputError("swing", "cannot go with theta; give one or the other")
-        if self.temperature is not None:
-            temperature = number("temperature", self.temperature, NOT_NEGATIVE, "energy")
-            put(self, "temperature", temperature)
-            for name in DRAWN:
-                if temperature > 0.0 and getattr(self, name) is not None:
-                    raise InputError(name, "cannot go with temperature, which draws the start")
+        for name in DRAWN:
+            if self.temperature and getattr(self, name) is not None:
+                raise InputError(name, "cannot go with temperature, which draws the start")
 
     def for_each(self, count: int) -> dict[str, np.ndarray | None]:
         """Each angle, displacement and rate as an array of `count`; None if it is not given."""

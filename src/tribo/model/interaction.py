@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from typing import Any
 
+from tribo import validation as check
 from tribo.model.tables import from_table
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import as_potential
-from tribo.validation import POSITIVE, InputError, inside, is_list, must_be, number
+from tribo.validation import InputError, inside, is_list, must_be
 
 
 @dataclass(frozen=True)
@@ -23,10 +24,8 @@ class Periodic:
     z: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("x", "z"):
-            period = getattr(self, name)
-            if period is not None:
-                object.__setattr__(self, name, number(name, period, POSITIVE, "length"))
+        period = check.one(check.POSITIVE, "length")
+        check.fields(self, x=period, z=period)
 
     def __bool__(self) -> bool:
         return self.x is not None or self.z is not None

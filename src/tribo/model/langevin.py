@@ -2,17 +2,9 @@
 
 from dataclasses import dataclass
 
+from tribo import validation as check
 from tribo.model.tables import from_table
-from tribo.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    InputError,
-    choice,
-    inside,
-    is_list,
-    number,
-    vector,
-)
+from tribo.validation import InputError, inside, is_list
 
 # Places where a reservoir acts, and the unit of its damping coefficient there.
 PLACES = {"bar": "mass / time", "swing": "torque time"}
@@ -54,15 +46,11 @@ class Langevin:
     on: str = "bar"
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        unit = PLACES[choice("on", self.on, PLACES)]
-        put(self, "gamma", number("gamma", self.gamma, NOT_NEGATIVE, unit))
-        put(self, "temperature", number("temperature", self.temperature, NOT_NEGATIVE, "energy"))
-        if self.velocity is not None:
-            if self.on == "swing":
-                raise InputError("velocity", 'cannot go with on = "swing"')
-            velocity = vector("velocity", self.velocity, size=2, unit="length / time")
-            put(self, "velocity", tuple(velocity.tolist()))
+        gamma = check.one(check.NOT_NEGATIVE, PLACES[check.choice("on", self.on, PLACES)])
+        check.fields(self, gamma=gamma, temperature=check.one(check.NOT_NEGATIVE, "energy"))
+        if self.velocity is not None and self.on == "swing":
+            raise InputError("velocity", 'cannot go with on = "swing"')
+        check.fields(self, velocity=check.pair(unit="length / time"))
 
     def __bool__(self) -> bool:
         return self.gamma > 0.0
@@ -82,7 +70,7 @@ def as_langevin(value: object) -> Langevin | tuple[Langevin, Langevin] | None:
             if item.on in found:
                 raise InputError("on", f'cannot be "{item.on}" twice; one reservoir acts there')
             if len(value) > 1:
-                number("gamma", item.gamma, POSITIVE, PLACES[item.on])
+                check.number("gamma", item.gamma, check.POSITIVE, PLACES[item.on])
             found[item.on] = item
     if len(found) == 2:
         return found["bar"], found["swing"]

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.validation import NOT_NEGATIVE, POSITIVE, Condition, InputError, integer, must_be, number
+from tribo import validation as check
+from tribo.validation import InputError, must_be
 
-FRACTION: Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
+FRACTION: check.Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
 # Ratio up to which two wavelengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
 
@@ -52,17 +53,12 @@ class Roughness:
     seed: int | None = None
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "rms", number("rms", self.rms, NOT_NEGATIVE, "length"))
-        if self.hurst is not None:
-            put(self, "hurst", number("hurst", self.hurst, FRACTION))
+        wavelength = check.one(check.POSITIVE, "length")
+        check.fields(self, rms=check.one(check.NOT_NEGATIVE, "length"), hurst=check.one(FRACTION))
+        check.fields(self, shortest=wavelength, longest=wavelength, seed=check.count(0))
         for key in ("shortest", "longest"):
-            if getattr(self, key) is not None:
-                put(self, key, number(key, getattr(self, key), POSITIVE, "length"))
-                if self.hurst is None:
-                    raise InputError(key, "needs a Hurst exponent; give hurst too")
-        if self.seed is not None:
-            put(self, "seed", integer("seed", self.seed, 0))
+            if getattr(self, key) is not None and self.hurst is None:
+                raise InputError(key, "needs a Hurst exponent; give hurst too")
 
     def cut_offs(self, shape: tuple[int, int], spacing: tuple[float, float]) -> tuple[float, float]:
         """The shortest and longest wavelength on a row or grid of asperites [length]."""

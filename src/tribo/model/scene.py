@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.files import replace_file
 from tribo.model import fields, topography
-from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
@@ -22,22 +22,12 @@ from tribo.model.interaction import Interaction, Periodic, as_periodic
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.tables import table_of
+from tribo.model.tables import ComparedByValue, table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import Potential
-from tribo.validation import (
-    POSITIVE,
-    SHORTEST_DURATION,
-    InputError,
-    as_path,
-    inside,
-    integer,
-    must_be,
-    number,
-    shortened,
-)
+from tribo.validation import InputError, inside, must_be
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +90,9 @@ class Scene(ComparedByValue):
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "duration", number("duration", self.duration, POSITIVE, "time"))
-        if self.duration < SHORTEST_DURATION:
-            raise must_be("duration", f"at least {SHORTEST_DURATION:g} [time]", self.duration)
-        put(self, "seed", integer("seed", self.seed, 0))
+        check.fields(self, duration=check.one(check.POSITIVE, "time"), seed=check.count(0))
+        if self.duration < check.SHORTEST_DURATION:
+            raise must_be("duration", f"at least {check.SHORTEST_DURATION:g} [time]", self.duration)
         if not isinstance(self.title, str):
             raise must_be("title", "text", self.title)
         for name, kind in (("output", Output), ("numerics", Numerics)):
@@ -326,7 +315,7 @@ class Scene(ComparedByValue):
             If the file cannot be written, or the scene has no text, as with a class that is
             defined in a notebook.
         """
-        path = as_path(path)
+        path = check.as_path(path)
         table = self.to_table() if defaults else without_defaults(self.to_table())
         for item, surface in zip(table["surface"], self.surfaces, strict=True):
             if isinstance(surface.heights, Topography):
@@ -371,4 +360,4 @@ def _check_names(field: str, given: Sequence[str] | None, kind: str, known: Sequ
     """Refuse names that none of the surfaces, or of the species, has."""
     for name in given or ():
         if name not in known:
-            raise must_be(field, f"one of the {kind} {shortened(known)}", name)
+            raise must_be(field, f"one of the {kind} {check.shortened(known)}", name)

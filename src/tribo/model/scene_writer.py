@@ -4,7 +4,6 @@ import re
 from typing import Any
 
 from tribo.model import bath, drives
-from tribo.model.roughness import Roughness
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.tables import table_of
@@ -33,8 +32,6 @@ def output_table(output: Output) -> dict[str, Any]:
         del table["series"]
     if not output.run_in:
         del table["run_in"]
-    if output.keep is not None:
-        table["keep"] = list(output.keep)
     return table
 
 
@@ -43,18 +40,9 @@ def surface_table(surface: Surface) -> dict[str, Any]:
     table = table_of(surface)
     table["drive"] = drives.as_table(surface.drive)
     table["bars"] = drives.bars_as_table(surface.bars)
-    table["springs"] = table_of(surface.springs)
     table["bath"] = bath.as_table(surface.bath)
-    if isinstance(surface.langevin, tuple):
-        table["langevin"] = [table_of(each) for each in surface.langevin]
-    elif surface.langevin is not None:
-        table["langevin"] = table_of(surface.langevin)
-    if isinstance(surface.heights, Roughness):
-        table["heights"] = table_of(surface.heights)
-    elif isinstance(surface.heights, Topography):
+    if isinstance(surface.heights, Topography):
         table["heights"] = surface.heights.heights.tolist()
-    table["asperite"] = table_of(surface.asperite)
-    table["initial"] = table_of(surface.initial)
     if surface.positions is not None:
         for key in ("bob", "shape", "spacing", "depth"):
             del table[key]

@@ -6,20 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.validation import (
-    LARGEST_COUNT,
-    NOT_NEGATIVE,
-    POSITIVE,
-    InputError,
-    boolean,
-    choice,
-    inside,
-    integer,
-    is_list,
-    must_be,
-    number,
-    vector,
-)
+from tribo import validation as check
+from tribo.validation import InputError, inside, is_list, must_be
 
 # Range of accuracies.  Round-off grows to about the first in a run; above the second an error
 # estimate means little.
@@ -66,19 +54,12 @@ class Output:
     run_in: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "run_in", number("run_in", self.run_in, NOT_NEGATIVE, "time"))
-        object.__setattr__(self, "series", _words("series", self.series, SERIES))
-        if self.keep is not None:
-            object.__setattr__(self, "keep", _names(self.keep))
-            if "oscillators" in self.series:
-                raise InputError("series", '"oscillators" cannot go with keep, which omits them')
-        integer("samples", self.samples, 2, LARGEST_COUNT)
-        choice("ledger", self.ledger, LEDGERS)
-        if self.times is not None:
-            times = vector("times", self.times, unit="time")
-            if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:
-                raise must_be("times", "increasing, from 0 or later [time]", self.times)
-            object.__setattr__(self, "times", tuple(times.tolist()))
+        run_in = check.one(check.NOT_NEGATIVE, "time")
+        check.fields(self, run_in=run_in, series=_series, keep=_names, times=_times)
+        if self.keep is not None and "oscillators" in self.series:
+            raise InputError("series", '"oscillators" cannot go with keep, which omits them')
+        check.integer("samples", self.samples, 2, check.LARGEST_COUNT)
+        check.choice("ledger", self.ledger, LEDGERS)
 
 
 @dataclass(frozen=True)
@@ -114,35 +95,41 @@ class Numerics:
     max_evaluations: float | None = None
 
     def __post_init__(self) -> None:
-        boolean("allow_unresolved", self.allow_unresolved)
-        if self.max_evaluations is not None:
-            number("max_evaluations", self.max_evaluations, POSITIVE)
+        check.boolean("allow_unresolved", self.allow_unresolved)
+        check.fields(self, max_evaluations=check.one(check.POSITIVE))
         if self.accuracy is not None:
             object.__setattr__(self, "accuracy", check_accuracy(self.accuracy))
         if self.method is not None and (not isinstance(self.method, str) or not self.method):
             raise must_be("method", "the name of a method", self.method)
-        if self.step is not None:
-            number("step", self.step, POSITIVE, "time")
-            if self.accuracy is not None:
-                raise InputError("accuracy", "cannot go with a step; give one or the other")
+        check.fields(self, step=check.one(check.POSITIVE, "time"))
+        if self.step is not None and self.accuracy is not None:
+            raise InputError("accuracy", "cannot go with a step; give one or the other")
 
 
-def _words(field: str, value: object, words: Sequence[str]) -> tuple[str, ...]:
-    """A list of words, each once."""
+def _series(field: str, value: object) -> tuple[str, ...]:
+    """A list of groups of series, each once."""
     if not is_list(value):
-        raise must_be(field, f"a list of words, as {json.dumps(words)}", value)
-    given = [choice(f"{field}[{i}]", word, words) for i, word in enumerate(value)]
-    return tuple(word for word in words if word in given)
+        raise must_be(field, f"a list of words, as {json.dumps(SERIES)}", value)
+    given = [check.choice(f"{field}[{i}]", word, SERIES) for i, word in enumerate(value)]
+    return tuple(word for word in SERIES if word in given)
 
 
-def _names(value: object) -> tuple[str, ...]:
+def _names(field: str, value: object) -> tuple[str, ...]:
     """The names of quantities that are kept, each once."""
     if not is_list(value) or len(value) == 0:
-        raise must_be("keep", 'a list of quantities, as ["upper.W", "upper.x_cm"]', value)
+        raise must_be(field, 'a list of quantities, as ["upper.W", "upper.x_cm"]', value)
     for i, name in enumerate(value):
         if not isinstance(name, str):
-            raise must_be(f"keep[{i}]", 'the name of a quantity, as "upper.W"', name)
+            raise must_be(f"{field}[{i}]", 'the name of a quantity, as "upper.W"', name)
     return tuple(dict.fromkeys(value))
+
+
+def _times(field: str, value: object) -> tuple[float, ...]:
+    """The times to record."""
+    times = check.vector(field, value, unit="time")
+    if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:
+        raise must_be(field, "increasing, from 0 or later [time]", value)
+    return tuple(times.tolist())
 
 
 def check_accuracy(value: object) -> float | dict[str, float]:
@@ -156,7 +143,7 @@ def check_accuracy(value: object) -> float | dict[str, float]:
 
 
 def _accuracy(field: str, value: object) -> float:
-    accuracy = number(field, value, POSITIVE)
+    accuracy = check.number(field, value, check.POSITIVE)
     if not FINEST <= accuracy <= COARSEST:
         raise must_be(field, f"from {FINEST:g} to {COARSEST:g}", value)
     return accuracy

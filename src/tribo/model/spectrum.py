@@ -18,16 +18,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from tribo.model.recurrence import (
-    KINDS,
-    SIDE,
-    Kind,
-    Motion,
-    motion_with_continuum,
-    motion_with_oscillators,
-    normal_modes,
-)
-from tribo.validation import LARGEST_COUNT, NOT_NEGATIVE, POSITIVE, choice, integer, number, vector
+from tribo import validation as check
+from tribo.model import recurrence
+from tribo.model.recurrence import KINDS, SIDE, Kind, Motion, normal_modes
 
 __all__ = ["Spectrum", "discrete_decay", "exact_decay", "normal_modes", "valid_until"]
 
@@ -99,10 +92,9 @@ class Spectrum:
     n: int
 
     def __post_init__(self) -> None:
-        choice("kind", self.kind, KINDS)
-        object.__setattr__(self, "gamma", number("gamma", self.gamma, POSITIVE, "mass / time"))
-        object.__setattr__(self, "cutoff", number("cutoff", self.cutoff, POSITIVE, "rad / time"))
-        object.__setattr__(self, "n", integer("n", self.n, 1, LARGEST_COUNT))
+        check.choice("kind", self.kind, KINDS)
+        gamma, cutoff = (check.one(check.POSITIVE, f"{unit} / time") for unit in ("mass", "rad"))
+        check.fields(self, gamma=gamma, cutoff=cutoff, n=check.count(1, check.LARGEST_COUNT))
 
     def oscillators(self) -> tuple[np.ndarray, np.ndarray]:
         """The oscillators that stand for the continuum.
@@ -155,7 +147,7 @@ def exact_decay(spectrum: Spectrum, mass: float, frequency: float, t: np.ndarray
     """
     mass, frequency, t = _checked(mass, frequency, t)
     friction = spectrum.gamma / (mass * spectrum.cutoff)
-    motion = motion_with_continuum(
+    motion = recurrence.motion_with_continuum(
         spectrum.kind, friction, frequency / spectrum.cutoff, EXACT_KERNEL_TOLERANCE
     )
     return 0.5 * mass * motion.energy(spectrum.cutoff * t)
@@ -179,9 +171,15 @@ def discrete_decay(
         As of :func:`exact_decay`.
     """
     mass, frequency, t = _checked(mass, frequency, t)
-    masses = vector("masses", masses, POSITIVE, unit="mass")
-    frequencies = vector("frequencies", frequencies, POSITIVE, masses.size, "rad / time")
-    return 0.5 * mass * motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
+    masses = check.vector("masses", masses, check.POSITIVE, unit="mass")
+    frequencies = check.vector(
+        "frequencies", frequencies, check.POSITIVE, masses.size, "rad / time"
+    )
+    return (
+        0.5
+        * mass
+        * recurrence.motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
+    )
 
 
 def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
@@ -223,9 +221,9 @@ def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
 
 def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float, np.ndarray]:
     return (
-        number("mass", mass, POSITIVE, "mass"),
-        number("frequency", frequency, NOT_NEGATIVE, "rad / time"),
-        vector("t", np.atleast_1d(t), NOT_NEGATIVE, unit="time"),
+        check.number("mass", mass, check.POSITIVE, "mass"),
+        check.number("frequency", frequency, check.NOT_NEGATIVE, "rad / time"),
+        check.vector("t", np.atleast_1d(t), check.NOT_NEGATIVE, unit="time"),
     )
 
 
@@ -233,11 +231,16 @@ def _checked(mass: float, frequency: float, t: np.ndarray) -> tuple[float, float
 def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> float:
     """:func:`valid_until` by comparison, for a bar of mass 1 and a cutoff of 1."""
     oscillators = Spectrum(kind, friction, 1.0, n).oscillators()
-    discrete = motion_with_oscillators(*oscillators, frequency).without_small_terms(NEGLIGIBLE)
-    exact = motion_with_continuum(kind, friction, frequency, KERNEL_TOLERANCE)
+    discrete = recurrence.motion_with_oscillators(*oscillators, frequency).without_small_terms(
+        NEGLIGIBLE
+    )
+    exact = recurrence.motion_with_continuum(kind, friction, frequency, KERNEL_TOLERANCE)
     exact = exact.without_small_terms(NEGLIGIBLE)
     step = SAMPLING / max(_fastest_rate(discrete), _fastest_rate(exact))
-    horizon = max(RECURRENCES * _recurrence(discrete), step * AFFORDABLE / discrete.rates.size)
+    # The first recurrence, after 2 pi over the closest spacing of modes; none of one mode.
+    spacing = np.min(np.diff(discrete.rates.imag), initial=np.inf)
+    recurrences = RECURRENCES * float(2.0 * np.pi / spacing)
+    horizon = max(recurrences, step * AFFORDABLE / discrete.rates.size)
     pairs = zip(discrete.blocks(step), exact.blocks(step), strict=False)
     for index, (one, other) in enumerate(pairs):
         differing = np.flatnonzero(np.abs(one - other) > VALID)
@@ -252,12 +255,6 @@ def _end_of_agreement(kind: Kind, n: int, friction: float, frequency: float) -> 
 def _fastest_rate(motion: Motion) -> float:
     """The largest rate among the terms that are not negligible [1 / time]."""
     return float(np.max(np.abs(motion.without_small_terms(UNRESOLVED).rates)))
-
-
-def _recurrence(discrete: Motion) -> float:
-    """2 pi over the closest spacing of modes; 0 where there is one mode only."""
-    modes = discrete.rates.imag
-    return float(2.0 * np.pi / np.min(np.diff(modes))) if modes.size > 1 else 0.0
 
 
 def _first_difference(one: Motion, other: Motion, t: float, step: float) -> float:

@@ -8,17 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.model.tables import from_table
-from tribo.validation import (
-    NOT_NEGATIVE,
-    InputError,
-    boolean,
-    integer,
-    is_list,
-    must_be,
-    number,
-    vector,
-)
+from tribo.validation import InputError, is_list, must_be
 
 
 @dataclass(frozen=True)
@@ -50,20 +42,16 @@ class Springs:
     turned: float = 0.0
 
     def __post_init__(self) -> None:
-        put, unit = object.__setattr__, "force / length"
-        if is_list(self.stiffness):
-            both = vector("stiffness", self.stiffness, NOT_NEGATIVE, 2, unit)
-            put(self, "stiffness", tuple(both.tolist()))
-        else:
-            put(self, "stiffness", number("stiffness", self.stiffness, NOT_NEGATIVE, unit))
-        boolean("wrap", self.wrap)
-        put(self, "turned", number("turned", self.turned, unit="rad"))
+        kind = check.pair if is_list(self.stiffness) else check.one
+        check.fields(self, stiffness=kind(check.NOT_NEGATIVE, "force / length"))
+        check.fields(self, wrap=check.boolean, turned=check.one(unit="rad"))
         if self.pairs is not None:
             if not is_list(self.pairs):
                 raise must_be("pairs", "a list of pairs of indices", self.pairs)
-            put(self, "pairs", tuple(self._pair(i, p) for i, p in enumerate(self.pairs)))
+            pairs = tuple(self._pair(i, p) for i, p in enumerate(self.pairs))
+            object.__setattr__(self, "pairs", pairs)
             joined: set[tuple[int, int]] = set()
-            for i, (one, other) in enumerate(self.pairs):
+            for i, (one, other) in enumerate(pairs):
                 if (min(one, other), max(one, other)) in joined:
                     raise must_be(f"pairs[{i}]", "a pair not listed before", (one, other))
                 joined.add((min(one, other), max(one, other)))
@@ -77,7 +65,7 @@ class Springs:
         field = f"pairs[{index}]"
         if not is_list(value) or len(value) != 2:
             raise must_be(field, "the indices of two asperites", value)
-        one, other = (integer(field, n, 0) for n in value)
+        one, other = (check.integer(field, n, 0) for n in value)
         if one == other:
             raise must_be(field, "two different asperites", value)
         return one, other

@@ -9,27 +9,17 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
-from tribo.model.comparison import ComparedByValue
 from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
-from tribo.model.tables import from_table
+from tribo.model.tables import ComparedByValue, from_table
 from tribo.model.topography import Grid, Topography, as_topography, is_topography
-from tribo.validation import (
-    LARGEST_COUNT,
-    InputError,
-    choice,
-    inside,
-    integer,
-    is_list,
-    must_be,
-    number,
-    vector,
-)
+from tribo.validation import InputError, inside, is_list, must_be
 
 if TYPE_CHECKING:
     Number = TypeVar("Number")
@@ -225,16 +215,17 @@ class Surface(ComparedByValue):
         put = object.__setattr__
         if not _is_name(self.name):
             raise must_be("name", "a word without . or /", self.name)
-        choice("facing", self.facing, ["down", "up"])
-        for name, unit in (("bob", "length"), ("velocity", "length / time"), ("spacing", "length")):
-            put(self, name, tuple(vector(name, getattr(self, name), size=2, unit=unit).tolist()))
-        vector("shape", self.shape, size=2)
-        put(self, "shape", tuple(integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape)))
-        put(self, "depth", number("depth", self.depth, unit="length"))
+        check.choice("facing", self.facing, ["down", "up"])
+        lengths, velocity = check.pair(unit="length"), check.pair(unit="length / time")
+        check.fields(self, bob=lengths, velocity=velocity, spacing=lengths)
+        check.vector("shape", self.shape, size=2)
+        shape = tuple(check.integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape))
+        put(self, "shape", shape)
+        check.fields(self, depth=check.one(unit="length"))
         if self.positions is not None:
             put(self, "positions", self._listed_positions())
-        if self.count > LARGEST_COUNT:
-            raise must_be("shape", f"at most {LARGEST_COUNT} asperites", self.count)
+        if self.count > check.LARGEST_COUNT:
+            raise must_be("shape", f"at most {check.LARGEST_COUNT} asperites", self.count)
 
     def _listed_positions(self) -> np.ndarray:
         for key, default in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
@@ -246,7 +237,8 @@ class Surface(ComparedByValue):
         if not is_list(given) or len(given) == 0:
             raise must_be("positions", "a list of [x, y, z] [length]", given)
         rows = [
-            vector(f"positions[{i}]", row, size=3, unit="length") for i, row in enumerate(given)
+            check.vector(f"positions[{i}]", row, size=3, unit="length")
+            for i, row in enumerate(given)
         ]
         table = np.array(rows)
         table.flags.writeable = False
@@ -355,7 +347,7 @@ def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography
             roughness = from_table(Roughness, value, ["rms"])
             roughness.check(shape, spacing)
         return roughness
-    return vector("heights", value, size=shape[0] * shape[1], unit="length")
+    return check.vector("heights", value, size=shape[0] * shape[1], unit="length")
 
 
 def _is_name(name: object) -> bool:

@@ -1,7 +1,7 @@
-"""Dataclasses as tables of scene files, and back."""
+"""Dataclasses of scenes: equality by value, and tables of scene files."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -9,6 +9,31 @@ import numpy as np
 from tribo.validation import known_keys
 
 Kind = TypeVar("Kind")
+
+
+class ComparedByValue:
+    """A frozen dataclass that equals another of its class whose fields have the same values."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and _plain(self) == _plain(other)
+
+    def __hash__(self) -> int:
+        return hash(_plain(self))
+
+
+def _plain(value: Any) -> Any:
+    """The value with tuples in place of arrays, lists, tables and dataclasses."""
+    if isinstance(value, np.ndarray):
+        return value.shape, tuple(value.ravel().tolist())
+    if is_dataclass(value):
+        own = tuple(_plain(getattr(value, each.name)) for each in fields(value))
+        return type(value), own
+    if isinstance(value, dict):
+        return tuple(sorted((key, _plain(item)) for key, item in value.items()))
+    if isinstance(value, (tuple, list)):  # named tuples of two classes may have the same values
+        kind = type(value) if hasattr(value, "_fields") else tuple
+        return kind, tuple(_plain(item) for item in value)
+    return value
 
 
 def from_table(kind: type[Kind], value: object, required: Iterable[str] = ()) -> Kind:
@@ -25,16 +50,16 @@ def changed(item: Kind, values: Mapping[str, Any]) -> Kind:
 
 def table_of(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that are not None, as values of TOML."""
-    table = {}
-    for name in _names(item):
-        value = getattr(item, name)
-        if isinstance(value, np.ndarray):
-            value = value.tolist()
-        elif isinstance(value, tuple):
-            value = [list(item) if isinstance(item, tuple) else item for item in value]
-        if value is not None:
-            table[name] = value
-    return table
+    values = {name: getattr(item, name) for name in _names(item)}
+    return {name: _of_toml(value) for name, value in values.items() if value is not None}
+
+
+def _of_toml(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple) and not hasattr(value, "_fields"):
+        return [_of_toml(item) for item in value]
+    return table_of(value) if is_dataclass(value) else value
 
 
 def _names(kind: Any) -> list[str]:

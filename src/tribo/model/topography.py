@@ -14,18 +14,9 @@ from typing import NamedTuple, Protocol, cast
 
 import numpy as np
 
-from tribo.model.comparison import ComparedByValue
-from tribo.validation import (
-    POSITIVE,
-    InputError,
-    as_path,
-    choice,
-    inside,
-    known_keys,
-    must_be,
-    number,
-    vector,
-)
+from tribo import validation as check
+from tribo.model.tables import ComparedByValue
+from tribo.validation import InputError, inside, must_be
 
 # Metres in a unit of length, by the names that SurfaceTopography gives the units of files.
 METRES = {
@@ -114,20 +105,18 @@ class Topography(ComparedByValue):
     sampled: Sampled | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        put = object.__setattr__
         if isinstance(self.topography, (str, PathLike)):
             with inside("topography"):
-                put(self, "topography", str(as_path(self.topography).absolute()))
+                file = str(check.as_path(self.topography).absolute())
+            object.__setattr__(self, "topography", file)
         elif not hasattr(self.topography, "positions_and_heights"):
             raise must_be("topography", "a file or a topography", self.topography)
         if isinstance(self.unit, str):
-            choice("unit", self.unit, METRES)
+            check.choice("unit", self.unit, METRES)
         elif self.unit is not None:
-            put(self, "unit", number("unit", self.unit, POSITIVE, "m"))
-        choice("detrend", self.detrend, TRENDS)
-        if self.origin is not None:
-            origin = vector("origin", self.origin, size=2, unit="length")
-            put(self, "origin", (float(origin[0]), float(origin[1])))
+            check.fields(self, unit=check.one(check.POSITIVE, "m"))
+        check.choice("detrend", self.detrend, TRENDS)
+        check.fields(self, origin=check.pair(unit="length"))
 
     @property
     def heights(self) -> np.ndarray:
@@ -276,7 +265,7 @@ def as_topography(value: object, folder: Path = Path()) -> Topography:
         return value
     if not isinstance(value, Mapping):
         return Topography(cast(Scan, value))
-    settings = known_keys(value, KEYS)
+    settings = check.known_keys(value, KEYS)
     if isinstance(settings["topography"], str):
         settings["topography"] = folder / settings["topography"]
     return Topography(**settings)

@@ -22,34 +22,9 @@ from tribo.integrators.collocation import (
     Collocation,
 )
 from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
+from tribo.pair import step_rows as rows
 from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
-from tribo.pair.step_rows import (
-    AA,
-    AT,
-    BEGINNING,
-    LAST,
-    LIMITS,
-    MEMORY,
-    NODES,
-    OF_J,
-    OF_V1,
-    OF_V2,
-    PLACE,
-    POLE,
-    Q1,
-    Q2,
-    RATE,
-    SCRATCH,
-    START,
-    V1,
-    V2,
-    A,
-    B,
-    J,
-    K,
-    R,
-    V,
-)
+from tribo.pair.step_rows import Q1, Q2, V1, V2, J, K
 from tribo.pair.step_sums import (
     end_values,
     error_of,
@@ -81,36 +56,36 @@ class Nodes(NamedTuple):
 
 def table(method: Collocation) -> np.ndarray:
     """The coefficients of a method whose eight nodes begin with 0, row by row."""
-    rows = np.empty((R + LANES, LANES))
-    rows[AT] = np.append(1.0, method.c[1:])
-    rows[NODES], rows[POLE] = method.c, method.pole
-    rows[B], rows[V], rows[LAST] = method.b, method.v, method.last
+    found = np.empty((rows.R + LANES, LANES))
+    found[rows.AT] = np.append(1.0, method.c[1:])
+    found[rows.NODES], found[rows.POLE] = method.c, method.pole
+    found[rows.B], found[rows.V], found[rows.LAST] = method.b, method.v, method.last
     for j in range(LANES):
-        rows[A + j] = np.append(method.b[j], method.a[1:, j])
-        rows[R + j] = np.append(method.v[j], method.r[1:, j])
-    rows[AA : AA + LANES] = (rows[A : A + LANES].T[:, 1:] @ method.a[1:]).T
-    return rows
+        found[rows.A + j] = np.append(method.b[j], method.a[1:, j])
+        found[rows.R + j] = np.append(method.v[j], method.r[1:, j])
+    found[rows.AA : rows.AA + LANES] = (found[rows.A : rows.A + LANES].T[:, 1:] @ method.a[1:]).T
+    return found
 
 
 @inlined
 def lagrange(work, x):
     """Lagrange's polynomials of the nodes, at eight places x."""
-    d0, d1 = x - work[NODES, 0], x - work[NODES, 1]
-    d2, d3 = x - work[NODES, 2], x - work[NODES, 3]
-    d4, d5 = x - work[NODES, 4], x - work[NODES, 5]
-    d6, d7 = x - work[NODES, 6], x - work[NODES, 7]
+    d0, d1 = x - work[rows.NODES, 0], x - work[rows.NODES, 1]
+    d2, d3 = x - work[rows.NODES, 2], x - work[rows.NODES, 3]
+    d4, d5 = x - work[rows.NODES, 4], x - work[rows.NODES, 5]
+    d6, d7 = x - work[rows.NODES, 6], x - work[rows.NODES, 7]
     d01, d23, d45, d67 = d0 * d1, d2 * d3, d4 * d5, d6 * d7
     front, back = d01 * d23, d45 * d67
     but01, but23, but45, but67 = d23 * back, d01 * back, front * d67, front * d45
     return (
-        work[POLE, 0] * d1 * but01,
-        work[POLE, 1] * d0 * but01,
-        work[POLE, 2] * d3 * but23,
-        work[POLE, 3] * d2 * but23,
-        work[POLE, 4] * d5 * but45,
-        work[POLE, 5] * d4 * but45,
-        work[POLE, 6] * d7 * but67,
-        work[POLE, 7] * d6 * but67,
+        work[rows.POLE, 0] * d1 * but01,
+        work[rows.POLE, 1] * d0 * but01,
+        work[rows.POLE, 2] * d3 * but23,
+        work[rows.POLE, 3] * d2 * but23,
+        work[rows.POLE, 4] * d5 * but45,
+        work[rows.POLE, 5] * d4 * but45,
+        work[rows.POLE, 6] * d7 * but67,
+        work[rows.POLE, 7] * d6 * but67,
     )
 
 
@@ -118,31 +93,32 @@ def lagrange(work, x):
 def predict(clock, h, work):
     """Accelerations at the nodes: the last step's polynomials there, or those at the start."""
     ratio = h * (1.0 / clock.last_step) if clock.last_step > 0.0 else math.inf
-    c = load(work, AT)
+    c = load(work, rows.AT)
+    start1, start2, startk = work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K]
     if ratio <= MAX_EXTRAPOLATION:
         weights = lagrange(work, 1.0 + ratio * c)
-        f1 = with_lane(weighted_sum(weights, work, MEMORY), 0, work[START, Q1])
-        f2 = with_lane(weighted_sum(weights, work, MEMORY + 1), 0, work[START, Q2])
-        fk = with_lane(weighted_sum(weights, work, MEMORY + 2), 0, work[START, K])
+        f1 = with_lane(weighted_sum(weights, work, rows.MEMORY), 0, start1)
+        f2 = with_lane(weighted_sum(weights, work, rows.MEMORY + 1), 0, start2)
+        fk = with_lane(weighted_sum(weights, work, rows.MEMORY + 2), 0, startk)
         return f1, f2, fk
-    return broadcast(work[START, Q1]), broadcast(work[START, Q2]), broadcast(work[START, K])
+    return broadcast(start1), broadcast(start2), broadcast(startk)
 
 
 @inlined
 def reciprocal_tolerances(h, work):
     """Reciprocals of the tolerances of q1'', q2'' and k'' that follow from those of the rates."""
-    unit1 = h / (work[LIMITS, OF_V1] + 2.0 * EPSILON * abs(work[PLACE, V1]))
-    unit2 = h / (work[LIMITS, OF_V2] + 2.0 * EPSILON * abs(work[PLACE, V2]))
-    unitk = h / (work[LIMITS, OF_J] + 2.0 * EPSILON * abs(work[PLACE, J]))
+    unit1 = h / (work[rows.LIMITS, rows.OF_V1] + 2.0 * EPSILON * abs(work[rows.PLACE, V1]))
+    unit2 = h / (work[rows.LIMITS, rows.OF_V2] + 2.0 * EPSILON * abs(work[rows.PLACE, V2]))
+    unitk = h / (work[rows.LIMITS, rows.OF_J] + 2.0 * EPSILON * abs(work[rows.PLACE, J]))
     return unit1, unit2, unitk
 
 
 @inlined
 def uniform_motion(work, ahead):
     """q1, q2 and k a time `ahead`, without forces."""
-    q1 = work[PLACE, Q1] + work[PLACE, V1] * ahead
-    q2 = work[PLACE, Q2] + work[PLACE, V2] * ahead
-    k = work[PLACE, K] + work[PLACE, J] * ahead
+    q1 = work[rows.PLACE, Q1] + work[rows.PLACE, V1] * ahead
+    q2 = work[rows.PLACE, Q2] + work[rows.PLACE, V2] * ahead
+    k = work[rows.PLACE, K] + work[rows.PLACE, J] * ahead
     return q1, q2, k
 
 
@@ -164,17 +140,17 @@ def solve(pair, potential, clock, h, work):
     step in SCRATCH.
     """
     f1, f2, fk = predict(clock, h, work)
-    start1, start2, startk = work[START, Q1], work[START, Q2], work[START, K]
+    start1, start2, startk = work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K]
     unit1, unit2, unitk = reciprocal_tolerances(h, work)
-    ahead = h * load(work, AT)
+    ahead = h * load(work, rows.AT)
     t = clock.t + ahead
     square = h * h
     springs1 = square * pair.omega_squared1
     springs2 = square * pair.omega_squared2
     rest1, rest2, restk = uniform_motion(work, ahead)
-    place1 = rest1 + square * weighted_sums(work, A, f1)
-    place2 = rest2 + square * weighted_sums(work, A, f2)
-    placek = restk + square * weighted_sums(work, A, fk)
+    place1 = rest1 + square * weighted_sums(work, rows.A, f1)
+    place2 = rest2 + square * weighted_sums(work, rows.A, f2)
+    placek = restk + square * weighted_sums(work, rows.A, fk)
     before = 0.0
     for _ in range(MAX_SWEEPS):
         contact = contact_at(pair, potential, t, place1, place2, placek)
@@ -183,13 +159,13 @@ def solve(pair, potential, clock, h, work):
         change1 = with_lane(new1, 0, start1) - f1
         change2 = with_lane(new2, 0, start2) - f2
         changek = newk - fk
-        shift1 = weighted_sums(work, A, change1)
-        shift2 = weighted_sums(work, A, change2)
+        shift1 = weighted_sums(work, rows.A, change1)
+        shift2 = weighted_sums(work, rows.A, change2)
         new1 = new1 - springs1 * shift1
         new2 = new2 - springs2 * shift2
-        work[SCRATCH, Q1] = lane(new1, 0)
-        work[SCRATCH, Q2] = lane(new2, 0)
-        work[SCRATCH, K] = lane(contact.fx, 0)
+        work[rows.SCRATCH, Q1] = lane(new1, 0)
+        work[rows.SCRATCH, Q2] = lane(new2, 0)
+        work[rows.SCRATCH, K] = lane(contact.fx, 0)
         change = maximum(
             unit1 * absolute(change1) + unit2 * absolute(change2) + unitk * absolute(changek)
         )
@@ -202,9 +178,9 @@ def solve(pair, potential, clock, h, work):
         if not math.isfinite(change):
             break
         before = change
-        place1 = place1 + square * (shift1 - springs1 * weighted_sums(work, AA, change1))
-        place2 = place2 + square * (shift2 - springs2 * weighted_sums(work, AA, change2))
-        placek = placek + square * weighted_sums(work, A, changek)
+        place1 = place1 + square * (shift1 - springs1 * weighted_sums(work, rows.AA, change1))
+        place2 = place2 + square * (shift2 - springs2 * weighted_sums(work, rows.AA, change2))
+        placek = placek + square * weighted_sums(work, rows.A, changek)
     return False, Nodes(f1, f2, fk, rest1, rest2, contact)
 
 
@@ -237,20 +213,20 @@ def encounter_after(pair, potential, h, work, nodes, once):
         lane(nodes.contact.r, 0),
         lane(nodes.q1, 0),
         lane(nodes.q2, 0),
-        work[PLACE, V1] + h * once[0],
-        work[PLACE, V2] + h * once[1],
-        work[PLACE, J] + h * once[2],
+        work[rows.PLACE, V1] + h * once[0],
+        work[rows.PLACE, V2] + h * once[1],
+        work[rows.PLACE, J] + h * once[2],
     )
 
 
 @inlined
 def store_start(work, nodes, start, end):
     """Store accelerations and powers at the start of the next step, and those of this one."""
-    store(work, MEMORY, nodes.f1)
-    store(work, MEMORY + 1, nodes.f2)
-    store(work, MEMORY + 2, nodes.fk)
-    work[START, Q1], work[START, Q2], work[START, K] = start
-    store(work, BEGINNING, end)
+    store(work, rows.MEMORY, nodes.f1)
+    store(work, rows.MEMORY + 1, nodes.f2)
+    store(work, rows.MEMORY + 2, nodes.fk)
+    work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K] = start
+    store(work, rows.BEGINNING, end)
 
 
 @inlined
@@ -264,7 +240,7 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     converged, nodes = solve(pair, potential, clock, h, work)
     if not converged:
         return False, 0.5, math.isfinite(sum_of_lanes(nodes.f1 + nodes.f2 + nodes.fk))
-    start = work[SCRATCH, Q1], work[SCRATCH, Q2], work[SCRATCH, K]
+    start = work[rows.SCRATCH, Q1], work[rows.SCRATCH, Q2], work[rows.SCRATCH, K]
     power = powers(h, work, nodes)
     end = end_values(power)
     sums = sums_of(work, nodes, power)
@@ -277,7 +253,7 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
         return False, max(MIN_GROWTH, CLEAR / (h * later)), True
     update_state(h, work, sums)
     store_start(work, nodes, start, end)
-    work[START, RATE] = later
+    work[rows.START, rows.RATE] = later
     clear = clock.encounter_fraction
     if later > encounter:  # the rate is taken to grow on as much
         clear = min(clear, CLEAR * later / (2.0 * later - encounter))

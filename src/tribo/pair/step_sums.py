@@ -14,25 +14,8 @@ from tribo.compiler.lanes import (
 )
 from tribo.compiler.lanes_memory import load, store
 from tribo.integrators.step_control import EPSILON
-from tribo.pair.step_rows import (
-    ACCOUNTS,
-    ALLOWED,
-    BEGINNING,
-    LAST,
-    LIMITS,
-    LOW,
-    OF_J,
-    OF_V1,
-    OF_V2,
-    PLACE,
-    REMAINDERS,
-    V1,
-    V2,
-    B,
-    J,
-    R,
-    V,
-)
+from tribo.pair import step_rows as rows
+from tribo.pair.step_rows import V1, V2, J
 
 
 class Sums(NamedTuple):
@@ -70,9 +53,9 @@ def weighted_sum(weights, work, row):
 def powers(h, work, nodes):
     """Account by account, at the nodes; those at the end of the step in lane 0."""
     contact = nodes.contact
-    omega1 = work[PLACE, V1] + h * weighted_sums(work, R, nodes.f1)
-    omega2 = work[PLACE, V2] + h * weighted_sums(work, R, nodes.f2)
-    j = work[PLACE, J] + h * weighted_sums(work, R, nodes.fk)
+    omega1 = work[rows.PLACE, V1] + h * weighted_sums(work, rows.R, nodes.f1)
+    omega2 = work[rows.PLACE, V2] + h * weighted_sums(work, rows.R, nodes.f2)
+    j = work[rows.PLACE, J] + h * weighted_sums(work, rows.R, nodes.fk)
     return (
         contact.fy,
         contact.fx * omega1 * contact.cos1,
@@ -113,15 +96,15 @@ def weighted(weights, power):
 @inlined
 def sums_of(work, nodes, power):
     """Integrals over a step of the polynomials through the nodes."""
-    b = load(work, B)
-    v = load(work, V)
-    last = load(work, LAST)
+    b = load(work, rows.B)
+    v = load(work, rows.V)
+    last = load(work, rows.LAST)
     f1, f2, fk = nodes.f1, nodes.f2, nodes.fk
     motion = sums_of_lanes((b * f1, b * f2, b * fk, v * f1, v * f2, v * fk, last * f1, last * f2))
     twice = lane(motion, 0), lane(motion, 1), lane(motion, 2)
     once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
     ends = lane(motion, 6), lane(motion, 7), sum_of_lanes(last * fk)
-    at_start = load(work, BEGINNING)
+    at_start = load(work, rows.BEGINNING)
     within, rest = with_lane(v, 0, 0.0), with_lane(last, 0, 0.0)
     gains = sums_of_lanes(weighted(within, power)) + lane(v, 0) * at_start
     high = sums_of_lanes(weighted(rest, power)) + lane(last, 0) * at_start
@@ -137,10 +120,12 @@ def relative_error(x, v, tolerance):
 @inlined
 def error_of(h, work, sums):
     """The largest integral of a highest term over its tolerance."""
-    worst = relative_error(h * sums.leading[0], work[PLACE, V1], work[LIMITS, OF_V1])
-    worst = max(worst, relative_error(h * sums.leading[1], work[PLACE, V2], work[LIMITS, OF_V2]))
-    worst = max(worst, relative_error(h * sums.leading[2], work[PLACE, J], work[LIMITS, OF_J]))
-    return worst + maximum(h * absolute(sums.leading_gains) * load(work, ALLOWED))
+    one = relative_error(h * sums.leading[0], work[rows.PLACE, V1], work[rows.LIMITS, rows.OF_V1])
+    two = relative_error(h * sums.leading[1], work[rows.PLACE, V2], work[rows.LIMITS, rows.OF_V2])
+    three = relative_error(h * sums.leading[2], work[rows.PLACE, J], work[rows.LIMITS, rows.OF_J])
+    return max(max(one, two), three) + maximum(
+        h * absolute(sums.leading_gains) * load(work, rows.ALLOWED)
+    )
 
 
 @inlined
@@ -155,11 +140,13 @@ def compensated_sum(x, low, step):
 def update_state(h, work, sums):
     """Advance places, rates and accounts to the end of the step, with their rounding errors."""
     for m in range(3):
-        rate = work[PLACE, m + 3] + (work[LOW, m + 3] + h * sums.twice[m])
-        new = compensated_sum(work[PLACE, m], work[LOW, m], h * rate)
-        work[PLACE, m], work[LOW, m] = new
-        new = compensated_sum(work[PLACE, m + 3], work[LOW, m + 3], h * sums.once[m])
-        work[PLACE, m + 3], work[LOW, m + 3] = new
-    new, left = compensated_sum(load(work, ACCOUNTS), load(work, REMAINDERS), h * sums.gains)
-    store(work, ACCOUNTS, new)
-    store(work, REMAINDERS, left)
+        rate = work[rows.PLACE, m + 3] + (work[rows.LOW, m + 3] + h * sums.twice[m])
+        new = compensated_sum(work[rows.PLACE, m], work[rows.LOW, m], h * rate)
+        work[rows.PLACE, m], work[rows.LOW, m] = new
+        new = compensated_sum(work[rows.PLACE, m + 3], work[rows.LOW, m + 3], h * sums.once[m])
+        work[rows.PLACE, m + 3], work[rows.LOW, m + 3] = new
+    new, left = compensated_sum(
+        load(work, rows.ACCOUNTS), load(work, rows.REMAINDERS), h * sums.gains
+    )
+    store(work, rows.ACCOUNTS, new)
+    store(work, rows.REMAINDERS, left)

@@ -51,11 +51,6 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
         The folder to write to; made if it does not exist.
     cases : iterable of str
         Of "A" to "E".
-
-    Returns
-    -------
-    list of Path
-        The files.
     """
     folder = as_path(folder)
     wanted = {"", *cases}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 OWN_COLOUR, MIRROR_COLOUR = CYCLE[:2]
+FILLED: dict[str, Any] = {"color": OWN_COLOUR, "alpha": 0.25, "linewidth": 0.0}
 # Height of the graph over its width.
 ASPECT = 0.7
 # Part of the height above the bars, for the legend.
@@ -47,8 +48,7 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
     half *= float(student.ppf(0.975, known.size - 1))
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
         counts, edges = np.histogram(known, "auto")
-        filled: Any = {"color": OWN_COLOUR, "alpha": 0.25, "linewidth": 0.0}
-        ax.stairs(counts, edges, fill=True, **filled)
+        ax.stairs(counts, edges, fill=True, **FILLED)
         ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
         interval = f"mean {mean:.4g} ± {half:.1g}"
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
@@ -96,8 +96,7 @@ def reflected_histogram(
     density = np.histogram(works, edges)[0] / (works.size * np.diff(edges))
     middle = 0.5 * (edges[1:] + edges[:-1])
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-        filled: Any = {"color": OWN_COLOUR, "alpha": 0.25, "linewidth": 0.0}
-        ax.stairs(density, edges, fill=True, **filled)
+        ax.stairs(density, edges, fill=True, **FILLED)
         ax.stairs(density, edges, color=OWN_COLOUR, linewidth=1.1, label="$P(w)$")
         ax.stairs(density[::-1], edges, color=MIRROR_COLOUR, linewidth=0.8, label="$P(-w)$")
         if temperature is not None:

@@ -43,17 +43,10 @@ RING = np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)
 
 
 class Picture:
-    """A drawing of a pose, which can be moved to others of the same asperites.
+    """A drawing of a pose, which can be moved to others of the same asperites; limits stay.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The axes to draw on.  Their limits stay as they are.
-    now : Pose
-    point : float
-        Length of a typographic point in the drawing [length].
-    swing : float
-        The least swing that has the strongest colour where asperites are many [rad].
+    `point` is the length of a typographic point in the drawing, and `swing` the least one that has
+    the strongest colour where asperites are many [rad].
     """
 
     def __init__(self, ax: Axes, now: Pose, point: float, swing: float = 1.0) -> None:

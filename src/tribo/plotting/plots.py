@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting import budget, snapshots
-from tribo.plotting.curves import (
-    ASPECT,
-    COLOURS,
-    PATH_WIDTH,
-    PLAIN,
-    Look,
-    finish,
-    legend,
-    swing_of,
-)
+from tribo.plotting import budget, curves, snapshots
 from tribo.plotting.maps import surface_map
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, WIDE, drawing_on, style
@@ -55,7 +45,7 @@ class Plots:
         What tells its lines from those of other results in the same graph.
     """
 
-    def __init__(self, result: RunResult, look: Look = PLAIN) -> None:
+    def __init__(self, result: RunResult, look: curves.Look = curves.PLAIN) -> None:
         self._result = result
         self._look = look
 
@@ -66,19 +56,21 @@ class Plots:
         95th percentile.
         """
         result, look = self._result, self._look
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+        with drawing_on(ax, COLUMN, curves.ASPECT * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
-                swing = swing_of(result, surface)
+                swing = curves.swing_of(result, surface)
                 line: dict[str, Any] = {"linewidth": self._width(k), "linestyle": look.linestyle}
-                line |= {"color": COLOURS[k], "label": look.named(surface.name)}
+                line |= {"color": curves.COLOURS[k], "label": look.named(surface.name)}
                 if surface.count <= MOST_LINES:
                     for other in ax.plot(result.t, swing, **line)[1:]:
                         other.set_label("_")
                     continue
                 low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
                 ax.plot(result.t, middle, **line)
-                ax.fill_between(result.t, low, high, color=COLOURS[k], alpha=0.2, linewidth=0.0)
-            finish(ax, result, "swing (rad)")
+                ax.fill_between(
+                    result.t, low, high, color=curves.COLOURS[k], alpha=0.2, linewidth=0.0
+                )
+            curves.finish(ax, result, "swing (rad)")
         return ax
 
     def work(
@@ -122,13 +114,13 @@ class Plots:
             raise must_be("output.ledger", wanted, "none")
         works = works_of(self._result, name, asperite)
         is_new = ax is None
-        with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
+        with drawing_on(ax, WIDE, curves.ASPECT * WIDE) as ax:
             lines = draw_works(ax, self._result, works, span)
             of_one = "" if asperite is None else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
             if is_new and words:
-                legend(ax, list(words.values()), list(words))
+                curves.legend(ax, list(words.values()), list(words))
         return ax
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
@@ -163,18 +155,18 @@ class Plots:
         """
         result, look, name = self._result, self._look, self._surface(surface)
         found = friction_force(result, name, after)
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+        with drawing_on(ax, COLUMN, curves.ASPECT * COLUMN) as ax:
             interval = f" ± {found.half_width:.1g}" * math.isfinite(found.half_width)
             low, high = found.mean - found.half_width, found.mean + found.half_width
             later, line = (
                 [found.after, result.t[-1]],
                 {"linewidth": WIDTH, "linestyle": look.linestyle},
             )
-            ax.plot(result.t, result[name].friction_force, color=COLOURS[0], **line)
+            ax.plot(result.t, result[name].friction_force, color=curves.COLOURS[0], **line)
             label = look.named(f"{found.mean:.3g}{interval}")
-            ax.plot(later, [found.mean] * 2, color=COLOURS[1], label=label, **line)
-            ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)
-            finish(ax, result, f"friction force on {name}")
+            ax.plot(later, [found.mean] * 2, color=curves.COLOURS[1], label=label, **line)
+            ax.fill_between(later, low, high, color=curves.COLOURS[1], alpha=0.3, linewidth=0.0)
+            curves.finish(ax, result, f"friction force on {name}")
         return ax
 
     def phase(self, ax: Axes | None = None) -> Axes:
@@ -187,16 +179,16 @@ class Plots:
             for k, surface in enumerate(result.scene.surfaces):
                 number = min(surface.count, MOST_PATHS)
                 shown = np.unique(np.linspace(0, surface.count - 1, number).astype(int))
-                swing = swing_of(result, surface)[:, shown]
+                swing = curves.swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
-                line: dict[str, Any] = {"color": COLOURS[k], "linestyle": look.linestyle}
-                width = PATH_WIDTH * self._width(k)
+                line: dict[str, Any] = {"color": curves.COLOURS[k], "linestyle": look.linestyle}
+                width = curves.PATH_WIDTH * self._width(k)
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
                 ax.plot(swing, rate, linewidth=width, alpha=faint, **line)
-                ax.plot(swing[-1], rate[-1], "o", color=COLOURS[k], markersize=2.5)
+                ax.plot(swing[-1], rate[-1], "o", color=curves.COLOURS[k], markersize=2.5)
                 ax.plot([], [], label=look.named(surface.name), **line)
             ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
-            legend(ax)
+            curves.legend(ax)
         return ax
 
     def snapshots(

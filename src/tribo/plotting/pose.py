@@ -22,41 +22,22 @@ ROOM = np.array([0.2, 0.1])
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Places of n asperites in a drawing; those at a depth are shifted right and upward.
+    """Places of n asperites in a drawing; those at a depth are shifted right and upward."""
 
-    Attributes
-    ----------
-    parts : dict of str to slice
-        The asperites of each surface.
-    bars, cms, bobs : ndarray, (n, 2)
-        Centres of bars, of mass and of bobs [length].
-    phi, theta : ndarray, (n,)
-        Angles of the bars, and of the rods from straight down [rad].
-    bar_lengths : ndarray, (n,)
-        [length]
-    up : ndarray, (n,)
-        +1 where the bar is above the bob, else -1.
-    is_twisted : ndarray of bool, (n,)
-        Whether a torsion spring is drawn.
-    aside : ndarray, (n, 2)
-        The shift for the depth [length].
-    joined : ndarray of int, (m, 2)
-        Pairs of asperites whose bars a lattice spring joins.
-    dots : ndarray, (m, 2)
-        Bath oscillators, where they are drawn [length].
-    """
-
-    parts: dict[str, slice]
-    bars: np.ndarray
-    cms: np.ndarray
-    bobs: np.ndarray
-    phi: np.ndarray
-    theta: np.ndarray
-    bar_lengths: np.ndarray
-    up: np.ndarray
-    is_twisted: np.ndarray
+    parts: dict[str, slice]  # the asperites of each surface
+    bars: np.ndarray  # (n, 2) centres of the bars [length]
+    cms: np.ndarray  # (n, 2) of mass
+    bobs: np.ndarray  # (n, 2)
+    phi: np.ndarray  # (n,) angles of the bars [rad]
+    theta: np.ndarray  # (n,) of the rods from straight down
+    bar_lengths: np.ndarray  # (n,) [length]
+    up: np.ndarray  # (n,) +1 where the bar is above the bob, else -1
+    is_twisted: np.ndarray  # (n,) whether a torsion spring is drawn
+    # (n, 2) the shift for the depth [length]
     aside: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
+    # (m, 2) pairs of asperites whose bars a lattice spring joins
     joined: np.ndarray = field(default_factory=partial(np.empty, (0, 2), int))
+    # (m, 2) bath oscillators, where they are drawn [length]
     dots: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
 
     @property
@@ -151,6 +132,8 @@ def joined_bars(surface: Surface) -> np.ndarray:
 
 def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, ...]:
     """Bars, centres of mass and bobs (n, 2), and the angles phi and theta (n,), of a surface."""
+    from scipy.interpolate import CubicHermiteSpline
+
     series = result[surface.name]
     if len(series["theta"]) != len(result.t):
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
@@ -164,7 +147,8 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
     times = result.t[k : k + 2]
 
     def at(name: str, rate: str) -> np.ndarray:
-        return _interpolated(times, series[name][k : k + 2], series[rate][k : k + 2], t)
+        both = (series[each][k : k + 2] for each in (name, rate))
+        return np.asarray(CubicHermiteSpline(times, *both)(t))
 
     bar, centre, bob = places
     phi, theta = at("phi", "nu"), at("theta", "omega")
@@ -177,10 +161,3 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
         return np.asarray(cm + np.einsum("nij,nj->ni", turn, point - centre))
 
     return rigidly(bar), cm, rigidly(bob), phi, theta
-
-
-def _interpolated(times: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float) -> np.ndarray:
-    """Values (n,) at `t`, from those and their rates at two times."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    return np.asarray(CubicHermiteSpline(times, values, rates)(t))

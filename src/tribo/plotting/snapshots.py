@@ -7,18 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from tribo.plotting import marks
 from tribo.plotting.contacts import force_arrows
 from tribo.plotting.curves import swing_of
-from tribo.plotting.marks import (
-    EDGE,
-    POINTS_PER_INCH,
-    Box,
-    arrow,
-    frame,
-    note,
-    point_length,
-    time_labels,
-)
 from tribo.plotting.picture import Picture, colour_bar
 from tribo.plotting.pose import Pose, nearest_sample, pose
 from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on
@@ -88,16 +79,16 @@ def snapshots(
     arranged = _in_a_row if widths.sum() < MOST_ROW * heights.max() else _in_a_column
     is_given = ax is not None
     with drawing_on(ax, WIDE) as ax:
-        width, height = np.array(ax.bbox.size) / ax.figure.dpi * POINTS_PER_INCH
+        width, height = np.array(ax.bbox.size) / ax.figure.dpi * marks.POINTS_PER_INCH
         layout = arranged(boxes, width, height - BAR_ROOM if is_given else np.inf)
         point, (left, right, bottom, top) = layout.point, layout.view
-        swing, labels = typical_swing(result), time_labels(result.t[samples].tolist())
+        swing, labels = typical_swing(result), marks.time_labels(result.t[samples].tolist())
         for now, shift, place, label in zip(
             poses, layout.shifts, layout.labels, labels, strict=True
         ):
             shown = now.shifted(shift)
             picture = Picture(ax, shown, point, swing)
-            note(ax, place, label, ha=layout.align)
+            marks.note(ax, place, label, ha=layout.align)
             if forces is not None:
                 force_arrows(ax, result.scene, now, shown, *forces)
         if picture.swings is not None:
@@ -115,18 +106,18 @@ class _Layout(NamedTuple):
     shifts: np.ndarray  # (n, 2) of the snapshots
     labels: np.ndarray  # (n, 2) of the times
     align: str  # of the times, along x
-    view: Box
+    view: marks.Box
 
 
 def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     """Snapshots side by side in boxes (n, 4), in so many points; times below them."""
     widths, low, high = boxes[:, 1] - boxes[:, 0], boxes[:, 2].min(), boxes[:, 3].max()
-    point = widths.sum() / (width - GAP * (len(boxes) - 1) - 2.0 * EDGE)
-    point = float(max(point, (high - low) / max(1.0, height - LINE - EDGE)))
+    point = widths.sum() / (width - GAP * (len(boxes) - 1) - 2.0 * marks.EDGE)
+    point = float(max(point, (high - low) / max(1.0, height - LINE - marks.EDGE)))
     begins = boxes[0, 0] + np.cumsum([0.0, *(widths[:-1] + GAP * point)])
     end = float(begins[-1] + widths[-1])
     shifts = np.stack([begins - boxes[:, 0], np.zeros(len(boxes))], axis=1)
-    below, edge = np.full(len(boxes), low - 0.5 * LINE * point), EDGE * point
+    below, edge = np.full(len(boxes), low - 0.5 * LINE * point), marks.EDGE * point
     labels = np.stack([begins + 0.5 * widths, below], axis=1)
     view = (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
     return _Layout(point, shifts, labels, "center", view)
@@ -135,13 +126,13 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
 def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     """Snapshots below one another, at the places along x of the run; times left of them."""
     left, right, heights = boxes[:, 0].min(), boxes[:, 1].max(), boxes[:, 3] - boxes[:, 2]
-    point = (right - left) / (width - MARGIN - EDGE)
+    point = (right - left) / (width - MARGIN - marks.EDGE)
     point = float(max(point, heights.sum() / max(1.0, height - GAP * len(boxes))))
     tops = boxes[0, 3] - np.cumsum([0.0, *(heights + GAP * point)])
     shifts = np.stack([np.zeros(len(boxes)), tops[:-1] - boxes[:, 3]], axis=1)
-    start = np.full(len(boxes), left - (MARGIN - EDGE) * point)
+    start = np.full(len(boxes), left - (MARGIN - marks.EDGE) * point)
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
-    edge, (highest, *_, lowest) = EDGE * point, tops.tolist()
+    edge, (highest, *_, lowest) = marks.EDGE * point, tops.tolist()
     view = (left - MARGIN * point, right + edge, lowest, highest + edge)
     return _Layout(point, shifts, labels, "left", view)
 
@@ -159,25 +150,27 @@ def sequence(
     boxes = np.array([now.box for now in poses])
     room = ARROW_ROOM * float(poses[0].rods.max())
     left, right = boxes[:, 0].min() - room, boxes[:, 1].max() + room
-    beside: dict[str, Any] = {"offset": (EDGE - MARGIN, 0.0), "ha": "left"}
+    beside: dict[str, Any] = {"offset": (marks.EDGE - MARGIN, 0.0), "ha": "left"}
     with drawing_on(ax, COLUMN) as ax:
-        point = point_length(ax, left, right, left=MARGIN)
+        point = marks.point_length(ax, left, right, left=MARGIN)
         gap = (len(points) + 1.2) * LINE * point
         floor, before = 0.0, None
-        for k, (now, label) in enumerate(zip(poses, time_labels(times), strict=True)):
+        for k, (now, label) in enumerate(zip(poses, marks.time_labels(times), strict=True)):
             top = floor - gap if k else 0.0
             row = now.shifted((0.0, top - boxes[k, 3]))
             index = row.index(*asperite)
             Picture(ax, row, point)
             if k in (0, len(times) - 1):
                 force_arrows(ax, result.scene, now, row, *asperite)
-            note(ax, (left, row.bobs[index, 1]), label, **beside)
+            marks.note(ax, (left, row.bobs[index, 1]), label, **beside)
             if before is not None:
                 _displacements(ax, before, row, index, points, floor, point)
                 if phases:
-                    note(ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside)
+                    marks.note(
+                        ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside
+                    )
             floor, before = row.box[2], row
-        frame(ax, (left, right, floor, 0.0), left=MARGIN)
+        marks.frame(ax, (left, right, floor, 0.0), left=MARGIN)
     return ax
 
 
@@ -207,9 +200,9 @@ def _displacements(
     for name, y, start, tip in zip(points, levels, begins[:, 0], ends[:, 0], strict=True):
         head = min(8.0, 1.2 * abs(tip - start) / point)  # a short arrow has a small head
         if head > 0.5:
-            arrow(ax, (start, y), (tip, y), mutation_scale=head)
+            marks.arrow(ax, (start, y), (tip, y), mutation_scale=head)
         text = rf"$\Delta {letter}_{{{SUBSCRIPTS[name]}}}$"
-        note(ax, (side * max(side * start, side * tip), y), text, (4.0 * side, 0.5), **where)
+        marks.note(ax, (side * max(side * start, side * tip), y), text, (4.0 * side, 0.5), **where)
 
 
 def _guides(

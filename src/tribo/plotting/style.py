@@ -109,11 +109,6 @@ def save(drawing: Axes | Figure, path: str | Path) -> Path:
     path : str or Path
         Name of the file, which ends in .png, .pdf or .svg.
 
-    Returns
-    -------
-    Path
-        The file.
-
     Raises
     ------
     InputError

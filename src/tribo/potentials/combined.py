@@ -43,13 +43,11 @@ class Sum(BetweenCharges):
         return as_potential(cls(first, second))
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         first = (r < self.first.range()) * self.first.energy_between(r, one, other)
         second = (r < self.second.range()) * self.second.energy_between(r, one, other)
         return first + second
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         first = (r < self.first.range()) * self.first.force_between(r, one, other)
         second = (r < self.second.range()) * self.second.force_between(r, one, other)
         return first + second
@@ -89,13 +87,7 @@ class Sum(BetweenCharges):
 
 
 class Wrapper(Potential):
-    """A potential whose methods other than energy and force are those of another.
-
-    Attributes
-    ----------
-    potential : Potential
-        The other.
-    """
+    """A potential whose methods other than energy and force are those of another."""
 
     potential: Potential
 
@@ -135,11 +127,9 @@ class Scaled(BetweenCharges, Wrapper):
     factor: float
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         return self.factor * self.potential.energy_between(r, one, other)
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return self.factor * self.potential.force_between(r, one, other)
 
 

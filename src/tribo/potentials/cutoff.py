@@ -58,72 +58,42 @@ class WithCutoff(BetweenCharges, Wrapper):
 
 
 class Truncated(WithCutoff):
-    """U below the cutoff, zero beyond: U and the force jump.
-
-    Attributes
-    ----------
-    potential : Potential
-        The potential without a cutoff.
-    cutoff : float
-        Distance from which U and the force are zero [length], positive.
-    """
+    """U below the cutoff, zero beyond: U and the force jump."""
 
     _at_cutoff = -1  # U jumps
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         return (r < self.cutoff) * self.potential.energy_between(r, one, other)
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
 
 class Shifted(WithCutoff):
-    """U - U(cutoff) below the cutoff, zero beyond: the force jumps.
-
-    Attributes
-    ----------
-    potential : Potential
-        The potential without a cutoff.
-    cutoff : float
-        Distance from which U and the force are zero [length], positive.
-    """
+    """U - U(cutoff) below the cutoff, zero beyond: the force jumps."""
 
     _at_cutoff = 0  # the force jumps
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.energy_between(r, one, other) - end)
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         return (r < self.cutoff) * self.potential.force_between(r, one, other)
 
 
 class ForceShifted(WithCutoff):
-    """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink.
-
-    Attributes
-    ----------
-    potential : Potential
-        The potential without a cutoff.
-    cutoff : float
-        Distance from which U and the force are zero [length], positive.
-    """
+    """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink."""
 
     _at_cutoff = 1  # the force has a kink
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         end = self.potential.energy_between(self.cutoff, one, other)
         slope = self.potential.force_between(self.cutoff, one, other)
         plain = self.potential.energy_between(r, one, other)
         return (r < self.cutoff) * (plain - end + (r - self.cutoff) * slope)
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         end = self.potential.force_between(self.cutoff, one, other)
         return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
 
@@ -135,10 +105,6 @@ class Switched(WithCutoff):
 
     Attributes
     ----------
-    potential : Potential
-        The potential without a cutoff.
-    cutoff : float
-        Distance from which U and the force are zero [length], positive.
     switch_from : float
         Distance from which U is reduced [length], positive and below the cutoff.
     """
@@ -147,14 +113,12 @@ class Switched(WithCutoff):
     _at_cutoff = 2
 
     def energy_between(self, r, one, other):
-        """Energy U(r) [energy] of two charges at distance r [length]."""
         inverse = 1.0 / (self.cutoff - self.switch_from)  # loops over pairs compute it once
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
         return self.potential.energy_between(r, one, other) * switch
 
     def force_between(self, r, one, other):
-        """Force -dU/dr [energy / length] between two charges, positive if it repels."""
         inverse = 1.0 / (self.cutoff - self.switch_from)
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))

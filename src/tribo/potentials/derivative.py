@@ -45,14 +45,7 @@ class NoFormulaError(Exception):
 
 
 class Rules:
-    """The rules of differentiation by a variable, and the names that depend on it.
-
-    Parameters
-    ----------
-    variable : str
-    where : str
-        The name of ``numpy.where`` in derivatives.
-    """
+    """The rules of differentiation by a variable; `where` is numpy's in derivatives."""
 
     def __init__(self, variable: str, where: str = "where") -> None:
         self.variable = variable

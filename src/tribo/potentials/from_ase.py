@@ -22,17 +22,10 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.plugins.unloaded import refuse_code
 from tribo.potentials.potential import Potential
-from tribo.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    InputError,
-    known_keys,
-    must_be,
-    number,
-    short_repr,
-)
+from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
     from ase.calculators.calculator import Calculator
@@ -63,11 +56,9 @@ class Live:
 
     def __post_init__(self) -> None:
         _check_calculator(self.calculator)
-        length = number("length", self.length, NOT_NEGATIVE, "Angstrom")
-        object.__setattr__(self, "length", length)
+        check.fields(self, length=check.one(check.NOT_NEGATIVE, "Angstrom"))
         if self.reach != math.inf:
-            reach = number("reach", self.reach, POSITIVE, "Angstrom")
-            object.__setattr__(self, "reach", reach)
+            check.fields(self, reach=check.one(check.POSITIVE, "Angstrom"))
 
     def range(self) -> float:
         """Distance from which the force is zero."""
@@ -79,18 +70,10 @@ class Live:
 
 
 class ZeroForce(Potential):
-    """No force: time loops use it to detect encounters of bobs whose force a calculator computes.
+    """No force: time loops detect by it encounters of bobs whose force a calculator computes."""
 
-    Attributes
-    ----------
-    length : float
-        Length over which the calculator's force changes [length]; 0 for the distance itself.
-    reach : float
-        Distance from which the calculator's force is zero [length].
-    """
-
-    length: float
-    reach: float
+    length: float  # over which the calculator's force changes [length]; 0 for the distance itself
+    reach: float  # distance from which its force is zero [length]
 
     def energy(self, r):
         """Zero."""
@@ -105,7 +88,6 @@ class ZeroForce(Potential):
         return self.length, self.reach if self.length > 0.0 else 0.0
 
     def range(self):
-        """Distance from which the calculator's force is zero [length]."""
         return self.reach
 
 
@@ -169,7 +151,7 @@ def make_calculator(calculator: Calculator | str, arguments: dict[str, Any]) -> 
 
 def from_table(table: dict[str, Any]) -> Live:
     """The calculator that a table of a scene file describes."""
-    table = known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
+    table = check.known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
     name, arguments = table.pop("calculator"), table.pop("arguments", {})
     if not isinstance(name, str):
         raise must_be("calculator", '"module:Class", as "ase.calculators.emt:EMT"', name)
@@ -200,7 +182,7 @@ def elements(names: list[str]) -> list[str]:
         if atomic_numbers.get(name, 0) == 0:
             raise InputError(
                 "potential",
-                f'needs elements as the species of bobs, as "Cu", got {short_repr(name)}',
+                f'needs elements as the species of bobs, as "Cu", got {check.short_repr(name)}',
             )
     return names
 

@@ -3,31 +3,14 @@
 A potential derives from :class:`Potential` or is a NamedTuple of floats, with ``energy(self, r)``.
 A class that defines ``energy`` inherits no force, and no energy between charges.  It inherits what
 describes U, as feature and smoothness, which assumes no more than the defaults do; but it must
-define a range where its parent has one.  A potential may define further methods:
+define a range where its parent has one.  :class:`Potential` has defaults of all further methods but
 
     force(self, r)   -dU/dr; without it, the derivative of the energy's source where that is a
                      formula, else by a complex step: both to round-off
-    feature(self)    (length over which the force changes, distance beyond which it is weak), from
-                     which steps are limited so that none jumps over an encounter; without it, the
-                     length is r itself
-    clearance(self, r)
-                     distance that a pair at r may move before the force changes considerably;
-                     without it, from feature and range
-    coupling(self, one, other)
-                     factor of U for bobs of charges one and other, as one * other; without it, 1
     energy_between(self, r, one, other), force_between(self, r, one, other)
                      U and -dU/dr for bobs of charges one and other, where these are not coupling
                      times energy and force
-    range(self)      distance from which U is zero; without it, infinity
-    smoothness(self) number of continuous derivatives of U at every r > 0, -1 where U jumps;
-                     without it, infinity
-    smoothness_within(self)
-                     the same at every 0 < r < range; without it, as smoothness
     minimum(self)    (r, U, d2U/dr2) at the minimum, to be checked against U
-    domain(self)     (smallest r, largest r) at which the potential is valid; without it, r > 0
-    constraints(self)
-                     for each constrained parameter (its name, whether the constraint is met, the
-                     message if not), as ("sigma", self.sigma > 0.0, "must be positive [length]")
 """
 
 from __future__ import annotations
@@ -79,11 +62,14 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         def force_between(self, r: Real, one: Real, other: Real) -> Real: ...
 
     def coupling(self, one: Real, other: Real) -> Real:
-        """Factor of the energy and the force of two charges: 1."""
+        """Factor of the energy and the force of two charges, as one * other: 1."""
         return 1.0
 
     def feature(self) -> tuple[float, float]:
-        """Length over which the force changes, and distance beyond which it is weak [length]."""
+        """Length over which the force changes, and distance beyond which it is weak [length].
+
+        Steps are limited by them so that none jumps over an encounter.
+        """
         return 0.0, 0.0  # the length is r itself, at all distances
 
     def clearance(self, r: Real) -> Real:
@@ -96,7 +82,7 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return math.inf
 
     def smoothness(self) -> float:
-        """Number of continuous derivatives of U at every r > 0."""
+        """Number of continuous derivatives of U at every r > 0, -1 where U jumps."""
         return math.inf
 
     def smoothness_within(self) -> float:
@@ -108,7 +94,10 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return 0.0, math.inf
 
     def constraints(self) -> tuple[Constraint, ...]:
-        """For each constraint: the parameter, whether it is met, and the message if not."""
+        """For each constraint: the parameter, whether it is met, and the message if not.
+
+        As ("sigma", self.sigma > 0.0, "must be positive [length]").
+        """
         conditions = {">": POSITIVE, ">=": NOT_NEGATIVE}
         limits = ((name, *conditions[sign], unit) for name, sign, unit in self._limits)
         return tuple(

@@ -30,6 +30,7 @@ def energy_of_charges(self, r, one, other):
 
 
 def _force_of_charges(self, r, one, other):
+    """Force -dU/dr [energy / length] between two charges, positive if it repels."""
     return self.coupling(one, other) * self.force(r)
 
 

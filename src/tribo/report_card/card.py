@@ -36,32 +36,15 @@ ADVICE = {
 
 @dataclass(frozen=True)
 class Check:
-    """One line of a report card.
-
-    Attributes
-    ----------
-    name : str
-    compared : str
-        The quantities that were compared.
-    value : float
-        Error: relative, or a number of distances.
-    bound : float or None
-        Largest acceptable error; None where the potential promises nothing.
-    where : float or None
-        Distance at which the error is largest [length].
-    note : str
-        An explanation, as of a failure for another reason than the error.
-    failed : bool
-        Whether the check failed for a reason that `note` gives.
-    """
+    """One line of a report card."""
 
     name: str
-    compared: str
-    value: float
-    bound: float | None
-    where: float | None = None
-    note: str = ""
-    failed: bool = False
+    compared: str  # the quantities that were compared
+    value: float  # the error: relative, or a number of distances
+    bound: float | None  # largest acceptable error; None where the potential promises nothing
+    where: float | None = None  # distance at which the error is largest [length]
+    note: str = ""  # an explanation, as of a failure for another reason than the error
+    failed: bool = False  # whether the check failed for a reason that `note` gives
 
     @classmethod
     def of_worst(
@@ -106,20 +89,11 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """The report card of a potential; ``report["force"]`` is one of its checks.
+    """The report card of a potential; ``report["force"]`` is one of its checks."""
 
-    Attributes
-    ----------
-    potential : str
-        Name and parameters of the potential.
-    checks : tuple of Check
-    curves : Curves
-        Energy, force and their disagreement, for the figure.
-    """
-
-    potential: str
+    potential: str  # its name and parameters
     checks: tuple[Check, ...]
-    curves: Curves
+    curves: Curves  # energy, force and their disagreement, for the figure
 
     @property
     def passed(self) -> bool:
@@ -133,34 +107,12 @@ class Report:
         return checks[name]
 
     def to_json(self) -> str:
-        """The card as strict JSON, as ``tribo check --json`` prints it.
-
-        Returns
-        -------
-        str
-            One JSON object; numbers that are not finite are null.
-        """
+        """The card as one JSON object, as ``tribo check --json`` prints it; no number is inf."""
         checks = [check.table for check in self.checks]
         return strict_json({"potential": self.potential, "passed": self.passed, "checks": checks})
 
     def save_figure(self, path: str | Path) -> Path:
-        """Draw energy, force, their disagreement and the cutoff.
-
-        Parameters
-        ----------
-        path : str or Path
-            Name of the file, which ends in .png, .pdf or .svg.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        InputError
-            If the name ends otherwise, or the file cannot be written.
-        """
+        """Draw energy, force, their disagreement and the cutoff; as :func:`tribo.plotting.save`."""
         return save(card_figure(self.curves, self.potential), path)
 
     def __str__(self) -> str:

@@ -2,13 +2,9 @@
 
 from html import escape
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
-from tribo.files import replace_file, strict_json
-from tribo.results.run_result import RunResult
-from tribo.validation import as_path
-from tribo.viewer.contents import contents
+from tribo.files import strict_json
 
 # The scripts of the module, in the order in which they need one another.
 SCRIPTS = (
@@ -71,14 +67,3 @@ def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
         module=module(),
         source=reader,
     )
-
-
-def write_page(result: RunResult, path: str | Path, bath: bool = False) -> Path:
-    """Write a page that plays a run, with its bath oscillators if `bath`; replaces the file.
-
-    Raises InputError if the file cannot be written, or if the result has no places to draw, or none
-    of the bath oscillators.
-    """
-    path = as_path(path)
-    replace_file(path, document({"run": contents(result, bath), "sliders": []}).encode())
-    return path

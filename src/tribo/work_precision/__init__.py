@@ -4,10 +4,9 @@ With thermal noise single runs do not converge; there it is the half-width of me
 number of members.
 """
 
-from tribo.work_precision.diagram import WorkPrecision
+from tribo.work_precision.diagram import Cheapest, Reference, Row, WorkPrecision
 from tribo.work_precision.means import MeanRow, MeansPrecision, means_precision
 from tribo.work_precision.measure import work_precision
-from tribo.work_precision.rows import Cheapest, Reference, Row
 
 __all__ = [
     "Cheapest",

@@ -26,8 +26,7 @@ from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, number
-from tribo.work_precision.diagram import GOALS, WorkPrecision
-from tribo.work_precision.rows import Reference, Row, with_front
+from tribo.work_precision.diagram import GOALS, Reference, Row, WorkPrecision, with_front
 
 # Methods of the reference, the first that can integrate the scene.  The polynomial of
 # gauss-radau-15 does not fit forces whose derivatives jump.
