@@ -46,6 +46,11 @@ class Tolerance(NamedTuple):
     encounter_fraction: float = 0.5  # of the way to the next encounter that a step may go
 
 
+def stricter(tolerance: Tolerance, factor: float) -> Tolerance:
+    """All of a tolerance times a factor below 1."""
+    return Tolerance(*(factor * each for each in tolerance))
+
+
 @kernel
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tribo.integrators.methods import METHODS, Method
-from tribo.integrators.step_control import Tolerance
+from tribo.integrators.step_control import Tolerance, stricter
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.guards import lost_sample, passed_through
@@ -23,6 +23,11 @@ from tribo.loops.pair import Pair, has_pair_loop
 from tribo.loops.resolution import first_step
 from tribo.loops.state import Origin, State, continued
 from tribo.model.scene import Scene
+
+# Factor of tolerances in one of two runs that are compared with a third, where forces are rough:
+# a step over a jump of a derivative makes an error that depends on where it begins, and runs that
+# end steps at other times alone take the same steps up to the first of these.
+OTHER_STEPS = 0.7
 
 
 class Integrator:
@@ -98,9 +103,11 @@ class Integrator:
 
         `streamed` takes the samples in, of which only the first and the last two are kept then.
         Adaptive steps may take `most` force evaluations; those of the scene without it.  `rounded`
-        gives the bobs' places other roundings.
+        gives the bobs' places other roundings, and rough forces other steps.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
+        if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
+            setting = stricter(setting, OTHER_STEPS)
         start = self.layout.start if start is None else start
         entry = None
         if self._journal is not None:
