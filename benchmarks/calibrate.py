@@ -22,8 +22,7 @@ import tribo
 import tribo.loops.select
 from tribo import paper
 from tribo.accuracy.cost_model import RATES
-from tribo.accuracy.levels import setting_at
-from tribo.accuracy.tolerance_scales import first_guess
+from tribo.accuracy.levels import first_guess, setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out

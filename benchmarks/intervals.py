@@ -11,7 +11,7 @@ first 16 of a group determine how many more are drawn.
 
 import numpy as np
 
-from tribo.results.intervals import interval, members_needed
+from tribo.results.averages import interval, members_needed
 
 # Groups of members; half-widths of Stein's intervals, relative to the mean.
 GROUPS, HALF_WIDTHS, FIRST = 20_000, (0.02, 0.05), 16

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import i0
 
 import tribo
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 
 # The period is 1; the amplitude [energy] makes the largest curvature of the corrugation 1.
 AMPLITUDE = 1.0 / (2.0 * np.pi) ** 2

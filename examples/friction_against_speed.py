@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 import tribo
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 
 # Corrugation of period 1 and curvature 1; pulling spring; damping of a mass of 1; temperature.
 Q, A = 2.0 * np.pi, 1.0 / (2.0 * np.pi) ** 2

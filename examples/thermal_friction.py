@@ -10,7 +10,7 @@ S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
 import numpy as np
 
 import tribo
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 
 # Curvature of the corrugation (amplitude and period 1) over K; speed of the stage; rod's length.
 ETA, SPEED, ROD = 4.0, 0.05, 10.0

@@ -16,7 +16,7 @@ from tribo.commands.cli import main
 from tribo.explanation import explanation, prediction
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
-from tribo.loops import guards
+from tribo.loops import integrate
 from tribo.model.effects import EFFECTS, Effect, reason_for
 from tribo.potentials import expression
 
@@ -242,7 +242,7 @@ def test_a_long_search_is_extrapolated(monkeypatch, part):
     method = tribo.prepare(scene).method
     budget = 1e-9 * part * taken * cost_model.evaluation_time(layout, method)
     monkeypatch.setattr(prediction, "BUDGET", budget)
-    monkeypatch.setattr(guards, "FEWEST_TRIALS", 1)  # after which a run is looked at
+    monkeypatch.setattr(integrate, "FEWEST_TRIALS", 1)  # after which a run is looked at
     explained = tribo.explain(scene)
     assert explained.predicted.basis == "extrapolated"
     assert explained.evaluations_used < min(1.0, 2.0 * part) * taken
@@ -252,7 +252,7 @@ def test_a_long_search_is_extrapolated(monkeypatch, part):
 def test_a_long_run_of_a_pair_is_ended(monkeypatch):
     """The loop for pairs stops within the budget too, at the same step every time."""
     monkeypatch.setattr(prediction, "BUDGET", 0.01)
-    monkeypatch.setattr(guards, "TRIALS", 2**12)
+    monkeypatch.setattr(integrate, "TRIALS", 2**12)
     scene = replace(paper.scene("A"), duration=1e5, output=tribo.Output(samples=2))
     one, other = tribo.explain(scene), tribo.explain(scene)
     assert one.predicted.basis == "extrapolated"

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from tribo.accuracy import comparison
-from tribo.accuracy.cheapest_setting import single_setting
 from tribo.accuracy.levels import fine_level
-from tribo.accuracy.plan import Plan
+from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
-from tribo.accuracy.stop_times import StopTimes
+from tribo.accuracy.search_runs import StopTimes
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -22,15 +21,14 @@ from tribo.layout.layout import Layout
 from tribo.ledger.guards import passing_notes
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
-from tribo.ledger.sinks import StreamedLedger, is_streamed
-from tribo.ledger.watched import Watched
+from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator, up_to_passing
 from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
-from tribo.results.run_result import Constant, Cost
+from tribo.results.run_result import Cost, itself
 from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
@@ -200,7 +198,7 @@ class Simulation:
             return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed)
-        return run, Constant(streamed.whole(run.samples)), streamed.watched
+        return run, partial(itself, streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(
         self, runs: Sequence[Integration], y: np.ndarray, search: FoundSettings | None = None
@@ -292,7 +290,7 @@ class Simulation:
         layout, method, keep = self.layout, self.method.name, self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
             ledger, cost = assemble_ledger().only(keep), add_up_cost()
-            assemble_ledger, add_up_cost = Constant(ledger), Constant(cost)
+            assemble_ledger, add_up_cost = partial(itself, ledger), partial(itself, cost)
             names = {*ledger.names, *ledger.kept}  # and observables, as "upper.W"
             bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings

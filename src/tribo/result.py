@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ from tribo.results import dataset, force_averages, report
 from tribo.results.averages import Average
 from tribo.results.citations import citations
 from tribo.results.depinning import Depinning, depinning
-from tribo.results.run_result import Constant, Cost, RunResult
+from tribo.results.run_result import Cost, RunResult, itself
 from tribo.validation import InputError, as_path
 
 if TYPE_CHECKING:
@@ -353,9 +354,9 @@ def load_result(path: str | Path) -> Result:
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=Constant(dataset.ledger_of(data, scene)),
-        add_up=Constant(Cost(**json.loads(data.attrs["cost"]))),
-        take_state=Constant(dataset.state_in(data, scene)),
+        assemble=partial(itself, dataset.ledger_of(data, scene)),
+        add_up=partial(itself, Cost(**json.loads(data.attrs["cost"]))),
+        take_state=partial(itself, dataset.state_in(data, scene)),
         settings=settings,
         version=data.attrs["version"],
     )

@@ -7,10 +7,16 @@ import pytest
 
 import tribo
 from support.hard_scenes import changed, simulate, stopped
-from tribo.accuracy.levels import fine_level, finest_level
+from tribo.accuracy.levels import (
+    FLOOR,
+    fine_level,
+    finest_level,
+    first_guess,
+    tolerance_scales,
+    tolerances,
+)
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import EPSILON
-from tribo.accuracy.tolerance_scales import FLOOR, first_guess, tolerance_scales, tolerances
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
 from tribo.ledger.motion import Motion
@@ -23,7 +29,7 @@ METHOD = METHODS["gauss-radau-15"]
 
 def rounded(layout, sample):
     """The rounding of the terms of a run that is one sample."""
-    return rounding_of_terms(layout, Motion(layout.view, layout.view.together, sample), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, sample), 1)
 
 
 def scales_of(scene):

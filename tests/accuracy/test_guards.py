@@ -13,9 +13,9 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
 from tribo.ledger import sinks
-from tribo.ledger.closest_bobs import closest_bobs
 from tribo.ledger.samples import Samples
-from tribo.loops import guards, integrate
+from tribo.ledger.separation import closest_bobs
+from tribo.loops import integrate
 from tribo.loops.select import Integrator
 
 
@@ -74,10 +74,10 @@ def test_closest_bobs_of_lattices():
 
 def impatient(monkeypatch, evaluations=500.0):
     """Look at the progress of a run after every 16 trials."""
-    monkeypatch.setattr(guards, "TRIALS", 16)
-    monkeypatch.setattr(guards, "FEWEST_TRIALS", 16)
-    monkeypatch.setattr(guards, "MOST_WORK", 2.0 * evaluations)
-    monkeypatch.setattr(guards, "ALWAYS_ALLOWED", 0.0)
+    monkeypatch.setattr(integrate, "TRIALS", 16)
+    monkeypatch.setattr(integrate, "FEWEST_TRIALS", 16)
+    monkeypatch.setattr(integrate, "MOST_WORK", 2.0 * evaluations)
+    monkeypatch.setattr(integrate, "ALWAYS_ALLOWED", 0.0)
 
 
 def test_a_run_that_makes_no_progress_stops(monkeypatch):

@@ -13,9 +13,9 @@ from support.hard_scenes import simulate
 from tribo import paper
 from tribo.accuracy.comparison import DIVERGED, DIVERGED_IN_CHAOS, estimate
 from tribo.accuracy.extremes import Extremes
+from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.roundoff import rounding_of_terms
 from tribo.accuracy.scales import KINDS, Scales, reported_scales
-from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import Motion
@@ -29,7 +29,7 @@ TURNING = {
 
 def terms_of(layout, samples):
     """The rounding of terms in a run of one step."""
-    return rounding_of_terms(layout, Motion(layout.view, layout.view.together, samples), 1)
+    return rounding_of_terms(layout, Motion(layout, layout.together, samples), 1)
 
 
 def scene(bars: str) -> tribo.Scene:

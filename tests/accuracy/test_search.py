@@ -11,9 +11,9 @@ import pytest
 import tribo
 from support.sliding import long_slide
 from tribo import atlas, paper
-from tribo.accuracy import cheapest_setting, choose_method, cost_model, levels, search
+from tribo.accuracy import choose_method, cost_model, levels, plan, search
 from tribo.accuracy.comparison import TINY_PERTURBATION, error_bounds, measure_amplification
-from tribo.accuracy.stop_times import MOST_STOPS, PARTS, StopTimes
+from tribo.accuracy.search_runs import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
 from tribo.layout.layout import lay_out
@@ -300,7 +300,7 @@ def test_a_long_run_gets_no_cheaper_setting(monkeypatch):
     simulation = tribo.prepare(case("A"), accuracy=1e-9)
     fine = simulation.finest.evaluations
     assert simulation.run(estimate=False).cost.force_evaluations < 0.9 * fine
-    monkeypatch.setattr(cheapest_setting, "LONG_RUN", 0.0)
+    monkeypatch.setattr(plan, "LONG_RUN", 0.0)
     simulation = tribo.prepare(case("A"), accuracy=1e-9)
     assert simulation.run(estimate=False).cost.force_evaluations == fine
 

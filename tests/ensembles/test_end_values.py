@@ -11,9 +11,8 @@ from scipy import stats
 
 import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
-from tribo.accuracy.cheapest_setting import NEAR_ALONE
-from tribo.accuracy.levels import setting_at
-from tribo.accuracy.tolerance_scales import ToleranceScales
+from tribo.accuracy.levels import ToleranceScales, setting_at
+from tribo.accuracy.plan import NEAR_ALONE
 from tribo.ensembles import batches, checked_runs
 from tribo.ensembles.members import Variation
 from tribo.integrators.tableaux import RKN8, RKN12

@@ -30,7 +30,7 @@ from tribo.ensembles.figure import mean_band
 from tribo.ensembles.means import FIRST_STAGE
 from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
-from tribo.results.intervals import interval, members_needed
+from tribo.results.averages import interval, members_needed
 
 TEMPERATURE = 0.3
 LIGHT = Asperite(m2=0.5)

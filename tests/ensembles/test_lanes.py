@@ -23,10 +23,9 @@ from tribo.kernels.status import (
     STEPS,
 )
 from tribo.layout.layout import lay_out
-from tribo.loops.batch import Batch, MemberStarts
-from tribo.loops.batch_general import GeneralMembers
-from tribo.loops.choose_batch import choose_batch
+from tribo.loops.batch import Batch, GeneralMembers, MemberStarts
 from tribo.loops.lane_loop import fit_lanes
+from tribo.loops.select import Integrator
 
 FIELDS = ("y", "s", "contact", "field", "stored")
 STEP, FIRST_STEP = 0.02, 0.2
@@ -110,7 +109,9 @@ def loops_of(layout, method):
     """Loops that run members in lanes, and one by one."""
     assert fit_lanes(layout, method)
     alone = Batch(lambda: GeneralMembers(layout, method, FIRST_STEP))
-    return [choose_batch(layout, method, FIRST_STEP), alone]
+    integrator = Integrator(layout, method)
+    integrator.first_step = FIRST_STEP
+    return [integrator.batch(), alone]
 
 
 def setting_of(layout, method):

@@ -8,9 +8,9 @@ from scipy import stats
 
 import tribo
 from support.crossed import Push
+from tribo.ensembles.batches import SingleRuns
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation, values_at_start
-from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import policy_of
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
@@ -18,7 +18,7 @@ from tribo.layout.initial_state import InitialState
 from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import can_differ, member_numbers
 from tribo.loops.batch import MemberStarts
-from tribo.loops.choose_batch import choose_batch
+from tribo.loops.select import Integrator
 from tribo.model.parameters import with_values
 
 SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
@@ -159,7 +159,7 @@ def test_members_do_not_depend_on_their_company():
     """The same bits in any lane, and alone again from the data set."""
     scene = scene_of()
     layout, method = lay_out(scene), METHODS["rkn8"]
-    loop = choose_batch(layout, method, 0.2, own_numbers=True)
+    loop = Integrator(layout, method).batch(own_numbers=True)
     values = Variation(scene, SPEEDS | STRENGTHS | ASPERITES, 0).members(np.arange(40)).values
     numbers = member_numbers(layout, 40, values)
     starts = MemberStarts(np.tile(layout.start, (40, 1)), np.zeros(40, int), numbers)
@@ -184,7 +184,7 @@ def test_one_member_alone_on_driven_bars():
     vary = {"*.swing_state": tribo.Canonical(0.1)}
     layout, values = lay_out(scene), Variation(scene, vary, 0).members(np.arange(3)).values
     y = InitialState(layout).of_members(values_at_start(values), np.zeros(3, int))
-    loop = choose_batch(layout, METHODS["rkn8"], 0.2)
+    loop = Integrator(layout, METHODS["rkn8"]).batch()
     scales = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
     setting, starts = Tolerance(*scales, 1e-8), MemberStarts(y, np.zeros(3, int))
     whole, one = loop.run(setting, starts), loop.run(setting, starts.of_members([1]))

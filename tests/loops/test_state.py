@@ -35,6 +35,15 @@ def test_continued_run(method, tmp_path):
         assert same_end(whole, rest)
 
 
+def test_a_time_that_is_rounded_otherwise_is_recorded_once():
+    """0.6 is the last of 6 times, and 0.6000000000000001 one of those of a longer run."""
+    how = {"method": "verlet", "step": 0.02}
+    short = replace(chain(), duration=0.6, output=tribo.Output(samples=6))
+    state = tribo.simulate(short, **how).state()
+    rest = tribo.simulate(replace(short, duration=1.0), **how, start=state)
+    assert rest.status == "completed" and rest.t.tolist() == [0.6, 0.8, 1.0]
+
+
 def test_from_a_run_that_continued():
     """A state has all that came before it, however often a run was continued."""
     how = {"method": "verlet", "step": 0.02}

@@ -13,9 +13,8 @@ import tribo
 from support.laws import identities, raw_samples, tables
 from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
-from tribo.accuracy.levels import setting_at
+from tribo.accuracy.levels import first_guess, setting_at
 from tribo.accuracy.search_runs import PILOT_LEVEL
-from tribo.accuracy.tolerance_scales import first_guess
 from tribo.compiler.jit import time_loop
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COMPLETED, PAUSED

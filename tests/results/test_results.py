@@ -142,7 +142,7 @@ def test_columns_are_the_series(result):
     """All series side by side, those of single surfaces too, are the same as one by one."""
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
     samples, layout = raw_samples(simulation.compute().ledger), simulation.layout
-    group = AsperiteSeries(layout.view, samples, (layout.view.together,))
+    group = AsperiteSeries(layout, samples, (layout.together,))
     columns = series_table(layout, group, ["upper.W", "lower.w1"])
     ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]
     assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}

@@ -11,7 +11,7 @@ from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.cost_model import estimates
 from tribo.integrators import methods
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import MemberNumbers
 from tribo.loops.resolution import (
     corrugation_frequency,
     first_step,

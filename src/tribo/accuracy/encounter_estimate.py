@@ -41,7 +41,7 @@ def steps_towards(layout: Layout) -> float:
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             followed = place[:, first.astype(int)]
             others = place[:, theirs.start : theirs.stop]
-            drift = layout.view.velocities[one] - layout.view.velocities[other]
+            drift = layout.velocities[one] - layout.velocities[other]
             count = MOST_DISTANCES / (followed.shape[1] * others.shape[1])
             times = np.linspace(0.0, layout.scene.duration, int(np.clip(count, 5, MOST_TIMES)))
             speed = float(np.hypot(*drift)) + 2.0 * swinging

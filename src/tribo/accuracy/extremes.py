@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import largest, mean_velocity
+from tribo.accuracy.scales import largest, largest_of_runs, mean_velocity
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.series_table import series_table
@@ -27,7 +27,10 @@ BYTES = 2500
 
 
 class Extremes(NamedTuple):
-    """The largest magnitudes in a run, by quantity where they are arrays (names,)."""
+    """The largest magnitudes in a run, by quantity where they are arrays (names,).
+
+    Of several members, arrays have one more axis.
+    """
 
     names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
     tops: np.ndarray  # the largest magnitudes
@@ -72,16 +75,32 @@ def _extremes(
 ) -> Extremes:
     """Those of one portion."""
     count, samples = fine.t.size, fine.then(*shared)
-    group = AsperiteSeries(layout.view, samples, (layout.view.together,))
+    group = AsperiteSeries(layout, samples, (layout.together,))
     columns, (motion,) = series_table(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
     at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))
     rounding = rounding_of_terms(layout, motion, steps)
     return Extremes(
         run.names,
-        tops=run.largest(),
-        gaps=at_shared.minus(coarse).largest(),
+        tops=run.largest()[:, 0],
+        gaps=at_shared.minus(coarse).largest()[:, 0],
         terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
         speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
         internal=largest(motion.energy[:count]),
+    )
+
+
+def member_extremes(
+    layout: Layout, fine: Samples, other: Samples, names: tuple[str, ...]
+) -> Extremes:
+    """Those of members, (names, members) and (members,), and their differences from other runs."""
+    own, theirs = (AsperiteSeries(layout, each, (layout.together,)) for each in (fine, other))
+    columns, (motion,), runs = series_table(layout, own, names), own.motions, fine.runs
+    return Extremes(
+        columns.names,
+        tops=columns.largest(runs),
+        gaps=columns.minus(series_table(layout, theirs, names)).largest(runs),
+        terms=np.zeros(()),
+        speed=largest_of_runs(motion.bob_speed(mean_velocity(layout)), runs),
+        internal=largest_of_runs(motion.energy, runs),
     )

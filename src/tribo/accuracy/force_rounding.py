@@ -110,7 +110,8 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
     twist = ROUNDINGS * EPSILON * turned * np.any(motion.phi != 0.0, axis=0)
     turns = a.dof_phi >= 0
     bar = np.where(turns, 1.0 / a.i2, 0.0)
-    angular = twist * _impulse(a.kappa + _torsional(layout), pendulum + bar, duration)
+    torsional = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
+    angular = twist * _impulse(a.kappa + torsional[a.surface], pendulum + bar, duration)
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
     period = _inverse_frequency(a.kappa * pendulum, duration)
     return Errors(
@@ -125,7 +126,7 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
 
 def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:
     """The error of works, by name, from that of the velocities that forces are multiplied by."""
-    a, forces = motion.span.asperites, Accounts(layout.view.accounted, motion.samples.s)
+    a, forces = motion.span.asperites, Accounts(layout.accounted, motion.samples.s)
     speed, rod = largest(e.speed), largest(e.speed + (a.l1 + a.l2) * e.omega)
     found: dict[str, float] = {}
     for name in FORCES:
@@ -161,12 +162,6 @@ def _stiffness(layout: Layout) -> np.ndarray:
         columns = layout.places.columns
         found += stiffness_at_bars(model.springs, model.each.shape[1])[columns]
     return found + _of_oscillators(layout, model.bath, "first_oscillator", "oscillators")[surface]
-
-
-def _torsional(layout: Layout) -> np.ndarray:
-    """The stiffness of torsional oscillators on each bar, (asperites,)."""
-    each = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
-    return each[layout.asperites.surface]
 
 
 def _of_oscillators(layout: Layout, table: np.ndarray | None, first: str, count: str) -> np.ndarray:

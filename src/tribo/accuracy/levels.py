@@ -1,15 +1,44 @@
-"""Settings of runs by the level of their errors, relative to the scales."""
+"""Settings of runs by the level of their errors, relative to the scales: tolerances or equal steps.
+
+Tolerances are made from scales of energy, rate and accounts.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerances
+from tribo.accuracy.force_rounding import rounding_of_forces
+from tribo.accuracy.scales import largest, resolved
 from tribo.integrators.methods import Method
+from tribo.integrators.step_control import Tolerance
+from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
+from tribo.layout.span import Span
+from tribo.ledger.motion import Motion
+from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
 
+# The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
+FLOOR = 2e-15
+# Tolerances below the effect of rounding fall as this power of the level.  Were they constant,
+# finer runs would take the same steps as coarse ones, and their difference would hide that of both
+# from the solution: 4.1e-12 of a rate in one of 450 random scenes, for an estimate of 1.4e-12.
+BELOW_ROUNDING = 0.25
+# Places of the impulses (x, y, ...) in each group of accounts.
+IMPULSES = {
+    "acc_contact": (0, 1),
+    "acc_drive": (0, 1),
+    "acc_ends": (2, 3),
+    "acc_user_ends": (2, 3, 4, 5),
+    "acc_internal": (0, 1),
+    "acc_field": (0, 1),
+    "acc_thermal": (0, 1),
+}
+# Places of integrals that have no factor of the arm's length yet.
+WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
 # Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
 # fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
 # runs may agree: of 600 random pairs of asperites 2.3 % had errors above the estimates at 0.3, and
@@ -21,6 +50,160 @@ FINE_LEVEL_OF_EQUAL_STEPS = 0.3
 NEAR = 0.5
 # Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
 CALL = 8000
+
+
+@dataclass(frozen=True)
+class ToleranceScales:
+    """The scales of local tolerances, which are the same in every inertial frame."""
+
+    velocity: float  # the largest speed of a bob relative to the surfaces' mean [length / time]
+    energy: float  # the largest work or change of an asperite's internal energy
+    impulse: float  # the largest of a force [mass length / time]
+    rate: float  # the largest |omega| or |nu| [1 / time]
+    spin: float  # the largest |omega| [1 / time]
+    twist: float  # the largest |theta - rest - phi| [rad]
+    # Bounds on what the rounding of forces changes, which no step resolves; see
+    # tribo.accuracy.force_rounding.rounding_of_forces.
+    lost_angle: float = 0.0
+    lost_rate: float = 0.0
+    lost_speed: float = 0.0
+    lost_energy: float = 0.0
+
+
+def first_guess(layout: Layout) -> ToleranceScales:
+    """Scales for a first, coarse run, from the start of the scene."""
+    a = layout.together.asperites
+    relative = _relative_velocity(layout, layout.together)
+    frequency = np.sqrt(a.kappa / a.inertia)
+    omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
+    velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
+    velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
+    rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
+    energy = float(np.max(a.mass)) * velocity**2
+    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
+
+
+def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
+    """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
+    velocities = layout.velocities
+    first = velocities[0]  # less this all is exact where all surfaces move fast
+    mean = np.mean(velocities - first, axis=0)
+    return np.asarray((span.velocity.T - first) - mean)
+
+
+def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
+    """Scales measured in a run; `first_guess` replaces those that are zero.
+
+    The works are those in the frame of the surfaces' mean velocity.
+    """
+    guess = first_guess(layout)
+    span, motion = layout.together, Motion(layout, layout.together, samples)
+    relative = _relative_velocity(layout, span)
+    vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
+    bob = bob_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
+    velocity = max(guess.velocity, float(np.max(np.hypot(*bob))))
+    torsion, internal = motion.swing - motion.phi, motion.energy
+    highest, change = largest(internal), largest(internal - internal[0])
+    spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
+    weights = _account_weights(layout)
+    top = np.max(np.abs(samples.s), axis=0, initial=0.0)
+    # Works in the laboratory are reported at the scene's times; in between they may be far larger.
+    reported = samples.s[np.isin(samples.t, layout.times)]
+    work = max(largest(top * weights), _work_of_impulses(layout, reported))
+    # Where nothing does work, the change of an energy is round-off.
+    energy = max(work, change) if work > 0.0 or top.size == 0 else highest
+    potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
+    inertia = float(np.max(span.asperites.inertia))
+    lost = rounding_of_forces(layout, motion)
+    return ToleranceScales(
+        velocity=velocity,
+        energy=float(resolved(energy, potential)) or guess.energy,
+        impulse=largest(top[weights == 0.0]) or guess.impulse,
+        rate=float(resolved(max(spin, turn), np.sqrt(potential / inertia))) or guess.rate,
+        spin=spin or guess.spin,
+        twist=twist or guess.twist,
+        lost_angle=lost.get("theta", 0.0),
+        lost_rate=max(lost.get("omega", 0.0), lost.get("nu", 0.0)),
+        lost_speed=lost.get("vx_cm", 0.0),
+        lost_energy=lost.get("w", 0.0),
+    )
+
+
+def _account_weights(layout: Layout) -> np.ndarray:
+    """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
+    weights = np.ones(layout.accounts)
+    a = layout.accounted.asperites
+    length = a.l1 + a.l2
+    for name, offsets in IMPULSES.items():
+        present = getattr(a, name) >= 0
+        for k in offsets:
+            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
+        for k in WITHOUT_ARM.get(name, ()):
+            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
+    return weights
+
+
+def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
+    """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
+    a = layout.accounted.asperites
+    velocity = _relative_velocity(layout, layout.accounted)
+    highest = 0.0
+    for name, offsets in IMPULSES.items():
+        present = getattr(a, name) >= 0
+        stride, (vx, vy) = a.stride[present], velocity[present].T
+        for k in offsets[::2]:
+            jx, jy = (s[:, getattr(a, name)[present] + m * stride] for m in (k, k + 1))
+            highest = max(highest, largest(vx * jx + vy * jy))
+    return highest
+
+
+def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: float) -> Tolerance:
+    """Local tolerances of all coordinates, rates and accounts for an accuracy of about `level`.
+
+    A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change
+    that alters an energy by `level` times the scale of energies.  The second governs weakly
+    coupled scenes, whose works are tiny.  Both fall more slowly below the effect of the rounding of
+    forces, for which steps would shrink without end.
+    `near` is the largest step, as a fraction of the time to the next encounter.
+    """
+    level = max(level, FLOOR)
+    a = layout.together.asperites
+    energy = float(_slower_below(level * scales.energy, scales.lost_energy))
+    speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
+    q = np.full(layout.coordinates, level * float(np.max(a.l1 + a.l2)))
+    v = np.full(layout.coordinates, speed)
+    swing = slice(0, layout.scene.count)
+    # An error of a rate matters to the energy by the rate itself, or else by its own square.
+    spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
+    with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
+        angle = np.minimum(level, energy / _positive(a.kappa * scales.twist))
+        omega = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+    q[swing] = _slower_below(angle, scales.lost_angle)
+    v[swing] = _slower_below(omega, scales.lost_rate)
+    turning = a.dof_phi >= 0
+    q[a.dof_phi[turning]] = q[swing][turning]
+    nu = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+    v[a.dof_phi[turning]] = _slower_below(nu, scales.lost_rate)
+    for slots in (a.dof_x, a.dof_y):
+        live = slots >= 0
+        slow = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
+        v[slots[live]] = _slower_below(slow, scales.lost_speed)
+    weights = _account_weights(layout)
+    # An impulse whose work is a small difference has no digits beyond its own round-off.
+    lost = max(FLOOR * scales.impulse, float(np.max(a.mass)) * scales.lost_speed)
+    impulse = _slower_below(level * min(scales.impulse, scales.energy / scales.velocity), lost)
+    s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
+    return Tolerance(np.concatenate([q, v]), s, level, near)
+
+
+def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
+    """Tolerances, of which those below the effect of rounding fall more slowly."""
+    slower = lost ** (1.0 - BELOW_ROUNDING) * np.power(tolerance, BELOW_ROUNDING)
+    return np.where(np.less(tolerance, lost), slower, tolerance)
+
+
+def _positive(values: np.ndarray) -> np.ndarray:
+    return np.maximum(values, np.finfo(float).tiny)
 
 
 def fine_level(method: Method) -> float:

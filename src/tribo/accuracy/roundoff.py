@@ -15,10 +15,8 @@ from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout
-from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
 from tribo.ledger.motion import Motion
-from tribo.ledger.samples import Samples
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.potentials.combined import Sum, Wrapper
@@ -69,9 +67,12 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     random walk.  The motion is that of all asperites, in a run and in those that it is compared
     with.
     """
-    samples, sums = motion.samples, _sums_of_works(motion.samples, layout.view.accounted)
+    samples, span = motion.samples, layout.accounted
+    # The magnitudes of the terms of all accounts, summed: (times, asperites, sums).
+    terms_of_works = np.abs(samples.linear("terms", lambda s: _terms(s.of(span))))
+    sums = np.asarray(terms_of_works @ MEMBERS)
     if layout.model.sums is not None:  # over lanes, of each surface
-        whole = [sums[:, part].sum(axis=1) for part in layout.view.accounted_parts]
+        whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
         sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
     else:
         parts = list(layout.parts.values())
@@ -81,9 +82,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
         terms[name] = max(largest(each[:, part].sum(axis=1)) for part in parts)
     terms["W_ps"] = terms["W"]
     applied = agents.sum(axis=1)
-    for field in layout.model.fields or ():
-        if field.account >= 0:
-            applied += np.abs(samples.s[:, field.account])
+    for slot in layout.accounts_of_fields:
+        applied += np.abs(samples.s[:, slot])
     terms["applied_work"] = largest(applied)
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
@@ -147,12 +147,6 @@ def _subtracted(potential: Any, scene: Scene) -> float:
     return found
 
 
-def _sums_of_works(samples: Samples, span: Span) -> np.ndarray:
-    """The magnitudes of the terms of all accounts, summed: (times, asperites, sums)."""
-    terms = np.abs(samples.linear("terms", lambda integrals: _terms(integrals.of(span))))
-    return np.asarray(terms @ MEMBERS)
-
-
 def _terms(forces: Accounts) -> np.ndarray:
     """The terms of all accounts, (times, asperites, terms)."""
     (vx, vy), (x, y) = forces.span.velocity, forces.span.reservoir
@@ -180,6 +174,9 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
         kinetic = p * (np.hypot(*velocity[:, part.start]) + p / record.mass)
         within, bulk = max(within, largest(energy)), max(bulk, largest(kinetic))
         whole = whole + energy + kinetic
+    potentials = (field.potential for field in layout.model.fields or ())
+    periods = (item.period for item in potentials if type(item) is Corrugation)
+    shortest_wave = min(periods, default=np.inf) / (2.0 * np.pi)
     # The rounding of a position is relative to its terms, and an energy changes over the length of
     # its potential.  The rounding of an angle of many turns moves the ends of its arms.
     x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
@@ -187,7 +184,7 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     turned = 1.0 + np.abs(motion.swing)
     farthest = (np.hypot(x, y) + a.l1 * turned).max(axis=1)
     contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, motion))
-    whole = whole + np.abs(samples.field) * (1.0 + farthest / _shortest_wave(layout))
+    whole = whole + np.abs(samples.field) * (1.0 + farthest / shortest_wave)
     places = {
         f"{axis}_{end}": largest(magnitude + arm * turned)
         for end, arm in (("bob", a.l1), ("bar", a.l2))
@@ -218,10 +215,3 @@ def _shortest_length(layout: Layout, motion: Motion) -> float:
             dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))
             lengths.append(float(contact.potential.clearance(np.min(np.hypot(dx, dy)))))
     return min((length for length in lengths if length > 0.0), default=np.inf)
-
-
-def _shortest_wave(layout: Layout) -> float:
-    """The shortest period over 2 pi of a corrugation; infinite without one."""
-    potentials = (field.potential for field in layout.model.fields or ())
-    periods = (item.period for item in potentials if type(item) is Corrugation)
-    return min(periods, default=np.inf) / (2.0 * np.pi)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ Values = float | np.ndarray
 
 @dataclass(frozen=True)
 class Scales:
-    """One scale for each kind of quantity, which its errors are relative to.
+    """One scale for each kind of quantity, which its errors are relative to; arrays of members.
 
     No scale is made of round-off: where energies, rates or velocities are below UNRESOLVED of the
     energy of contacts and fields by asperite, or of the rate or velocity that this energy could
@@ -72,9 +73,9 @@ class Scales:
     work: float = 0.0  # the largest work or pseudowork of an asperite; no errors are relative to it
     angle: float = 1.0  # radian
 
-    def of(self, name: str) -> float:
+    def of(self, name: str) -> Any:
         """The scale of a quantity, "w1" or "upper.w1"."""
-        return float(getattr(self, kind_of(name)))
+        return getattr(self, kind_of(name))
 
 
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
@@ -97,21 +98,15 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     return scales_of(layout, tops, speed, internal)
 
 
-def scales_of(layout: Layout, tops: Mapping[str, float], speed: float, internal: float) -> Scales:
-    """The scales of a run's errors; for the arguments see :func:`scales_by_kind`."""
-    by_kind = scales_by_kind(layout, tops, speed, internal)
-    return Scales(**{kind: scale.item() for kind, scale in by_kind.items()})
-
-
-def scales_by_kind(
+def scales_of(
     layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values
-) -> dict[str, np.ndarray]:
-    """The fields of :class:`Scales` of one run (1,) or of several members (members,).
+) -> Scales:
+    """The scales of the errors of a run, or arrays of those of several members (members,).
 
     `tops` are the largest magnitudes by quantity, `speed` is the largest of a bob relative to the
     mean of the surfaces' initial velocities, `internal` the largest internal energy of an asperite.
     """
-    a, runs = layout.view.together.asperites, np.size(speed)
+    a, runs = layout.together.asperites, np.size(speed)
     inertia, mass, length = (
         np.max(np.atleast_2d(each), axis=1)[:runs] for each in (a.inertia, a.mass, a.l1 + a.l2)
     )
@@ -122,7 +117,7 @@ def scales_by_kind(
     potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0])
     potential = potential / layout.scene.count
     energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
-    return {
+    scales = {
         "rate": resolved(_highest([tops["omega"], tops["nu"]]), np.sqrt(potential / inertia)),
         "length": length,
         "velocity": resolved(speed, np.sqrt(potential / mass)),
@@ -131,6 +126,8 @@ def scales_by_kind(
         "work": work if works else np.zeros_like(work),
         "angle": np.ones(1),
     }
+    single = np.ndim(speed) == 0
+    return Scales(**{kind: each.item() if single else each for kind, each in scales.items()})
 
 
 def are_lost(work: Values, energy: Values) -> np.ndarray:
@@ -150,18 +147,19 @@ def resolved(measured: Values, possible: Values) -> np.ndarray:
 
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,)."""
-    velocities = np.array([layout.view.velocity_of(k) for k in range(len(layout.parts))])
+    velocities = np.array([layout.velocity_of(k) for k in range(len(layout.parts))])
     return np.asarray(velocities.sum(axis=0) / len(velocities))
-
-
-def longest_rod(layout: Layout) -> float:
-    a = layout.view.together.asperites
-    return float(np.max(a.l1 + a.l2))
 
 
 def kind_of(name: str) -> str:
     """The kind of a quantity, "w1" or "upper.w1"."""
     return KINDS[name.rpartition(".")[2]]
+
+
+def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
+    """The largest magnitude of a series in each of some runs, over times and asperites."""
+    each = np.abs(series).reshape(-1, runs, series.shape[1])
+    return np.asarray(each.max(axis=(0, 2)))
 
 
 def largest(values: np.ndarray) -> float:

@@ -8,10 +8,12 @@ round-off beyond the request.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tribo.accuracy import decision, levels
 from tribo.accuracy.comparison import (
     ABORTED,
     Accuracy,
@@ -23,29 +25,10 @@ from tribo.accuracy.comparison import (
     out_of_reach,
     strictest,
 )
-from tribo.accuracy.decision import (
-    LONG_RUN,
-    Limits,
-    Round,
-    Stop,
-    best,
-    decide,
-    is_too_long,
-    too_fine,
-)
-from tribo.accuracy.levels import (
-    NEAR,
-    coarsest_level,
-    equal_step,
-    fine_level,
-    finest_level,
-    setting_at,
-    work,
-)
+from tribo.accuracy.decision import LONG_RUN, Limits, Round, Stop
+from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.scales import EPSILON
-from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns
-from tribo.accuracy.stop_times import StopTimes
-from tribo.accuracy.tolerance_scales import first_guess, tolerance_scales
+from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns, StopTimes
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator
@@ -104,7 +87,9 @@ def find_settings(
     """
     search, method = _Search(integrator, accuracy, stops, announce), integrator.method
     level = FIRST * method.first_level * strictest(accuracy)
-    level = min(max(level, finest_level(method)), coarsest_level(integrator.layout, method))
+    level = min(
+        max(level, levels.finest_level(method)), levels.coarsest_level(integrator.layout, method)
+    )
     following: float | Stop | None = search.run_pilot(level)
     for _ in range(ROUNDS):
         if not isinstance(following, float) or not search.allows(following):
@@ -140,7 +125,7 @@ class _Search:
             self.wanted,
             self.method.order,
             self.method.adaptive,
-            finest_level(self.method),
+            levels.finest_level(self.method),
             self.reached,
             self.count.spent > self.count.most,
             self.amplification,
@@ -164,8 +149,8 @@ class _Search:
             return level
         self.count.plan(1 + COARSE_RUNS)
         self.reached, self.count.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
-        longer = self.count.expected(fine_level(self.method) * level) / pilot.evaluations
-        if longer * work(self.layout, pilot) < LONG_RUN:
+        longer = self.count.expected(levels.fine_level(self.method) * level) / pilot.evaluations
+        if longer * levels.work(self.layout, pilot) < LONG_RUN:
             return level
         self._measure(setting, pilot)
         if self.amplification is None:
@@ -174,7 +159,7 @@ class _Search:
         longer = self.count.expected(amplified) / self.count.expected(level)
         if self.amplification * EPSILON > self.wanted or longer > MOST_LONGER:
             raise InputError("accuracy", self._too_far(self.amplification, longer))
-        return max(amplified, finest_level(self.method))
+        return max(amplified, levels.finest_level(self.method))
 
     def _too_far(self, amplification: float, longer: float) -> str:
         """Why a long run is refused, and what to do."""
@@ -191,9 +176,9 @@ class _Search:
 
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
-        finer, few = fine_level(self.method) * level, 0.0
+        finer, few = levels.fine_level(self.method) * level, 0.0
         if not self.method.adaptive:
-            few = self.layout.scene.duration / equal_step(self.layout, self.method, finer)
+            few = self.layout.scene.duration / levels.equal_step(self.layout, self.method, finer)
         if few > self.count.most:
             if self.runs:
                 return False
@@ -211,10 +196,10 @@ class _Search:
         layout, method = self.layout, self.method
         if self.rounds:
             self.scales = tolerance_scales(layout, self.runs[-1].samples)
-        finer = fine_level(method) * level
-        near = NEAR * fine_level(method) ** (1.0 / method.order)
-        coarse = setting_at(layout, method, self.scales, level)
-        fine = setting_at(layout, method, self.scales, finer, near)
+        finer = levels.fine_level(method) * level
+        near = levels.NEAR * levels.fine_level(method) ** (1.0 / method.order)
+        coarse = levels.setting_at(layout, method, self.scales, level)
+        fine = levels.setting_at(layout, method, self.scales, finer, near)
         self.count.plan_round(level, self.runs[-1] if self.runs else None)
         run = self.count.run(fine, self.stops.fine, finer)
         self.costly = bool(self.rounds) and not self._affords(
@@ -222,7 +207,7 @@ class _Search:
         )
         if self.costly:
             return None
-        last = Round(level, _stop_of(run), steps=run.steps, work=work(layout, run))
+        last = Round(level, _stop_of(run), steps=run.steps, work=levels.work(layout, run))
         last.coarse, last.fine, last.runs = coarse, fine, [run]
         self.rounds.append(last)
         self.runs.append(run)
@@ -240,17 +225,17 @@ class _Search:
             if self.wanted < TIGHT:
                 self._measure(last.coarse, last.runs[0])
             last.estimate = last.excess = self._excess(last)
-        if is_too_long(self.rounds, self.limits):
+        if decision.is_too_long(self.rounds, self.limits):
             self.amplification, last.estimate, last.excess = None, np.inf, np.inf
         elif last.stopped is None and last.estimate > 1.0 and self.amplification is None:
             self._measure(last.coarse, last.runs[0])
             last.excess = self._excess(last)
-        return decide(self.rounds, self.limits)
+        return decision.decide(self.rounds, self.limits)
 
     def found(self) -> FoundSettings:
         """The settings and runs of the best round, whose fine run shares an interrupt."""
-        chosen, stopped = best(self.rounds, self.limits), None
-        if too_fine(self.rounds, self.limits) > 0.0:
+        chosen, stopped = decision.best(self.rounds, self.limits), None
+        if decision.too_fine(self.rounds, self.limits) > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]
         if self.count.interrupted:
@@ -258,12 +243,12 @@ class _Search:
         return FoundSettings(
             coarse=chosen.coarse,
             fine=chosen.fine,
-            level=fine_level(self.method) * chosen.level,
+            level=levels.fine_level(self.method) * chosen.level,
             runs=(*others, *chosen.runs),
             amplification=self.amplification,
             met=chosen.excess <= 1.0,
             evaluations=self.count.spent,
-            seconds=self.count.elapsed,
+            seconds=time.perf_counter() - self.count.began,
             costly=self.costly,
             stopped=stopped,
             errors=chosen.errors,
@@ -271,7 +256,7 @@ class _Search:
 
     def _affords(self, further: float) -> bool:
         """Whether a round with `further` evaluations leaves the search cheap enough."""
-        most = MOST_COST * best(self.rounds, self.limits).runs[-1].evaluations
+        most = MOST_COST * decision.best(self.rounds, self.limits).runs[-1].evaluations
         short = SHORT_SEARCH / self.layout.scene.count
         return self.count.spent + further <= max(most, short)
 

@@ -1,18 +1,24 @@
-"""The runs of a search: how many they are, what they cost, and what the next ones should cost."""
+"""The runs of a search: when they stop, how many they are, what they cost and should cost."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from tribo.accuracy.cost_model import evaluation_time, rate_of
-from tribo.accuracy.levels import equal_step, fine_level, setting_at
-from tribo.accuracy.tolerance_scales import ToleranceScales, first_guess, tolerance_scales
+from tribo.accuracy.levels import (
+    ToleranceScales,
+    equal_step,
+    fine_level,
+    first_guess,
+    setting_at,
+    tolerance_scales,
+)
 from tribo.kernels.status import Status
-from tribo.loops.guards import most_evaluations
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration, Setting, most_evaluations
 from tribo.loops.select import Integrator
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
@@ -29,9 +35,53 @@ UNNOTICED = 0.02
 # Coarse runs of a round, which the fine run is compared with.
 COARSE_RUNS = 2
 
+# Equal parts of the duration after which a fine run stops, so that its steps differ from those of
+# the coarse runs even if there are few samples.
+PARTS = 32
+# Most inner stops of a coarse run: each shortens a step.
+MOST_STOPS = 256
+# Stops that differ by less than this fraction of the duration are one: steps between them would be
+# as short as rounding.
+SAME = 1e-9
+
 # Called before each run with its number, how many runs there will be unless more rounds are needed,
 # and the predicted seconds of those that are left, or None while the pilot has not shown them.
 Announce = Callable[[int, int, float | None], None]
+
+
+class StopTimes(NamedTuple):
+    """Times at which a fine run and two coarse ones stop, so that no two share their steps.
+
+    Every fourth inner time of the fine run belongs to the first coarse run, and all others to the
+    second: each recorded time is compared with one of them.
+    """
+
+    few: np.ndarray
+    many: np.ndarray
+    fine: np.ndarray
+
+    @classmethod
+    def for_samples(cls, times: np.ndarray) -> StopTimes:
+        """For a run that is recorded at `times`, and also stops after each of PARTS equal parts."""
+        parts = np.linspace(times[0], times[-1], PARTS + 1)
+        k = np.searchsorted(times, parts).clip(1, times.size - 1)
+        off = np.minimum(np.abs(parts - times[k - 1]), np.abs(parts - times[k]))
+        return cls.split(np.union1d(times, parts[off > SAME * (times[-1] - times[0])]))
+
+    @classmethod
+    def split(cls, times: np.ndarray) -> StopTimes:
+        """For a fine run that stops at `times`."""
+        inner = times[1:-1]
+        fourth = np.arange(inner.size) % 4 == 3
+        few, many = (_thinned(times, inner[mine]) for mine in (fourth, ~fourth))
+        return cls(few, many, times)
+
+
+def _thinned(times: np.ndarray, inner: np.ndarray) -> np.ndarray:
+    """At most MOST_STOPS of the inner times, and both ends."""
+    if inner.size > MOST_STOPS:
+        inner = inner[np.linspace(0, inner.size - 1, MOST_STOPS).astype(int)]
+    return np.concatenate([times[:1], inner, times[-1:]])
 
 
 class SearchRuns:
@@ -45,15 +95,10 @@ class SearchRuns:
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
         self._integrator, self._announce = integrator, announce
-        self._began = time.perf_counter()
+        self.began = time.perf_counter()
         self._number, self._of = 0, 0  # of the last run, and of all that are planned
         self._left: float | None = None  # seconds of those, until they are announced
         self.plan(self.method.adaptive + 1 + COARSE_RUNS)
-
-    @property
-    def elapsed(self) -> float:
-        """Wall time since the start of the search [s]."""
-        return time.perf_counter() - self._began
 
     def pilot(self, times: np.ndarray) -> tuple[Setting, Integration, ToleranceScales]:
         """A run whose tolerances resolve the energies and rates that it finds.

@@ -9,7 +9,7 @@ from tribo.kernels.probe import contact_probe
 from tribo.kernels.records import CHARGE
 from tribo.layout.layout import lay_out
 from tribo.layout.loop_memory import Probe
-from tribo.ledger.closest_bobs import nearest_images
+from tribo.ledger.separation import nearest_images
 from tribo.model.scene import Scene
 
 

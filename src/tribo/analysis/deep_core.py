@@ -6,8 +6,8 @@ import numpy as np
 
 from tribo.kernels.records import CHARGE, Contact
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import Closest, asperite_names, closest_of_contacts
 from tribo.ledger.samples import Samples
+from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
 from tribo.model.drives import Pulled
 
 # Energy of two bobs, in units of the other energies of their asperites, from which they are deep in

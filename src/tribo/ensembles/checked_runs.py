@@ -1,38 +1,40 @@
 """Members that are run by one compiled loop with one setting, checked, and refined.
 
-docs/developers/ensembles.md has the rules.  What is delivered of a member depends on the plan
-(:mod:`tribo.ensembles.checked_plan`) and on the member alone, not on the members that are run
-beside it.
+docs/developers/ensembles.md has the rules.  What is delivered of a member depends on the plan of
+all and on the member alone, not on the members that are run beside it.
+
+The plan is the method, its setting, and whom to check.  The cheapest setting with which a sample
+agrees with finer runs is tried on a pilot.  Few members have errors far above those of the others,
+and not all of them take more evaluations: the setting is made finer until the largest error found
+leaves room for larger ones among all members.  Members with numbers of their own have scales of
+their own, which their evaluations do not show.  They are run at a level below the cheapest one, and
+compared with rougher runs at that.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from tribo.accuracy.cheapest_setting import NEAR_ALONE
-from tribo.accuracy.comparison import strictest
-from tribo.accuracy.levels import setting_at
-from tribo.accuracy.members import FineMembers
-from tribo.accuracy.scales import EPSILON, KINDS
-from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales
+from tribo.accuracy.comparison import compare_members, strictest, weak_notes
+from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
+from tribo.accuracy.plan import NEAR_ALONE
+from tribo.accuracy.scales import EPSILON, Scales
 from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
+from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
-from tribo.ensembles.members import Members
+from tribo.ensembles.members import Members, Variation
 from tribo.integrators.tableaux import RKN8, RKN12
-from tribo.kernels.status import EVALUATIONS, STEPS
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.other_rounding import shifts
-from tribo.ledger.ledger import assemble
+from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS, STEPS
+from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
-from tribo.loops.choose_batch import choose_batch
 from tribo.loops.integrate import Setting
 from tribo.prepared import Simulation
 
@@ -70,6 +72,24 @@ AGREED = 0.5
 MOST_COMPARED = 65
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
+# Levels that are tried, from the loosest, in units of the accuracy.
+LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
+# Largest difference of the sample from finer runs, in units of the accuracy: other members may have
+# larger ones.
+CHOSEN = 0.5
+# Members of the pilot that are run in one call, so that threads share them.
+PIECE = 512
+# Members of the first batch: where they keep the accuracy, 1 % of all members are checked, which
+# takes 4 % of the time.
+BATCH = 32
+# One in so many of the others is checked.
+OTHERS = 4
+# Their largest difference from finer runs, in units of the accuracy.  In 20,000 members of case A
+# the share of differences above x fell as x^-4: of a million members, some ten are above the
+# accuracy if one in a thousand is above this.
+ROOM = 0.3
+# Part of a level to which it is lowered at most, since errors need not be proportional to it.
+LOWERED = 0.1
 
 
 class Stepper(NamedTuple):
@@ -87,7 +107,7 @@ class CheckedPlan(NamedTuple):
     level: float
     # members that take more are checked; -1 where members have numbers of their own
     most_evaluations: int
-    scales: tuple[float, ...]  # fields of tribo.accuracy.tolerance_scales.ToleranceScales
+    scales: tuple[float, ...]  # fields of tribo.accuracy.levels.ToleranceScales
 
     @property
     def attributes(self) -> dict[str, str | float]:
@@ -119,11 +139,7 @@ class CheckedRuns(BatchRuns):
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name
         self.steppers = _steppers(simulation, bool(own_numbers))
-        layout, rounded = simulation.integrator.rounded
-        first_step = simulation.integrator.first_step
-        self._checks = choose_batch(
-            layout, simulation.method, first_step, bool(own_numbers), rounded
-        )
+        self._checks = simulation.integrator.batch(bool(own_numbers), rounded=True)
         pair = simulation.integrator.pair is not None
         self.pilot = PILOT if pair else PILOT_OF_LARGE
         self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
@@ -157,7 +173,7 @@ class CheckedRuns(BatchRuns):
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
         rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
-        return rough_differences(runs, rough, starts.numbers, self._accuracy) > AGREED
+        return self.compared(runs, rough)[1] > AGREED
 
     def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
         """Run members by the method and tolerances of a plan; `near` in place of the method's."""
@@ -168,7 +184,7 @@ class CheckedRuns(BatchRuns):
     def _check(self, level: float, starts: MemberStarts) -> MemberRuns:
         """Run members by the method of single runs, with other roundings of the bobs' places."""
         if starts.numbers is not None:
-            places = starts.numbers.displaced(*shifts(self.simulation.layout))
+            places = starts.numbers.displaced(*self.simulation.layout.shifts)
             starts = starts._replace(numbers=places)
         setting = self._setting(self.plan._replace(level=level), NEAR_ALONE)
         return self._checks.run(setting, starts)
@@ -177,16 +193,15 @@ class CheckedRuns(BatchRuns):
         layout, method = self.simulation.layout, self.simulation.method
         return setting_at(layout, method, ToleranceScales(*plan.scales), plan.level, near)
 
-    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[FineMembers, np.ndarray]:
+    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[Scales, np.ndarray]:
         """Finer runs with the scales of their errors, and the difference of each member from its.
 
         That is the largest difference, in units of the accuracy; infinite where either run did not
         complete.
         """
-        exact = FineMembers(fine.layout, _few_samples(fine), self._accuracy)
-        excess = exact.excess(_few_samples(runs))
+        scales, excess = compare_members(*_few_times(fine), _few_times(runs)[1], self._accuracy)
         complete = runs.complete & fine.complete & np.isfinite(excess)
-        return exact, np.where(complete, excess, np.inf)
+        return scales, np.where(complete, excess, np.inf)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -200,13 +215,13 @@ class CheckedRuns(BatchRuns):
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self._check(level, starts.of_members(now))
-            exact, excess = self.compared(fine, coarse)
+            scales, excess = self.compared(fine, coarse)
             known = np.isfinite(excess)
-            set_notes(found, now, exact.notes)
+            set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
                 worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
                 asked = self._accuracy.get(name, np.nan)
-                found[f"{name}{ERROR}"][now] = worst * asked * exact.scale_of(name)
+                found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now = now[bad]
@@ -221,22 +236,22 @@ class CheckedRuns(BatchRuns):
         found["status"][now] = UNKNOWN
 
 
-def _few_samples(runs: MemberRuns) -> Samples:
+def _few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
     """The samples by which members are compared, as single runs are where they have many."""
-    samples, members = runs.samples, runs.samples.runs
+    layout, samples, members = runs.layout, runs.samples, runs.samples.runs
     times = samples.t.size // members
-    if times <= MOST_COMPARED or runs.layout.view.numbers is not None:
-        return samples
+    if times <= MOST_COMPARED:
+        return layout, samples
     chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
     rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
-    columns = (getattr(samples, each.name)[rows] for each in fields(Samples))
-    return Samples.of_runs(members, *columns)
+    few = Samples.of_runs(members, *samples.rows(rows).columns)
+    return replace(layout, member_times=chosen.size), few
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
     """The ways to run members, by method."""
     pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
-    batch = choose_batch(layout, method, simulation.integrator.first_step, own_numbers, pair)
+    batch = simulation.integrator.batch(own_numbers)
     steppers = {method.name: Stepper(batch, NEAR_ALONE, 1.0)}
     if pair is not None and has_lanes(pair) and layout.times.size == 2:
         for name, explicit in (("rkn8", RKN8), ("rkn12", RKN12)):
@@ -245,46 +260,88 @@ def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
     return steppers
 
 
-def rough_differences(
-    runs: MemberRuns, rough: MemberRuns, numbers: MemberNumbers, accuracy: Mapping[str, float]
-) -> np.ndarray:
-    """The largest difference of each member from a rougher run (members,), in accuracies.
-
-    Infinite where a run did not complete.  Energies of members with numbers of their own may differ
-    by far, and so may the errors that one tolerance causes.  The scales of errors would take longer
-    to compute than both runs; lower bounds on them stand in their place, which make differences
-    larger.
-    """
-    members, scales = len(runs.counts), _least_scales(runs, numbers)
-    own, other = (assemble(each.layout, each.samples) for each in (runs, rough))
-    found = np.zeros(members)
-    for name, relative in accuracy.items():
-        scale = relative * scales[KINDS[name.rpartition(".")[2]]]
-        for one, two in zip(own.series(name), other.series(name), strict=True):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                gaps = np.abs(one - two).reshape(-1, members, *one.shape[1:2] or (1,))
-                found = np.fmax(found, gaps.max(axis=(0, 2)) / scale)
-    return np.where(runs.complete & rough.complete & ~np.isnan(found), found, np.inf)
+def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: int) -> CheckedPlan:
+    """The plan of an ensemble of `count` members; the own plan of `runs` is not used."""
+    simulation = runs.simulation
+    scales = tolerance_scales(simulation.layout, simulation.finest.samples)
+    chosen = _cheapest(runs, variation, count, tuple(vars(scales).values()))
+    if runs.own_numbers:  # each member is compared with a run at the level that is chosen
+        return chosen._replace(level=max(FLOOR, chosen.level / ROUGHER))
+    pilot = Pilot(runs, runs.begin(variation.sample(count, runs.pilot)), threads)
+    plan, error = pilot.with_most_evaluations(chosen)
+    while error > ROOM and plan.level > runs.finest:
+        level = plan.level * max(LOWERED, ROOM / error)
+        plan, error = pilot.with_most_evaluations(plan._replace(level=max(runs.finest, level)))
+    return plan
 
 
-def _least_scales(runs: MemberRuns, numbers: MemberNumbers) -> dict[str, np.ndarray | float]:
-    """Lower bounds on the scales of each member, by kind of quantity."""
-    a, members = numbers.asperites, len(runs.counts)
-    n, asperites = runs.samples.y.shape[1] // 2, a.shape[1]
-    rows = runs.samples.y.reshape(-1, members, 2 * n)
-    rates = rows[..., n : n + asperites]
-    phi = np.where(a["dof_phi"][0] >= 0, rows[..., a["dof_phi"][0]], 0.0)
-    twists = rows[..., :asperites] - phi
-    doubled = a["inertia"] * rates**2 + a["kappa"] * twists**2
-    energy = 0.5 * np.abs(doubled - doubled[0]).max(axis=(0, 2))
-    fastest = np.abs(rates).max(axis=(0, 2))
-    moving = numbers.velocity - numbers.velocity.mean(axis=1, keepdims=True)
-    speed = np.hypot(moving[..., 0], moving[..., 1]).max(axis=1)
-    return {
-        "rate": fastest,
-        "length": (a["l1"] + a["l2"]).max(axis=1),
-        "velocity": np.maximum(speed, fastest * a["l1"].min(axis=1)),
-        "energy": energy,
-        "total": energy,
-        "angle": 1.0,
-    }
+def _cheapest(
+    runs: CheckedRuns, variation: Variation, count: int, scales: tuple[float, ...]
+) -> CheckedPlan:
+    """The cheapest setting that keeps the accuracy of the sample."""
+    starts = runs.begin(variation.sample(count, SAMPLE))
+    levels = np.maximum(LEVELS * runs.strictest, runs.finest)
+    exact = CheckedPlan(runs.exact, float(levels[-1]), -1, scales)
+    fine = runs.run(exact, starts)
+    best, least = exact._replace(level=max(FLOOR, FINER * runs.strictest)), np.inf
+    for method, stepper in runs.steppers.items():
+        too_loose, good = -1, levels.size - 1
+        while good - too_loose > 1:
+            k = (good + too_loose) // 2
+            found = runs.run(exact._replace(method=method, level=float(levels[k])), starts)
+            if np.all(runs.compared(fine, found)[1][fine.complete] <= CHOSEN):
+                good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
+            else:
+                too_loose = k
+        if good < levels.size - 1 and cost < least:
+            best, least = exact._replace(method=method, level=float(levels[good])), cost
+    return best
+
+
+class Pilot:
+    """Members by which it is found whom to check."""
+
+    def __init__(self, runs: CheckedRuns, starts: MemberStarts, threads: int) -> None:
+        self._runs, self._starts, self._threads = runs, starts, threads
+        self._piece = min(PIECE, runs.chunk)
+
+    def with_most_evaluations(self, plan: CheckedPlan) -> tuple[CheckedPlan, float]:
+        """The plan with the evaluations above which members are checked; -1 for all.
+
+        Also returns the largest difference of others from finer runs, in units of the accuracy.
+        """
+        runs = self._runs
+        counts = np.concatenate(self._each(lambda some: runs.run(plan, some).counts, self._starts))
+        evaluations = counts[:, EVALUATIONS]
+        complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
+        order = complete[np.argsort(-evaluations[complete], kind="stable")]
+        stop, size, missed = 0, BATCH, np.array([], int)
+        while stop < order.size:
+            batch, stop = order[stop : stop + size], stop + size
+            bad = batch[~(self._errors(plan, batch, runs.exact) <= KEPT)]
+            if not bad.size:
+                break
+            size, missed = 2 * size, np.append(missed, bad)
+        most = int(evaluations[order[stop]]) if stop < order.size else -1
+        if missed.size:
+            most = min(most, int(evaluations[missed].min()) - 1)
+        others = np.sort(complete[evaluations[complete] <= most])[::OTHERS]
+        # Finer runs in lanes are quicker, and other members are compared with the exact method.
+        error = self._errors(plan, others, plan.method).max(initial=0.0)
+        return plan._replace(most_evaluations=most), float(error)
+
+    def _errors(self, plan: CheckedPlan, members: np.ndarray, method: str) -> np.ndarray:
+        """Differences from finer runs by a method, in units of the accuracy, (members,)."""
+        runs = self._runs
+        finer = plan._replace(method=method, level=runs.finer(plan.level))
+
+        def errors(some: MemberStarts) -> np.ndarray:
+            return runs.compared(runs.run(finer, some), runs.run(plan, some))[1]
+
+        return np.concatenate([np.empty(0), *self._each(errors, self._starts.of_members(members))])
+
+    def _each(
+        self, task: Callable[[MemberStarts], np.ndarray], starts: MemberStarts
+    ) -> list[np.ndarray]:
+        """The results for pieces of some members, in threads."""
+        return list(in_threads(task, starts.pieces(self._piece), self._threads))

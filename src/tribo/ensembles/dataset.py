@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.ensembles.batches import Policy
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import VELOCITY, Members
-from tribo.ensembles.policy import Policy
 from tribo.ensembles.runner import Runs
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS

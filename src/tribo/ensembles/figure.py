@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tribo.plotting.style import CYCLE, INK, WIDE, drawing_on
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 from tribo.result import Result
 from tribo.results.force_averages import force_average
 from tribo.validation import InputError
@@ -27,8 +28,8 @@ MISSED = "AccuracyMissed"
 UNKNOWN = ""
 # The status of a point of a sweep that cannot be run, and of one that an interrupt left out.
 REFUSED, NOT_RUN = "Refused", "not run"
-# Works of each asperite whose sums over a surface are kept.
-WORKS = ("w1", "w2", "wL", "wR", "w_int")
+# Works and heats of each asperite whose sums over a surface are kept.
+WORKS = ("w1", "w2", "wL", "wR", "w_int", "w_field", "w_T", "heat", "heat_swing")
 # Quantities of asperites, whose sums over a surface are kept.
 SUMMED = quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES
 # What is added to the name of an average over time for the half-width of its 95 % interval.
@@ -205,32 +206,30 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    names, asked = list[str](), set[str]()
+    names, system = list[str](), dict[str, quantities.Quantity]()
     for surface in scene.surfaces:
-        further = quantities.further_series(scene, surface)
-        own = [name for name in quantities.FURTHER_OF_SURFACES if name in further]
-        names += [f"{surface.name}.{name}" for name in (*quantities.BLOCK_QUANTITIES, *own)]
-        asked |= {*further}
-    system = [name for name in quantities.FURTHER_OF_SYSTEM if name in asked]
-    return _without_accounts(scene, [*names, *quantities.SYSTEM_QUANTITIES, *system])
+        found = _reported(scene, surface)
+        names += [
+            f"{surface.name}.{n}" for n in found.blocks if n not in quantities.SUMMED_QUANTITIES
+        ]
+        system |= found.system
+    return [*names, *system]
 
 
 def sum_names(scene: Scene) -> list[str]:
     """Names of the works and heats of asperites that are summed over their surface."""
-    names = []
-    for surface in scene.surfaces:
-        fields = any(surface.name in item.on for item in scene.fields)
-        kinds = WORKS + ("w_field",) * fields + ("w_T", "heat") * bool(surface.reservoirs)
-        kinds += ("heat_swing",) * (len(surface.reservoirs) == 2)
-        names += [f"{surface.name}.{kind}" for kind in kinds]
-    return _without_accounts(scene, names)
+    return [
+        f"{surface.name}.{name}"
+        for surface in scene.surfaces
+        for found in [_reported(scene, surface)]
+        for name in [*found.asperites, *found.blocks]
+        if name in WORKS
+    ]
 
 
-def _without_accounts(scene: Scene, names: list[str]) -> list[str]:
-    """The names that do not need a ledger which the scene does without."""
-    if scene.output.ledger != "none":
-        return names
-    return [name for name in names if not quantities.needs_accounts(name.rpartition(".")[2])]
+def _reported(scene: Scene, surface: Surface) -> quantities.Reported:
+    """The quantities of a surface that the scene reports."""
+    return quantities.reported(scene.output.ledger, quantities.present_names(scene, surface))
 
 
 def is_interval(name: str) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.scales import TOTALS
+from tribo.ensembles.batches import SingleRuns
 from tribo.ensembles.dataset import common_attributes, members_dataset, settings_attributes
 from tribo.ensembles.kept_values import (
     ERROR,
@@ -22,15 +23,14 @@ from tribo.ensembles.kept_values import (
     sum_names,
     total_names,
 )
-from tribo.ensembles.policy import SingleRuns
 from tribo.ensembles.runner import Runs, policy_of
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
+from tribo.results.averages import CONFIDENCE, interval, members_needed
 from tribo.results.dataset import Variable
-from tribo.results.intervals import CONFIDENCE, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.simulation import from_settings
 from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr

@@ -17,17 +17,15 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.levels import work
-from tribo.ensembles.batches import StepRuns
-from tribo.ensembles.checked_plan import checked_plan
-from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns
+from tribo.ensembles.batches import Policy, SingleRuns, StepRuns
+from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns, checked_plan
 from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
-from tribo.ensembles.policy import Policy, SingleRuns
 from tribo.ensembles.stores import Store
 from tribo.layout.own_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
-from tribo.loops.batch_general import has_batches
+from tribo.loops.batch import has_batches
 from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
 from tribo.validation import integer, must_be

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.ensembles.kept_values import Kept
+from tribo.results.averages import student
 from tribo.results.dataset import Variable
-from tribo.results.intervals import student
 
 # Bins for a unit of asinh: a bin near the centre is 1/256 of a standard deviation wide.
 FINE = 256

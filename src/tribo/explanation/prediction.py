@@ -19,8 +19,7 @@ from tribo.accuracy.extremes import BYTES, PORTION
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import make_plan
 from tribo.accuracy.search import FIRST, FoundSettings
-from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL
-from tribo.accuracy.stop_times import PARTS, StopTimes
+from tribo.accuracy.search_runs import COARSE_RUNS, PARTS, PILOT_LEVEL, StopTimes
 from tribo.integrators.methods import Method
 from tribo.kernels.probe import ROWS
 from tribo.kernels.status import Status
@@ -30,8 +29,7 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import PORTION_BYTES, StreamedLedger, is_streamed
 from tribo.loops import resolution
 from tribo.loops.general import GeneralLoop
-from tribo.loops.guards import MOST_PREDICTED, most_evaluations, reach_of
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import MOST_PREDICTED, Integration, Setting, most_evaluations, reach_of
 from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].

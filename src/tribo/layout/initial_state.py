@@ -51,9 +51,7 @@ class InitialState:
                     raise InputError(key, f"has {values.size} values for {count} asperites")
                 values = values.reshape(y[slots].shape)
             y[slots] = values - rest
-        for key in start:
-            if key.endswith((".phi", ".swing")):
-                self._follow(key.rpartition(".")[0], start, y)
+        self._follow(start, y)
         if self._has_baths and (start or seed is not None):
             start_baths(*self._scene, y[None], [self._layout.scene.seed if seed is None else seed])
         return y
@@ -64,36 +62,29 @@ class InitialState:
         `values` are (members, 1) or (members, asperites); thermal starts are drawn from `seeds`
         (members,).  Raises InputError if a name cannot be used.
         """
-        if any(key.endswith(".phi") for key in values) or _twice(values):
-            each = (
-                {k: v[m] if v.shape[1] > 1 else float(v[m, 0]) for k, v in values.items()}
-                for m in range(seeds.size)
-            )
-            return np.array([self(own, int(s)) for own, s in zip(each, seeds, strict=True)])
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:
             draw_starts(*self._scene, y, seeds.tolist())
         for key, rows in values.items():
             slots, rest, count = _slots(self._layout, key)
             y[:, np.atleast_1d(slots)] = np.broadcast_to(rows, (seeds.size, count)) - rest
+        self._follow(values, y)
         if self._has_baths:
             start_baths(*self._scene, y, seeds.tolist())
         return y
 
-    def _follow(self, name: str, start: Start, y: np.ndarray) -> None:
+    def _follow(self, start: Start | Mapping[str, np.ndarray], y: np.ndarray) -> None:
         """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
-        given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
-        if len(given) == 2:
-            raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
-        surface, _ = self._layout.scene.initial_value(f"{name}.theta")
-        if not given and surface.initial_swing is None:
-            swing, phi = (_slots(self._layout, f"{name}.{key}")[0] for key in ("swing", "phi"))
-            y[swing] = y[phi]
-
-
-def _twice(values: Mapping[str, np.ndarray]) -> bool:
-    """Whether some surface has both a theta and a swing."""
-    return any(f"{key.removesuffix('.swing')}.theta" in values for key in values)
+        for key in start:
+            name, _, quantity = key.rpartition(".")
+            given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
+            if quantity == "swing" and len(given) == 2:
+                raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
+            if quantity == "phi" and not given:
+                surface, _ = self._layout.scene.initial_value(f"{name}.theta")
+                if surface.initial_swing is None:
+                    swing, phi = (_slots(self._layout, f"{name}.{k}")[0] for k in ("swing", "phi"))
+                    y[..., swing] = y[..., phi]
 
 
 def _slots(layout: Layout, key: str) -> Slots:

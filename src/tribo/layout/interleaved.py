@@ -14,7 +14,7 @@ from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import together, with_scratch
-from tribo.layout.member_numbers import MemberNumbers
+from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, model_tables
 from tribo.model.scene import Scene
 
@@ -43,7 +43,9 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     has neither calculators that are not compiled, nor sums over surfaces as accounts.
     """
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
-    surfaces, shared = mine.copy(), _shared_accounts(layout)
+    # Accounts that are of no asperite come first.
+    shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
+    surfaces = mine.copy()
     surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
@@ -73,12 +75,6 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)
-
-
-def _shared_accounts(layout: Layout) -> int:
-    """The number of accounts that are of no asperite."""
-    fields = [field.account for field in layout.model.fields or ()]
-    return int(max([*layout.surfaces.acc_block.tolist(), *fields])) + 1
 
 
 def _with_own_numbers(model: Model) -> Model:

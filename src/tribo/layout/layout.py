@@ -9,14 +9,20 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
 from tribo.kernels.records import Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
-from tribo.layout.ledger_view import LedgerView
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.scene_records import fields_on_surfaces, resting_bobs, scene_records, user_forces
+from tribo.layout.scene_records import (
+    MemberNumbers,
+    fields_on_surfaces,
+    resting_bobs,
+    scene_records,
+    user_forces,
+)
+from tribo.layout.span import Asperites, Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.layout.threads import shares
@@ -26,13 +32,19 @@ from tribo.model.identity import loaded
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call, Live
 
+# Times that differ by less than this fraction of the duration are one.
+SAME = 1e-12
+# Largest error of rounding to the nearest double, relative to it.
+ROUNDING = 0.5 * float(np.finfo(float).eps)
+
 
 @dataclass(frozen=True, eq=False)
 class Layout:
     """A scene laid out for the kernels.
 
     y = (q, v) has the swings of all asperites first, then phi, x and y of those that are free to
-    change, then the baths; s has the accounts.  A slot of -1 is absent.
+    change, then the baths; s has the accounts.  A slot of -1 is absent.  Members that differ in
+    `numbers` have a row of masses and velocities for each time and member, as their samples.
     """
 
     scene: Scene
@@ -47,29 +59,19 @@ class Layout:
     room: tuple[int, int]  # coordinates and accounts of the kernels
     origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
     parts: dict[str, slice]  # surface -> slice of its asperites
-    view: LedgerView  # by which samples are read
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
     beginning: float = 0.0  # time at which the run starts
+    numbers: MemberNumbers | None = None
+    member_times: int = 1  # at which samples have rows of all members
 
     @cached_property
     def times(self) -> np.ndarray:
-        """The times to record, from the start of the run on."""
+        """The times to record, from the start of the run on, but for its rounding."""
         times = self.scene.times
-        return np.union1d(times[times > self.beginning], [self.beginning])
-
-    @cached_property
-    def effects(self) -> dict[str, tuple[int, bool, int]]:
-        """Surface -> its index, whether a field acts on it, how many reservoirs it has."""
-        return {
-            surface.name: (
-                index,
-                any(surface.name in item.on for item in self.scene.fields),
-                len(surface.reservoirs),
-            )
-            for index, surface in enumerate(self.scene.surfaces)
-        }
+        later = times - self.beginning > SAME * self.scene.duration
+        return np.union1d(times[later], [self.beginning])
 
     @property
     def sampled_baths(self) -> tuple[int, int]:
@@ -148,9 +150,101 @@ class Layout:
         places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
         return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
 
-    def of_members(self, numbers: MemberNumbers) -> Layout:
-        """The same, by which samples of members with numbers of their own are read."""
-        return replace(self, view=self.view.with_numbers(numbers, self.times.size))
+    @property
+    def accounts_of_fields(self) -> list[int]:
+        """Slots of the works of moving fields."""
+        return [field.account for field in self.model.fields or () if field.account >= 0]
+
+    @cached_property
+    def velocities(self) -> np.ndarray:
+        """Initial velocities of the surfaces in the laboratory, (surfaces, 2)."""
+        return np.array([surface.velocity for surface in self.scene.surfaces])
+
+    @cached_property
+    def together(self) -> Span:
+        """The asperites of all surfaces."""
+        mine = self.asperites.surface
+        one = span_of(self.asperites, self.surfaces, self.velocities[mine])
+        if self.numbers is None:
+            return one
+        own = {
+            name: self._rows(self.numbers.asperites[name])
+            for name, each in vars(one.asperites).items()
+            if each.dtype.kind == "f"
+        }
+        velocity = np.moveaxis(self._rows(self.numbers.velocity[:, mine]), 2, 0)
+        return replace(one, asperites=Asperites(**vars(one.asperites) | own), velocity=velocity)
+
+    @cached_property
+    def spans(self) -> tuple[tuple[Span, ...], ...]:
+        """The asperites of each surface."""
+        return tuple(spans_of(self.together, part) for part in self.parts.values())
+
+    @cached_property
+    def accounted(self) -> Span:
+        """Those that have the accounts: all asperites, or lanes that stand for their sums."""
+        if self.model.sums is None:
+            return self.together
+        lanes = slots.lanes_of_surfaces(self.scene, self.surfaces).view(np.recarray)
+        return span_of(lanes, self.surfaces, self.velocities[lanes.surface])
+
+    @cached_property
+    def accounted_parts(self) -> tuple[slice, ...]:
+        """The place of each surface in `accounted`."""
+        counts = self.surfaces.account_stride
+        stops = np.cumsum(counts)
+        return tuple(map(slice, (stops - counts).tolist(), stops.tolist()))
+
+    @cached_property
+    def accounted_spans(self) -> tuple[tuple[Span, ...], ...]:
+        """Those of each surface that have the accounts."""
+        if self.model.sums is None:
+            return self.spans
+        return tuple(spans_of(self.accounted, part) for part in self.accounted_parts)
+
+    def velocity_of(self, index: int) -> tuple[float | np.ndarray, ...]:
+        """The initial velocity of a surface, in the laboratory: x and y."""
+        if self.numbers is None:
+            return tuple(self.velocities[index].tolist())
+        return tuple(self._rows(self.numbers.velocity[:, index]).T)
+
+    def mass_of(self, index: int) -> float | np.ndarray:
+        """The mass of a surface and its bath."""
+        record = self.surfaces[index]
+        if self.numbers is None:
+            return float(record.total_mass)
+        own = self.numbers.asperites["mass"][:, list(self.parts.values())[index]].sum(axis=1)
+        return self._rows(own + (record.total_mass - record.mass))
+
+    def _rows(self, each: np.ndarray) -> np.ndarray:
+        """A row for each time and member, from one for each member."""
+        return np.tile(each, (self.member_times, *np.ones(each.ndim - 1, int)))
+
+    @cached_property
+    def shifts(self) -> np.ndarray:
+        """One rounding of the place of each bob, along x and y, of either sign (2, asperites)."""
+        a = self.asperites
+        moved = np.hypot(a.vx - a.vx[0], a.vy - a.vy[0]) * self.scene.duration
+        place = np.hypot(a.x, a.y) + moved + a.l1 + a.l2
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (2, a.size))
+        return np.asarray(ROUNDING * place * signs)
+
+    def with_other_rounding(self) -> Layout:
+        """The same layout with all bobs displaced by a rounding of their places.
+
+        All runs of a layout share the rounding of its places.  At an equilibrium that is unstable,
+        such as a bar on the maximum of a field, it is all that moves anything, in all runs alike:
+        in 5 units of time, an error grew to 70 times the difference of two runs.  So one of the
+        runs that are compared has other places.
+        """
+        (x, y), columns = self.shifts, self.places.columns
+        asperites, each = self.asperites.copy(), room(self.model.each.shape)
+        asperites.x += x
+        asperites.y += y
+        each[:] = self.model.each
+        each[records.X_START, columns] += x
+        each[records.Y_START, columns] += y
+        return replace(self, asperites=asperites, model=self.model._replace(each=each))
 
     def neighbours(self, splits: bool = False) -> Neighbours | None:
         """An empty neighbour list, which the first evaluation of the forces fills.
@@ -172,32 +266,6 @@ def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarr
         slots.spatial_order(own) if listed and not surface.springs else np.arange(len(own))
         for surface, own in zip(scene.surfaces, bobs, strict=True)
     ]
-
-
-def _ledger_view(
-    scene: Scene,
-    asperites: np.ndarray,
-    numbering: slots.Numbering,
-    places: slots.Places,
-    model: Model,
-    origin: np.ndarray,
-    parts: dict[str, slice],
-) -> LedgerView:
-    """The view of a layout with these slots and effects."""
-    surfaces, lanes = numbering.surfaces.view(np.recarray), None
-    if model.sums is not None:
-        lanes = slots.lanes_of_surfaces(scene, surfaces).view(np.recarray)
-    return LedgerView(
-        asperites=asperites.view(np.recarray),
-        surfaces=surfaces,
-        lanes=lanes,
-        velocities=np.array([surface.velocity for surface in scene.surfaces]),
-        parts=parts,
-        core=numbering.core,
-        columns=places.columns,
-        origin=origin,
-        fields=tuple(each.account for each in model.fields or () if each.account >= 0),
-    )
 
 
 def lay_out(scene: Scene) -> Layout:
@@ -239,12 +307,10 @@ def lay_out(scene: Scene) -> Layout:
         end_forces=True if ends else None,
         team=True if shares(scene, between + (within or ())) else None,
     )
-    view = _ledger_view(scene, asperites, mine, places, model, origin, parts)
     layout = Layout(
         scene=scene,
-        view=view,
-        asperites=view.asperites,
-        surfaces=view.surfaces,
+        asperites=asperites.view(np.recarray),
+        surfaces=mine.surfaces.view(np.recarray),
         model=model,
         start=start,
         core=mine.core,

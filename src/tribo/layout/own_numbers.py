@@ -10,8 +10,7 @@ import numpy as np
 from tribo.compiler.numbers_in_lanes import has_plain_numbers, numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.scene_records import fill_parameters, resting_bobs
+from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
 from tribo.layout.slots import slide
 from tribo.model.asperite import Asperite
 from tribo.model.drives import Custom, DrivenBars, Pulled

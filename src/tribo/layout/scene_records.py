@@ -1,33 +1,44 @@
-"""A scene as records: its asperites and surfaces, external fields, lattice springs, user forces."""
+"""A scene as records: asperites, surfaces, fields, lattice springs, user forces; and of members."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import (
-    BARS,
-    CUSTOM,
-    FORCED,
-    FREE,
-    PULLED,
-    PUSHED,
-    RIGID,
-    Custom,
-    FieldOn,
-    Springs,
-)
+from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
+
+
+class MemberNumbers(NamedTuple):
+    """The numbers of some members of an ensemble, where they differ from the scene of all."""
+
+    asperites: np.ndarray  # (members, n) of ASPERITE, with the slots of the scene's layout
+    charges: np.ndarray  # (members, n)
+    velocity: np.ndarray  # (members, surfaces, 2) in the laboratory
+    of_surfaces: np.ndarray  # (members, surfaces, numbers), see OF_MEMBERS
+    # (members, fields) of the only interaction; without columns where it has others.
+    potential: np.ndarray
+
+    def of_members(self, selected: np.ndarray | slice) -> MemberNumbers:
+        """Those of some members."""
+        return MemberNumbers(*(each[selected] for each in self))
+
+    def displaced(self, x: np.ndarray, y: np.ndarray) -> MemberNumbers:
+        """The same with the asperites' places displaced (n,)."""
+        asperites = self.asperites.copy()
+        asperites["x"] += x
+        asperites["y"] += y
+        return self._replace(asperites=asperites)
 
 
 def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
@@ -92,9 +103,15 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
     # A rigid body of one asperite is a free asperite.
-    free = RIGID if surface.moves_as_one else FREE
-    kinds = {Forced: FORCED, Free: free, DrivenBars: BARS, Pulled: PULLED, Pushed: PUSHED}
-    record["drive"] = kinds.get(type(drive), CUSTOM)
+    free = records.RIGID if surface.moves_as_one else records.FREE
+    kinds = {
+        Forced: records.FORCED,
+        Free: free,
+        DrivenBars: records.BARS,
+        Pulled: records.PULLED,
+        Pushed: records.PUSHED,
+    }
+    record["drive"] = kinds.get(type(drive), records.CUSTOM)
     if isinstance(drive, Pulled):
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]

@@ -117,18 +117,13 @@ def _drive(span: Span, s: np.ndarray) -> Account:
     )
 
 
-def _left_end(span: Span, s: np.ndarray) -> Account:
-    """The left end of the bar."""
-    about, jx, jy, pseudo = _columns(span, "acc_ends", (0, 2, 3, 4), s)
-    user = _columns(span, "acc_user_ends", (0, 2, 3, 6), s)
-    return Account(about + user[0], jx + user[1], jy + user[2], pseudo + user[3])
-
-
-def _right_end(span: Span, s: np.ndarray) -> Account:
-    """The right end of the bar, on which a clamp exerts the opposite of its force on the left."""
-    about, jx, jy, pseudo = _columns(span, "acc_ends", range(1, 5), s)
-    user = _columns(span, "acc_user_ends", (1, 4, 5, 7), s)
-    return Account(about + user[0], user[1] - jx, user[2] - jy, user[3] - pseudo)
+def _end(about: int, user: tuple[int, ...], side: float, span: Span, s: np.ndarray) -> Account:
+    """An end of the bar; a clamp exerts the opposite of its force on the left one on the right."""
+    own, jx, jy, pseudo = _columns(span, "acc_ends", (about, 2, 3, 4), s)
+    theirs = _columns(span, "acc_user_ends", user, s)
+    return Account(
+        own + theirs[0], theirs[1] + side * jx, theirs[2] + side * jy, theirs[3] + side * pseudo
+    )
 
 
 def _thermal(span: Span, s: np.ndarray) -> Account:
@@ -147,8 +142,8 @@ def _point(group: str, span: Span, s: np.ndarray) -> Account:
 FORCES: dict[str, Callable[[Span, np.ndarray], Account]] = {
     "w1": _contact,
     "w2": _drive,
-    "wL": _left_end,
-    "wR": _right_end,
+    "wL": partial(_end, 0, (0, 2, 3, 6), 1.0),
+    "wR": partial(_end, 1, (1, 4, 5, 7), -1.0),
     "w_int": partial(_point, "acc_internal"),
     "w_field": partial(_point, "acc_field"),
     "w_T": _thermal,

@@ -59,11 +59,11 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
     It is the sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity.
     """
     surfaces = range(len(layout.scene.surfaces))
-    mean = np.mean([np.asarray(layout.view.velocity_of(index)) for index in surfaces], axis=0)
+    mean = np.mean([np.asarray(layout.velocity_of(index)) for index in surfaces], axis=0)
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
     for index in surfaces:
-        for span, m in motions(layout.view, samples, index):
+        for span, m in motions(layout, samples, index):
             vx, vy = span.velocity - mean[..., None]
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
@@ -121,5 +121,5 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
 
 def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
     """y of the bars or of the bobs of a surface, (times, asperites)."""
-    moved = motions(layout.view, samples, index)
+    moved = motions(layout, samples, index)
     return np.concatenate([getattr(motion, point)[1] for _, motion in moved], axis=1)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -25,16 +25,14 @@ from tribo.ledger.quantities import (
     QUANTITIES,
     Quantity,
     Table,
-    further_series,
     needs_accounts,
+    present_names,
     reported,
 )
 from tribo.ledger.samples import Samples
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
 
-# Where the scene's output does not ask for them.
-NO_OSCILLATORS: Mapping[str, np.ndarray] = {}
 # Characters of a line of a text that stands for series.
 WIDTH = 100
 
@@ -167,7 +165,7 @@ class Ledger:
             return Series(table, lambda name: table[name][selected], self.kept)
 
         oscillators = {name: values[selected] for name, values in self.oscillators.items()}
-        return self._of_tables(self.t[selected], rows_of, self.kept, oscillators)
+        return self._of_tables(rows_of, t=self.t[selected], oscillators=oscillators)
 
     def only(self, keep: Sequence[str]) -> Ledger:
         """The ledger of the named quantities alone, as "upper.W", in arrays of their own."""
@@ -179,19 +177,14 @@ class Ledger:
             names = [name for name in table if (f"{surface}." * bool(surface)) + name in kept]
             return known({name: np.array(table[name]) for name in names}, kept)
 
-        return self._of_tables(np.array(self.t), some, kept)
+        return self._of_tables(some, t=np.array(self.t), kept=kept, oscillators={})
 
-    def _of_tables(
-        self,
-        t: np.ndarray,
-        change: Callable[[Table, str], Table],
-        kept: tuple[str, ...],
-        oscillators: Mapping[str, np.ndarray] = NO_OSCILLATORS,
-    ) -> Ledger:
+    def _of_tables(self, change: Callable[[Table, str], Table], **others: Any) -> Ledger:
         """The ledger of tables that are made from those of this one, and names of surfaces."""
         surfaces = {name: change(table, name) for name, table in self.surfaces.items()}
         blocks = {name: change(table, name) for name, table in self.blocks.items()}
-        return Ledger(t, surfaces, blocks, change(self.system, ""), kept, oscillators)
+        system = change(self.system, "")
+        return replace(self, surfaces=surfaces, blocks=blocks, system=system, **others)
 
     def flat(self) -> dict[str, np.ndarray]:
         """All series by their full names, as "upper.W"."""
@@ -206,24 +199,18 @@ class Ledger:
         series: Mapping[str, np.ndarray],
         surfaces: Iterable[str],
         kept: tuple[str, ...] = (),
-        oscillators: Mapping[str, np.ndarray] = NO_OSCILLATORS,
     ) -> Ledger:
         """The ledger of series by their full names, and of the names of all surfaces."""
-        of_surfaces: dict[str, dict[str, np.ndarray]] = {name: {} for name in surfaces}
-        blocks: dict[str, dict[str, np.ndarray]] = {name: {} for name in of_surfaces}
+        # Of each surface those of asperites and those of the surface as a whole.
+        tables: dict[str, list[dict[str, np.ndarray]]] = {name: [{}, {}] for name in surfaces}
         system: dict[str, np.ndarray] = {}
         for full, values in series.items():
             surface, _, name = full.rpartition(".")
-            table = of_surfaces if values.ndim == 2 else blocks
-            (table[surface] if surface else system)[name] = values
-        return Ledger(
-            t,
-            {name: known(table, kept) for name, table in of_surfaces.items()},
-            {name: known(table, kept) for name, table in blocks.items()},
-            known(system, kept),
-            kept,
-            oscillators,
+            (tables[surface][2 - values.ndim] if surface else system)[name] = values
+        each, whole = (
+            {name: known(both[k], kept) for name, both in tables.items()} for k in (0, 1)
         )
+        return Ledger(t, each, whole, known(system, kept), kept)
 
     def at_end(self) -> Ledger:
         """The ledger at the last time alone."""
@@ -241,14 +228,13 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
     """
     forces, kept = Forces(layout, samples), layout.scene.output.ledger
     wholes, surfaces, blocks = [], {}, {}
-    for surface in layout.scene.surfaces:
-        index, has_field, reservoirs = layout.effects[surface.name]
-        whole = SurfaceSeries(layout.view, samples, index, forces=forces)
-        found = reported(kept, has_field, reservoirs, further_series(layout.scene, surface))
+    for index, surface in enumerate(layout.scene.surfaces):
+        whole = SurfaceSeries(layout, samples, index, forces=forces)
+        found = reported(kept, present_names(layout.scene, surface))
         surfaces[surface.name] = _series(found.asperites, whole)
         blocks[surface.name] = _series(found.blocks, whole)
         wholes.append(whole)
-    system = _series(found.system, SystemSeries(layout.view, samples, tuple(wholes)))
+    system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
     ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
     ledger.last = partial(_last, layout, samples)
     return ledger

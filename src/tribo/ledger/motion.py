@@ -1,4 +1,7 @@
-"""The motion of asperites and their energies, from raw samples."""
+"""The motion of asperites and their energies, from raw samples.
+
+Also the reaction of the constraint on driven bars: what their motion leaves over of other forces.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
-from tribo.layout.ledger_view import LedgerView
+from tribo.kernels.records import BARS
+from tribo.layout.layout import Layout
 from tribo.layout.span import Asperites, Span, columns
+from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y
@@ -31,14 +36,14 @@ class Motion:
     the start of the run.
     """
 
-    def __init__(self, view: LedgerView, span: Span, samples: Samples) -> None:
+    def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
         self.span = span
         self.samples = samples
-        self._view = view
+        self._layout = layout
 
     def part(self, span: Span) -> Motion:
         """The same of some of the asperites, with the arrays from which totals are summed."""
-        part = Motion(self._view, span, self.samples)
+        part = Motion(self._layout, span, self.samples)
         for name in ("vx", "vy", "moving", "internal"):
             part.__dict__[name] = getattr(self, name)[:, span.place]
         return part
@@ -82,8 +87,8 @@ class Motion:
     def centre(self) -> Position:
         """The centre of mass."""
         a, velocity = self.span.asperites, self.span.velocity
-        x = self._view.origin[0] + (a.x + velocity[0] * self.t + self.x)
-        y = self._view.origin[1] + (a.y + velocity[1] * self.t + self.y)
+        x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
+        y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
 
     @cached_property
@@ -169,17 +174,17 @@ class Motion:
 
     @property
     def _q(self) -> np.ndarray:
-        return self.samples.y[:, : self._view.core]
+        return self.samples.y[:, : self._layout.core]
 
     @property
     def _v(self) -> np.ndarray:
-        return self.samples.y[:, self._view.core :]
+        return self.samples.y[:, self._layout.core :]
 
 
-def motions(view: LedgerView, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
     """The motion of surface `index`, span by span."""
-    for span in view.spans[index]:
-        yield span, Motion(view, span, samples)
+    for span in layout.spans[index]:
+        yield span, Motion(layout, span, samples)
 
 
 def about_pivots(
@@ -206,3 +211,49 @@ def internal_energies(
     """1/2 I omega^2, 1/2 i2 nu^2 and 1/2 kappa (theta - rest - phi)^2, each (times, asperites)."""
     a = asperites
     return 0.5 * a.inertia * omega**2, 0.5 * a.i2 * nu**2, 0.5 * a.kappa * torsion**2
+
+
+def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarray) -> None:
+    """Set the accounts of f2 on driven bars in `s`, whose rows are of the coordinates in `y`.
+
+    The impulse is M (v_cm - v_cm(0)) less all other impulses, the pseudowork the change of kinetic
+    energy less all other pseudoworks.  In the frame of the bars f2 does no work.  `start` is y at
+    the start of the run, (1, 2 coordinates), or a row for each sample.
+    """
+    for index in range(len(layout.parts)):
+        if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
+            changes = [_changes(layout, span, y, start) for span in layout.spans[index]]
+            if layout.model.sums is not None:
+                changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
+            for span, change in zip(layout.accounted_spans[index], changes, strict=True):
+                _add(Accounts(span, s), s, change)
+
+
+def _changes(layout: Layout, span: Span, y: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Changes of momentum along x and y and of kinetic energy, (3, times, asperites)."""
+    a = span.asperites
+    (vx0, vy0), (vx, vy) = (
+        about_pivots(a, each[:, span.place], each[:, layout.core :][:, span.place])[2:]
+        for each in (start, y)
+    )
+    kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
+    return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
+
+
+def _in_first_lane(changes: list[np.ndarray], lanes: int) -> np.ndarray:
+    """The sums over asperites as those of the first of some lanes, (3, times, lanes)."""
+    found = np.zeros((*changes[0].shape[:2], lanes))
+    found[:, :, 0] = sum(np.sum(change, axis=2) for change in changes)
+    return found
+
+
+def _add(forces: Accounts, s: np.ndarray, change: np.ndarray) -> None:
+    """Set the accounts of one span, from the changes of its momenta and kinetic energy."""
+    a = forces.span.asperites
+    others = [forces[name] for name in FORCES if name != "w2"]
+    px, py, kinetic = change
+    pseudo = kinetic - sum(f.pseudo for f in others)
+    s[:, a.acc_drive] = px - sum(f.jx for f in others)
+    s[:, a.acc_drive + a.stride] = py - sum(f.jy for f in others)
+    s[:, a.acc_drive + 2 * a.stride] = pseudo  # minus the work about the centre of mass
+    s[:, a.acc_drive + 3 * a.stride] = pseudo

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from tribo.kernels.samples import STORED
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.reactions import add_reactions
+from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
@@ -122,7 +122,7 @@ class PairSamples(Samples):
     def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> Samples:
         """The samples as they are where each run has factors of its own.
 
-        They are those of :func:`tribo.layout.pair_scene.factors_of`, (runs, ..., columns).
+        They are those of :func:`tribo.loops.pair.factors_of`, (runs, ..., columns).
         """
         columns = self._columns.reshape(-1, self.runs, state.shape[2]).swapaxes(0, 1)
         y, s = (
@@ -147,7 +147,7 @@ class PairSamples(Samples):
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Samples, tuple(getattr(self, f.name) for f in fields(Samples))
+        return Samples, self.columns
 
     @cached_property
     def _arcs(self) -> np.ndarray:

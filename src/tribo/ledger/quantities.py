@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -50,21 +50,24 @@ def _moving(kind: str, long_name: str, value: Callable[[Motion], np.ndarray]) ->
     return Quantity(kind, long_name, lambda group: group.each(value))
 
 
-def _accounted(name: str, long_name: str) -> Quantity:
+def _accounted(name: str, long_name: str, present: Has = always) -> Quantity:
     """A quantity that follows from their accounts."""
-    return Quantity(
-        "energy", long_name, Linear(lambda group, integrals: group.accounted(integrals, name))
-    )
+    of = Linear(lambda group, integrals: group.accounted(integrals, name))
+    return Quantity("energy", long_name, of, present)
 
 
-def _works(agents: Mapping[str, str]) -> dict[str, Quantity]:
+def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
     """The works of agents, and behind them the pseudoworks but those of single ends."""
-    works = {name: _accounted(name, f"work of {agent}") for name, agent in agents.items()}
+    works = {name: _accounted(name, f"work of {agent}", present) for name, agent in agents.items()}
     return works | {
-        f"{name}_ps": _accounted(f"{name}_ps", f"pseudowork of {agent}")
+        f"{name}_ps": _accounted(f"{name}_ps", f"pseudowork of {agent}", present)
         for name, agent in agents.items()
         if name not in ("wL", "wR")
     }
+
+
+def _has_reservoir(scene: Scene, surface: Surface) -> bool:
+    return bool(surface.reservoirs)
 
 
 def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
@@ -109,17 +112,18 @@ ASPERITE_QUANTITIES = {
         lambda e: e.swinging,
     ),
 }
-# Of each asperite of a surface with a field.
-FIELD_QUANTITIES = _works({"w_field": "external fields"})
-# Of each asperite of a surface with a reservoir.
-RESERVOIR_QUANTITIES = _works({"w_T": "the reservoir"}) | {
-    "heat": _accounted("heat", "heat given to the reservoirs")
+# Of each asperite of a surface with a field, with a reservoir, or with one at its bars and another
+# on its swings.
+OPTIONAL_QUANTITIES = {
+    **_works({"w_field": "external fields"}, Scene.has_field),
+    **_works({"w_T": "the reservoir"}, _has_reservoir),
+    "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir),
+    "heat_swing": _accounted(
+        "heat_swing",
+        "heat given to the reservoir on the swing",
+        lambda scene, surface: len(surface.reservoirs) == 2,
+    ),
 }
-# Of each asperite of a surface with reservoirs at its bars and on its swings.
-SECOND_RESERVOIR_QUANTITIES = {
-    "heat_swing": _accounted("heat_swing", "heat given to the reservoir on the swing")
-}
-OPTIONAL_QUANTITIES = FIELD_QUANTITIES | RESERVOIR_QUANTITIES | SECOND_RESERVOIR_QUANTITIES
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
     "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work)),
@@ -162,7 +166,12 @@ def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
 def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
     """The x component of the sum of some forces on a surface."""
     meaning = f"x of {force} on the surface"
-    return Quantity("force", meaning, lambda whole: whole.force_along_x(*names), present)
+    return Quantity(
+        "force",
+        meaning,
+        lambda whole: np.sum(sum(whole.force(name, 0) for name in names), axis=1),
+        present,
+    )
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -198,12 +207,12 @@ FURTHER_OF_SURFACES = {
     ),
     "e_springs": _energy(
         "energy of the lattice springs",
-        lambda whole: whole.stored(SPRINGS),
+        lambda whole: whole.stored[:, SPRINGS],
         FORCES["f_spring"].acts,
     ),
     "e_within": _energy(
         "energy of contact within the surface",
-        lambda whole: whole.stored(WITHIN),
+        lambda whole: whole.stored[:, WITHIN],
         Scene.has_contact_within,
     ),
     "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
@@ -235,9 +244,12 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
 }
 
 
-def further_series(scene: Scene, surface: Surface) -> frozenset[str]:
-    """The names of the series of a surface, and of the system, that the scene's output asks for."""
-    groups = (FURTHER.get(name, {}) for name in scene.output.series)
+def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
+    """The names of what the scene reports of a surface, and of the system, beside all scenes'.
+
+    The optional quantities, and the series that the scene's output asks for.
+    """
+    groups = (OPTIONAL_QUANTITIES, *(FURTHER.get(name, {}) for name in scene.output.series))
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)
     )
@@ -264,26 +276,25 @@ class Reported:
 
 
 @cache
-def reported(
-    ledger: str, field: bool, reservoirs: int, further: frozenset[str] = frozenset()
-) -> Reported:
-    """The quantities that are reported, with those on request whose names are `further`.
+def reported(ledger: str, present: frozenset[str]) -> Reported:
+    """The quantities that are reported, with others whose names are `present`.
 
-    `ledger` says of what works are kept: "asperites", "surfaces" or "none"; `field` whether a field
-    acts on the surface, and `reservoirs` how many reservoirs it has.
+    `ledger` says of what works are kept: "asperites", "surfaces" or "none".
     """
-    own = ASPERITE_QUANTITIES | (FIELD_QUANTITIES if field else {})
-    own |= RESERVOIR_QUANTITIES if reservoirs else {}
-    own |= SECOND_RESERVOIR_QUANTITIES if reservoirs == 2 else {}
+    own = ASPERITE_QUANTITIES | _those_of(OPTIONAL_QUANTITIES, present)
     tables = [own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES]
     if ledger == "surfaces":
-        sums = {name: each for name, each in SUMMED_QUANTITIES.items() if name in own}
+        sums = _those_of(SUMMED_QUANTITIES, own.keys())
         tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
     elif ledger == "none":
         tables = list(map(_without_accounts, tables))
     on_request = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
-    asked = ({name: t[name] for name in t if name in further} for t in on_request)
+    asked = (_those_of(table, present) for table in on_request)
     return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
+
+
+def _those_of(table: Mapping[str, Quantity], names: Collection[str]) -> dict[str, Quantity]:
+    return {name: each for name, each in table.items() if name in names}
 
 
 def _without_accounts(table: Mapping[str, Quantity]) -> dict[str, Quantity]:

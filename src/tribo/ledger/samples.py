@@ -41,6 +41,11 @@ class Samples:
         """One sample at t = 0, of which all values are zero."""
         return cls(np.zeros(1), *map(np.zeros_like, sample_columns(layout, 1)))
 
+    @property
+    def columns(self) -> tuple[np.ndarray, ...]:
+        """All arrays, in the order of the fields."""
+        return tuple(getattr(self, each.name) for each in fields(Samples))
+
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
         found = times[np.searchsorted(times, self.t).clip(max=times.size - 1)] == self.t
@@ -48,7 +53,7 @@ class Samples:
 
     def rows(self, selected: np.ndarray | slice) -> Samples:
         """The samples of one run at some places: indices, a mask, or a slice, of views."""
-        return Samples(*(getattr(self, f.name)[selected] for f in fields(Samples)))
+        return Samples(*(each[selected] for each in self.columns))
 
     def first(self) -> Samples:
         """The first sample alone."""
@@ -73,8 +78,8 @@ class Samples:
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
-        values = ([getattr(each, f.name) for each in (self, *later)] for f in fields(Samples))
-        return Samples(*map(_joined, values))
+        columns = zip(*(each.columns for each in (self, *later)), strict=True)
+        return Samples(*map(_joined, columns))
 
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of the integrals, which `key` tells from others."""
@@ -117,7 +122,7 @@ def sample_columns(layout: Layout, *shape: int) -> tuple[np.ndarray, ...]:
     )
 
 
-def _joined(parts: list[np.ndarray]) -> np.ndarray:
+def _joined(parts: tuple[np.ndarray, ...]) -> np.ndarray:
     """Arrays one after another; NaN where the first ones do not have what the last has."""
     shape = parts[-1].shape[1:]
     return np.concatenate(

@@ -1,22 +1,24 @@
-"""Contact between surfaces over time, and notes where they part for good or never meet.
+"""The bobs that are closest to one another, and contact between surfaces over time.
 
-Two bobs are in contact within the range of a potential that ends.  Of a potential that decays
-without an end, they are so within the largest distance at which its energy is a fraction of the
-energies that it competes with.  A potential that states no distance beyond which it is weak has no
-such distance, as that of Coulomb.
+Notes say where surfaces part for good or never meet.  Two bobs are in contact within the range of a
+potential that ends.  Of a potential that decays without an end, they are so within the largest
+distance at which its energy is a fraction of the energies that it competes with.  A potential that
+states no distance beyond which it is weak has no such distance, as that of Coulomb.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
 
+from tribo.kernels.kinematics import bob_position, nearest_image
+from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import bob_places, in_box, nearest_images
+from tribo.ledger.motion import motions, swing_direction
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
@@ -35,6 +37,88 @@ IN_CONTACT = 0.01
 # Distances at which a decaying potential is looked at, in units of that beyond which it is weak:
 # a tail r^-6 falls by 4e3 up to the largest, and steps of 2 % resolve the smallest.
 DISTANCES = np.geomspace(4.0, 0.05, 220)
+
+
+class Closest(NamedTuple):
+    """The two bobs of two surfaces that are closest to one another."""
+
+    distance: float  # [length]
+    one: int  # numbers of their asperites
+    other: int
+
+
+def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
+    """The closest of all bobs that interact, in one sample of a run.
+
+    None where no bobs interact, or where a position is not finite.
+    """
+    return min((found for found, _ in closest_of_contacts(layout, sample)), default=None)
+
+
+def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Closest, Contact]]:
+    """The closest bobs of each two surfaces in contact; nothing where a position is not finite."""
+    places = bob_places(layout, sample)[0]
+    if not np.all(np.isfinite(places)):
+        return
+    places, box = in_box(layout, places)
+    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+        for one, other in contact.pairs:
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
+            own = places[mine.start : mine.stop]
+            tree = KDTree(places[theirs.start : theirs.stop], boxsize=box)
+            # Within a surface, the nearest bob to each is that bob itself.
+            rank = 2 if one == other else 1
+            distances, indices = tree.query(own, k=[rank])
+            i = int(np.argmin(distances[:, 0]))
+            near = int(indices[i, 0])
+            if near < tree.n:  # a surface of one bob has no other
+                pair = int(mine.start) + i, int(theirs.start) + near
+                yield Closest(float(distances[i, 0]), *pair), contact
+
+
+def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places of bobs in the scene's box, and its lengths along each axis, 0 where there is none."""
+    x, z = layout.model.box or (0.0, 0.0)
+    box, places = np.array([x, 0.0, z]), places.copy()
+    periodic = box > 0.0
+    for _ in range(2):  # the remainder of a tiny negative number is a period, which trees refuse
+        places[..., periodic] %= box[periodic]
+    return places, box
+
+
+def nearest_images(layout: Layout, between: np.ndarray) -> np.ndarray:
+    """Vectors between bobs, (..., 3), as those between nearest images in the scene's box."""
+    box = layout.model.box
+    if box is None:
+        return between
+    x, y, z = np.moveaxis(between, -1, 0)
+    return np.stack([nearest_image(x, box.x), y, nearest_image(z, box.z)], axis=-1)
+
+
+def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
+    """Positions of all bobs at all times, (times, n, 3), in the frame of the first surface."""
+    places = np.empty((samples.t.size, layout.asperites.size, 3))
+    places[..., 2] = layout.depths
+    for index in range(len(layout.scene.surfaces)):
+        for span, motion in motions(layout, samples, index):
+            a = span.asperites
+            x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
+            x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
+            places[:, span.place, 0], places[:, span.place, 1] = x, y
+    return places
+
+
+def asperite_names(layout: Layout, indices: Iterable[int]) -> str:
+    """Two asperites, as a part of a sentence."""
+    return " and ".join(asperite_name(layout, index) for index in indices)
+
+
+def asperite_name(layout: Layout, index: int) -> str:
+    """An asperite by its surface and its place there, from 0 on."""
+    for name, part in layout.parts.items():
+        if part.start <= index < part.stop:
+            return f'asperite {index - part.start} of "{name}"'
+    raise IndexError(index)
 
 
 class Reach(NamedTuple):
@@ -178,7 +262,11 @@ def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
     surfaces = [scene.surfaces[k] for pair in scene.pairs(interaction) for k in pair]
     if not surfaces:
         return None
-    least = IN_CONTACT * (_torsion(surfaces) + max(map(_temperature, surfaces)))
+    stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
+    torsion = 0.5 * float(np.min(stiffness[np.isfinite(stiffness)], initial=np.inf))  # by 1 rad
+    warm = [surface.bath.temperature for surface in surfaces]
+    warm += [each.temperature for surface in surfaces for each in surface.reservoirs]
+    least = IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
     charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
     distances = (weak_from * DISTANCES).tolist()
     try:
@@ -195,15 +283,3 @@ def has_contact_distance(scene: Scene, surface: Surface) -> bool:
     index = [each.name for each in scene.surfaces].index(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
     return bool(mine) and all(contact_distance(scene, i) is not None for i in mine)
-
-
-def _torsion(surfaces: list[Surface]) -> float:
-    """The energy of torsion by 1 rad of the softest asperite; 0 if all are rigid."""
-    stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
-    finite = stiffness[np.isfinite(stiffness)]
-    return 0.5 * float(np.min(finite)) if finite.size else 0.0
-
-
-def _temperature(surface: Surface) -> float:
-    """The largest temperature of a surface's reservoirs and baths, times k_B."""
-    return max(surface.bath.temperature, *(each.temperature for each in surface.reservoirs), 0.0)

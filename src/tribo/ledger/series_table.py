@@ -9,7 +9,14 @@ import numpy as np
 
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.quantities import BLOCK_QUANTITIES, Quantity, needs_accounts, reported
+from tribo.ledger.quantities import (
+    BLOCK_QUANTITIES,
+    OPTIONAL_QUANTITIES,
+    Quantity,
+    needs_accounts,
+    present_names,
+    reported,
+)
 from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 
 
@@ -24,9 +31,10 @@ class SeriesTable(NamedTuple):
         """The same series at some of the times."""
         return self._replace(values=self.values[selected])
 
-    def largest(self) -> np.ndarray:
-        """The largest magnitude of each quantity, (names,)."""
-        return np.maximum.reduceat(np.abs(self.values).max(axis=0, initial=0.0), self.starts)
+    def largest(self, runs: int = 1) -> np.ndarray:
+        """The largest magnitude of each quantity in each of some runs, (names, runs)."""
+        each = np.abs(self.values).reshape(-1, runs, self.values.shape[1])
+        return np.maximum.reduceat(each.max(axis=0, initial=0.0), self.starts, axis=1).T
 
     def minus(self, other: SeriesTable) -> SeriesTable:
         """The differences of the series from those of another run at the same times."""
@@ -69,17 +77,14 @@ class ReportedSeries(NamedTuple):
 
 def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     """All quantities that are reported."""
-    samples, effects = group.samples, layout.effects.values()
+    samples, scene = group.samples, layout.scene
     (motion,) = group.motions
-    wholes = tuple(SurfaceSeries(layout.view, samples, k, motion) for k in range(len(layout.parts)))
-    system = SystemSeries(layout.view, samples, wholes)
-    found = reported(
-        layout.scene.output.ledger,
-        any(field for _, field, _ in effects),
-        max(reservoirs for *_, reservoirs in effects),
-    )
+    wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))
+    system = SystemSeries(layout, samples, wholes)
+    present = frozenset[str]().union(*(present_names(scene, each) for each in scene.surfaces))
+    found = reported(scene.output.ledger, present.intersection(OPTIONAL_QUANTITIES))
     of_each: list[tuple[Mapping[str, Quantity], Sequence[AsperiteSeries | SystemSeries], int]] = [
-        (found.asperites, (group,), layout.scene.count),
+        (found.asperites, (group,), scene.count),
         (found.blocks, wholes, len(wholes)),
         (found.system, (system,), 1),
     ]
@@ -96,7 +101,7 @@ def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesT
         surface, _, name = full.rpartition(".")
         if surface:
             start = int(columns.starts[columns.names.index(name)])
-            index = layout.effects[surface][0]
+            index = list(layout.parts).index(surface)
             sums = needs_accounts(name) and layout.model.sums is not None
             whole = name in BLOCK_QUANTITIES or sums
             part = slice(index, index + 1) if whole else layout.parts[surface]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.ledger_view import LedgerView
+from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.ledger.forces import Forces
@@ -24,15 +26,15 @@ _with_infinities = np.errstate(over="ignore", invalid="ignore")
 class AsperiteSeries:
     """Some asperites, by their spans, from the samples of a run that begin with its start."""
 
-    def __init__(self, view: LedgerView, samples: Samples, spans: tuple[Span, ...]) -> None:
-        self._view = view
+    def __init__(self, layout: Layout, samples: Samples, spans: tuple[Span, ...]) -> None:
+        self._layout = layout
         self.samples = samples
         self.spans = spans
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The motion of the asperites, span by span."""
-        return tuple(Motion(self._view, span, self.samples) for span in self.spans)
+        return tuple(Motion(self._layout, span, self.samples) for span in self.spans)
 
     @_with_infinities
     def each(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
@@ -53,14 +55,16 @@ class SurfaceSeries(AsperiteSeries):
 
     def __init__(
         self,
-        view: LedgerView,
+        layout: Layout,
         samples: Samples,
         index: int,
         among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
-        super().__init__(view, samples, view.spans[index])
-        self._index = index
+        super().__init__(layout, samples, layout.spans[index])
+        self._index, self._record = index, layout.surfaces[index]
+        # The asperites, or lanes that stand for their sums, with accounts.
+        self._accounted = layout.accounted_spans[index]
         self._among = among
         self._forces = forces
 
@@ -73,17 +77,16 @@ class SurfaceSeries(AsperiteSeries):
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        every = (integrals.of(span) for span in self._accounted)
-        return _sum(accounted(each, name) for each in every)
+        return _sum(accounted(integrals.of(span), name) for span in self._accounted)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
-        return self._sum_over(integrals, EXTERNAL, Account.work)
+        return self.sum_over(integrals, EXTERNAL, Account.work)
 
     def pseudowork(self, integrals: Integrals) -> np.ndarray:
         """The pseudowork of external forces."""
         slot = self._record.acc_block
-        boost = self._sum_over(integrals, EXTERNAL, Account.boost)
+        boost = self.sum_over(integrals, EXTERNAL, Account.boost)
         if slot >= 0:
             return boost + integrals.s[:, slot]
         # Surfaces keep their momentum, or a constraint provides its change.
@@ -91,17 +94,13 @@ class SurfaceSeries(AsperiteSeries):
 
     def friction(self, integrals: Integrals) -> np.ndarray:
         """Minus the work of the contact's impulse at the initial velocity of the surface."""
-        return 0.0 - self._sum_over(integrals, ("w1",), Account.boost)
-
-    def applied(self, integrals: Integrals) -> np.ndarray:
-        """The work of outside agents."""
-        return self._sum_over(integrals, APPLIED, Account.work)
+        return 0.0 - self.sum_over(integrals, ("w1",), Account.boost)
 
     @cached_property
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
         """The change of the bulk kinetic energy."""
-        vx, vy = self._view.velocity_of(self._index)
+        vx, vy = self._layout.velocity_of(self._index)
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
         return self.samples.change(moving)
@@ -111,7 +110,7 @@ class SurfaceSeries(AsperiteSeries):
     def change_of_internal(self) -> np.ndarray:
         """The change of the internal energy: of all energy that is not bulk kinetic."""
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
-        within = within + self._stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
+        within = within + self.stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
         return self.samples.change(within)
 
     def force(self, name: str, axis: int) -> np.ndarray:
@@ -120,19 +119,15 @@ class SurfaceSeries(AsperiteSeries):
         forces, index = self._forces, self._index
         return _side_by_side([forces.of(motion, index, name, axis) for motion in self.motions])
 
-    def force_along_x(self, *names: str) -> np.ndarray:
-        """The x component of the sum of some forces on all asperites."""
-        return np.asarray(np.sum(sum(self.force(name, 0) for name in names), axis=1))
-
     @property
     def without_contact(self) -> np.ndarray:
         """1 where no bob of the surface is in contact with another surface, else 0."""
-        assert self._forces is not None
-        return without_contact(self._forces.layout, self.samples, self._index).astype(float)
+        return without_contact(self._layout, self.samples, self._index).astype(float)
 
-    def stored(self, place: int) -> np.ndarray:
-        """A stored energy, SPRINGS or WITHIN."""
-        return self._stored[:, place]
+    @property
+    def stored(self) -> np.ndarray:
+        """The stored energies and momenta, (times, STORED)."""
+        return self.samples.stored[:, self._index]
 
     @property
     @_with_infinities
@@ -143,7 +138,7 @@ class SurfaceSeries(AsperiteSeries):
         """
         energy = self._bath_energy
         if self._record.drive != BARS:
-            (x, y), stored = self._lag, self._stored
+            (x, y), stored = self._lag, self.stored
             common = x * stored[:, MOMENTUM_X] + y * stored[:, MOMENTUM_Y]
             energy = energy - common + 0.5 * self._mass_of_bath * (x**2 + y**2)
         return self.samples.change(energy)
@@ -151,8 +146,8 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def kinetic_of_bath(self) -> np.ndarray:
         """The kinetic energy of the bath in the laboratory."""
-        vx, vy = self._view.velocity_of(self._index)
-        stored = self._stored
+        vx, vy = self._layout.velocity_of(self._index)
+        stored = self.stored
         moving = vx * stored[:, MOMENTUM_X] + vy * stored[:, MOMENTUM_Y]
         own = self._own_kinetic_of_bath + moving
         return np.asarray(own + 0.5 * self._mass_of_bath * (vx**2 + vy**2))
@@ -170,37 +165,24 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def _bath_energy(self) -> np.ndarray:
         """The energy of the bath, in the surface's first frame."""
-        return np.asarray(self._stored[:, [BATH, TORSIONAL]].sum(axis=1))
+        return np.asarray(self.stored[:, [BATH, TORSIONAL]].sum(axis=1))
 
     @property
     def _own_kinetic_of_bath(self) -> np.ndarray:
         """The kinetic energy of the bath, in the surface's first frame."""
-        part = list(self._view.parts.values())[self._index]
-        columns = self._view.columns[part]
+        part = list(self._layout.parts.values())[self._index]
+        columns = self._layout.places.columns[part]
         return np.asarray(self.samples.baths[:, KINETIC, columns].sum(axis=1))
-
-    @property
-    def _record(self) -> np.record:
-        return self._view.surfaces[self._index]
 
     @cached_property
     def _mass(self) -> float | np.ndarray:
         """The mass of the surface and its bath."""
-        return self._view.mass_of(self._index)
-
-    @property
-    def _accounted(self) -> tuple[Span, ...]:
-        """The asperites, or lanes that stand for their sums, with accounts."""
-        return self._view.accounted_spans[self._index]
-
-    @property
-    def _stored(self) -> np.ndarray:
-        return self.samples.stored[:, self._index]
+        return self._layout.mass_of(self._index)
 
     @cached_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
-        mass, stored = self._mass, self._stored
+        mass, stored = self._mass, self.stored
         px = self._total(lambda e: e.vx * e.span.asperites.mass) + stored[:, MOMENTUM_X]
         py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
@@ -211,14 +193,14 @@ class SurfaceSeries(AsperiteSeries):
         lag_x, lag_y = self._lag
         return np.asarray(0.5 * self._mass * (lag_x**2 + lag_y**2))
 
-    def _sum_over(
+    def sum_over(
         self,
         integrals: Integrals,
         names: tuple[str, ...],
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = [integrals.of(span) for span in self._accounted]
+        every = (integrals.of(span) for span in self._accounted)
         return _sum(
             each.whole(sum(part(each[name], each.span.velocity) for name in names))
             for each in every
@@ -228,28 +210,28 @@ class SurfaceSeries(AsperiteSeries):
         return _sum(map(value, self.motions))
 
 
+@dataclass(eq=False)
 class SystemSeries:
     """The whole system, which is no span of asperites, from the samples of a run."""
 
-    def __init__(
-        self, view: LedgerView, samples: Samples, wholes: tuple[SurfaceSeries, ...]
-    ) -> None:
-        self._view = view
-        self.samples = samples
-        self.spans: tuple[Span, ...] = ()
-        self._wholes = wholes
+    layout: Layout
+    samples: Samples
+    wholes: tuple[SurfaceSeries, ...]
+    spans: ClassVar[tuple[Span, ...]] = ()
 
     @_with_infinities
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
-        changes = (w.change_of_kinetic + w.change_of_internal for w in self._wholes)
+        changes = (w.change_of_kinetic + w.change_of_internal for w in self.wholes)
         return np.asarray(sum(changes) + self.samples.change(potential))
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""
-        works = sum(whole.applied(integrals) for whole in self._wholes)
-        return np.asarray(sum((integrals.s[:, slot] for slot in self._view.fields), start=works))
+        works = sum(whole.sum_over(integrals, APPLIED, Account.work) for whole in self.wholes)
+        return np.asarray(
+            sum((integrals.s[:, slot] for slot in self.layout.accounts_of_fields), start=works)
+        )
 
 
 class Linear:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,11 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.layout.loop_memory import entry_point
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.pair_scene import factors_of, record_of
+from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
-from tribo.loops.pair import Pair
+from tribo.loops.pair import Pair, factors_of, record_of
 from tribo.pair import lanes
 from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
@@ -95,7 +95,7 @@ def pair_runs(
     if numbers is None:
         return MemberRuns(layout, found, counts)
     own = found.with_factors(*factors_of(layout, numbers.asperites))
-    return MemberRuns.of(layout.of_members(numbers), own, counts)
+    return MemberRuns.of(replace(layout, numbers=numbers, member_times=times.size), own, counts)
 
 
 def has_lanes(pair: Pair) -> bool:

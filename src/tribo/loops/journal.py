@@ -19,7 +19,7 @@ from tribo.kernels.status import Status
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.frames import PART, Arrays, Frames, as_bytes
-from tribo.loops.integrate import Columns, Memory, Reached, Setting, TimeLoop
+from tribo.loops.integrate import Columns, Reached, Setting, TimeLoop
 from tribo.loops.state import below, under
 from tribo.model.identity import Identity
 from tribo.validation import InputError
@@ -36,85 +36,61 @@ class Journal(Frames):
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
         super().__init__(path, identity, resume)
-        self._integrations: list[JournaledIntegration] = []
         self._number = 0  # of integrations that were begun or repeated
-        for (part, number), arrays in self.read():
-            if part == "key":
-                self._add(arrays["key"].tobytes())
-            else:
-                self._integrations[number].take_in(part, arrays)
-
-    def _add(self, key: bytes) -> None:
-        number = len(self._integrations)
-        self._integrations.append(JournaledIntegration(self, number, key))
+        self._known: dict[int, dict[Any, Arrays]] = {}  # frames of integrations by their names
+        for (name, number), arrays in self.read():
+            self._known.setdefault(number, {})[name] = arrays
 
     def integration(self, key: bytes) -> JournaledIntegration:
         """The next integration of the run; `key` identifies its settings.
 
-        Raises InputError if the one in the journal has other settings, or the file cannot be
-        written.
+        Raises InputError if the one in the journal has other settings.
         """
-        number = self._number
+        number, known = self._number, self._known.pop(self._number, {})
         self._number += 1
-        if number == len(self._integrations):
-            self._add(key)
-            self._integrations[number].write("key", {"key": as_bytes(key)})
-        found = self._integrations[number]
-        if found.key != key:
+        if "memory" in known and known["memory"]["key"].tobytes() != key:
             raise InputError(
                 str(self.path), "is of a run with other settings; start again without --resume"
             )
-        return found
+        return JournaledIntegration(self, number, key, known)
 
 
 class JournaledIntegration:
     """One integration in a journal; :class:`tribo.loops.integrate.Checkpoints`."""
 
-    def __init__(self, journal: Journal, number: int, key: bytes) -> None:
-        self.key, self._journal, self._number = key, journal, number
+    def __init__(self, journal: Journal, number: int, key: bytes, known: dict[Any, Arrays]) -> None:
         self.due = journal.is_due
-        # Samples of portions that were under way, by the numbers of the portion and of the part.
-        self._columns: dict[tuple[int, int], Columns] = {}
-        # By the number of portions up to there, of a streamed run.
-        self._kept: dict[int, Arrays] = {}
-        self._memory: Memory | None = None
-        self._status: Status | None = None
+        self._journal, self._number, self._key = journal, number, key
+        # Frames: "memory", ("portions", number of them so far) of a streamed run, and samples of
+        # portions that were under way by the numbers of the portion and of the part.
+        self._known = known
         # What the journal has: portions, and of the next one parts and samples in them.
         self._portions, self._parts, self._samples = 0, 0, 0
 
-    def take_in(self, part: Any, arrays: Arrays) -> None:
-        """Take in a frame of the file: the memory, portions, or a part of the next portion."""
-        if part == "memory":
-            self._memory = below("memory_", arrays)
-            status = arrays["status"].tobytes().decode()
-            self._status = Status(status) if status else None
-        elif part[0] == "portions":
-            self._kept[part[1]] = arrays
-        else:
-            self._columns[part] = tuple(arrays[f"column_{k}"] for k in range(len(arrays)))
-
     def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
         """Fill in what the journal has, if anything: portions, samples of the next one, memory."""
-        memory = self._memory
-        if memory is None:
+        known, self._known = self._known, {}
+        if "memory" not in known:
             return Reached()
+        memory = below("memory_", known["memory"])
         self._portions = last = int(memory["portions"])
         chain = []  # a kill may have left portions without the memory after them
         while last > 0:
-            chain.append(self._kept[last])
+            chain.append(known["portions", last])
             last = int(chain[-1]["first"])
         for arrays in reversed(chain):
             assert streamed is not None
             streamed.take_back(arrays)
-        while (values := self._columns.get((self._portions, self._parts))) is not None:
-            stop = self._samples + len(values[0])
-            for column, some in zip(columns, values, strict=True):
-                column[self._samples : stop] = some
+        while (part := known.get((self._portions, self._parts))) is not None:
+            stop = self._samples + len(part["column_0"])
+            for k, column in enumerate(columns):
+                column[self._samples : stop] = part[f"column_{k}"]
             self._parts, self._samples = self._parts + 1, stop
-        self._columns, self._kept = {}, {}
         loop.restore(below("loop_", memory))
-        held = below("held_", memory)
-        return Reached(self._portions, Samples(**held) if held else None, self._status)
+        held, status = below("held_", memory), known["memory"]["status"].tobytes().decode()
+        return Reached(
+            self._portions, Samples(**held) if held else None, Status(status) if status else None
+        )
 
     def keep(
         self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
@@ -136,8 +112,8 @@ class JournaledIntegration:
         if reached.held is not None:
             held = {f.name: getattr(reached.held, f.name) for f in fields(Samples)}
             memory |= under("held_", held)
-        status = as_bytes(str(reached.status or ""))
-        self.write("memory", under("memory_", memory) | {"status": status})
+        about = {"status": as_bytes(str(reached.status or "")), "key": as_bytes(self._key)}
+        self.write("memory", under("memory_", memory) | about)
         self._journal.forget((name, self._number) for name in done_with)
 
     def write(self, name: object, arrays: Arrays) -> None:

@@ -27,10 +27,9 @@ from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import entry_point, together
+from tribo.layout.loop_memory import entry_point
 from tribo.ledger.samples import sample_columns
-from tribo.loops.batch import MemberStarts, Pool, RecordingLoop, padded
-from tribo.loops.batch_general import GeneralMembers
+from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.general import unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 
@@ -83,8 +82,6 @@ class LaneLoop(RecordingLoop):
         core = eight.q[0, : layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), eight.s
         self._places = np.concatenate([eight.q, coordinates + eight.q], axis=1)
-        self._own: list[np.ndarray] = []
-        self._fresh: list[np.ndarray] = []
         self.prepare(layout, method)
 
     @abstractmethod
@@ -130,18 +127,6 @@ class LaneLoop(RecordingLoop):
     def record(self, columns: Columns) -> Record:
         """These arrays for the loop."""
         return Record(*columns, *self._recorded)  # type: ignore[call-arg]
-
-    def keep(self, items: tuple[Any, ...], others: list[np.ndarray]) -> Any:
-        """Nested tuples in memory that :meth:`forget` restores, as it does some other arrays."""
-        moved, numbers = together(items)
-        self._own = [numbers, *others]
-        self._fresh = [array.copy() for array in self._own]
-        return moved
-
-    def forget(self) -> None:
-        """Forget the members that were run before."""
-        for array, fresh in zip(self._own, self._fresh, strict=True):
-            array[...] = fresh
 
 
 class NystromLanes(LaneLoop):

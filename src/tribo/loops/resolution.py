@@ -13,8 +13,7 @@ from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS, PULLED
 from tribo.layout.layout import Layout
-from tribo.layout.member_numbers import MemberNumbers
-from tribo.layout.scene_records import stiffness_at_bars
+from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import Corrugation
 
@@ -82,7 +81,7 @@ def contact_frequency(layout: Layout) -> float:
 
 def first_step(layout: Layout) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.view.together.asperites
+    a = layout.together.asperites
     pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     fastest = max(pendulum, bath_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)

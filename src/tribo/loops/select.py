@@ -1,4 +1,4 @@
-"""A compiled time loop for one layout and one method."""
+"""The compiled time loops for one layout and one method: of single runs, and of members."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.layout.other_rounding import with_other_rounding
 from tribo.ledger.guards import lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
+from tribo.loops.batch import Batch, GeneralMembers, Pool
+from tribo.loops.batch_pair import PairMembers
 from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
+from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
 from tribo.loops.pair import Pair, has_pair_loop
 from tribo.loops.resolution import first_step
 from tribo.loops.state import Origin, State, continued
@@ -63,8 +65,25 @@ class Integrator:
     @cached_property
     def rounded(self) -> tuple[Layout, Pair | None]:
         """The layout with other roundings of the bobs' places, and a pair's loop for it."""
-        layout = with_other_rounding(self.layout)
+        layout = self.layout.with_other_rounding()
         return layout, self.pair and self.pair.displaced(layout)
+
+    def batch(self, own_numbers: bool = False, rounded: bool = False) -> Batch:
+        """The fastest kind of batch that runs members of the scene: in lanes or not, as a pair.
+
+        A scene that is no pair has `has_batches`, and `fit_lanes` too if members have numbers of
+        their own.  `rounded` gives the bobs' places other roundings.
+        """
+        layout, pair = self.rounded if rounded else (self.layout, self.pair)
+        method, first_step = self.method, self.first_step
+        if pair is not None:
+            return Batch(lambda: PairMembers(pair))
+        alone = Pool(lambda: GeneralMembers(layout, method, first_step))
+        if not fit_lanes(layout, method):
+            assert not own_numbers
+            return Batch(alone.take)
+        kind = SplittingLanes if method.splits else NystromLanes
+        return Batch(lambda: kind(layout, method, first_step, own_numbers, alone))
 
     def __call__(
         self,

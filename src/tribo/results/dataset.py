@@ -6,7 +6,7 @@ import hashlib
 import io
 import json
 import re
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,8 @@ OSCILLATORS = ".oscillators"
 # Before the hash of a file, which is computed with zeros in its place.
 HASH = b"blake2b:"
 NO_DIGEST = b"0" * 64
+# Attributes of a result that are JSON in a file.
+AS_JSON = ("settings", "error_estimate", "accuracy", "met", "notes")
 # The note of a file that another program has written again.
 REWRITTEN = "the file was written again by another program, with the same values"
 # A variable of a data set: its dimensions, its values and its attributes.
@@ -106,16 +108,12 @@ def _attributes(result: RunResult) -> dict[str, str]:
     """The scene and all that is known of the run, as text."""
     return {
         "version": version(),
-        "settings": json.dumps(result.settings),
         "plugins": json.dumps(plugin_stamps(result.scene)),
         "scene": result.scene.to_toml(),
         "status": str(result.status),
         "method": result.method,
         "cost": json.dumps(asdict(result.cost)),
-        "error_estimate": json.dumps(result.error_estimate),
-        "accuracy": json.dumps(result.accuracy),
-        "met": json.dumps(result.met),
-        "notes": json.dumps(result.notes),
+        **{name: json.dumps(getattr(result, name)) for name in AS_JSON},
         "why": result.why,
     }
 
@@ -223,4 +221,5 @@ def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     names = [name for name in surfaces if f"{name}{OSCILLATORS}" in data]
     oscillators = {name: data[f"{name}{OSCILLATORS}"].values for name in names}
     kept = tuple(scene.output.keep or ())
-    return Ledger.of_flat(data["time"].values, series, surfaces, kept, oscillators)
+    found = Ledger.of_flat(data["time"].values, series, surfaces, kept)
+    return replace(found, oscillators=oscillators)

@@ -10,7 +10,7 @@ from tribo.layout.scene_records import resting_bobs
 from tribo.model.drives import Pulled, Pushed
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
 

@@ -13,18 +13,17 @@ from tribo.kernels.encounters import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
-from tribo.ledger.closest_bobs import asperite_names, closest_bobs
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.watched import Watched, levers
-from tribo.loops.guards import reach_of
-from tribo.loops.integrate import Integration
+from tribo.ledger.separation import asperite_names, closest_bobs
+from tribo.ledger.sinks import Watched, levers
+from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 from tribo.validation import short_repr
 
 # Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static

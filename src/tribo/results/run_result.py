@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any, Generic, TypeVar
+from functools import cached_property, partial
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -37,15 +37,9 @@ class _ErrorEstimates(dict[str, float | None]):
         return type(self), (dict(self), self._surfaces)
 
 
-@dataclass(frozen=True, eq=False)
-class Constant(Generic[T]):
-    """A function that returns a value which is known already; it can be pickled."""
-
-    value: T
-
-    def __call__(self) -> T:
-        """The value."""
-        return self.value
+def itself(value: T) -> T:
+    """A value that is known already; a partial of it can be pickled."""
+    return value
 
 
 @dataclass(frozen=True)
@@ -178,9 +172,9 @@ class RunResult:
         """What is pickled or copied: the ledger, the cost and the state, without the runs."""
         return {
             **self.__dict__,
-            "assemble": Constant(self.ledger),
-            "add_up": Constant(self.cost),
-            "take_state": Constant(self.state()),
+            "assemble": partial(itself, self.ledger),
+            "add_up": partial(itself, self.cost),
+            "take_state": partial(itself, self.state()),
         }
 
     def oscillators(self, surface: str) -> np.ndarray:

@@ -11,8 +11,8 @@ from tribo.ensembles.dataset import COUNTS, times_of, varied_coordinates
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
+from tribo.results.averages import interval
 from tribo.results.dataset import Variable
-from tribo.results.intervals import interval
 from tribo.sweeps.grid import Axis, Grid
 from tribo.sweeps.point_sets import PointMembers, PointSet
 from tribo.validation import InputError, inside

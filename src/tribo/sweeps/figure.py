@@ -10,7 +10,7 @@ import numpy as np
 from tribo.ledger.quantities import AVERAGED
 from tribo.plotting.comparison import DASHES
 from tribo.plotting.style import WIDE, drawing_on
-from tribo.results.intervals import interval
+from tribo.results.averages import interval
 from tribo.validation import InputError, must_be_one_of
 
 if TYPE_CHECKING:

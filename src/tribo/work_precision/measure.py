@@ -15,9 +15,8 @@ import numpy as np
 from tribo import interrupts
 from tribo.accuracy.choose_method import choose
 from tribo.accuracy.comparison import check_observables, distance, excess_of_request, safety
-from tribo.accuracy.levels import setting_at
+from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
 from tribo.accuracy.scales import reported_scales
-from tribo.accuracy.tolerance_scales import FLOOR, ToleranceScales, tolerance_scales
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
