@@ -17,16 +17,7 @@ from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba import jit, njit, typeof, types
-from numba.extending import (
-    intrinsic,
-    is_jitted,
-    models,
-    overload,
-    overload_method,
-    register_model,
-    typeof_impl,
-)
+from numba import extending, jit, njit, typeof, types
 
 from tribo.compiler.jit import COUNTED, KERNEL, LINKED, OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
@@ -115,9 +106,9 @@ def recognize_class(cls: Any) -> None:
     for base in (types.NamedTuple, types.NamedUniTuple):
         _kind(cls, base)
 
-    @typeof_impl.register(cls)
+    @extending.typeof_impl.register(cls)
     def find_type(value: Any, context: Any) -> Any:
-        return plugin_type(cls, [typeof_impl(item, context) for item in value])
+        return plugin_type(cls, [extending.typeof_impl(item, context) for item in value])
 
 
 def type_of(plugin: Any) -> Any:
@@ -137,12 +128,12 @@ def like(kind: Any, number: types.Type) -> Any:
 def _kind(cls: Any, base: type) -> Any:
     """The kind of types of a class, with the methods that the class has beside its fields."""
     kind = type(f"{cls.__name__}Type", (PluginType, base), {})
-    model = models.UniTupleModel if base is types.NamedUniTuple else models.TupleModel
-    register_model(kind)(model)
+    models, uniform = extending.models, base is types.NamedUniTuple
+    extending.register_model(kind)(models.UniTupleModel if uniform else models.TupleModel)
     for name, arguments in (METHOD_ARGUMENTS | STEP_ARGUMENTS).items():
         if name not in cls._fields and callable(getattr(cls, name, None)):
             find = _finder(formula(getattr(cls, name)), arguments)
-            overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
+            extending.overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
     return kind
 
 
@@ -152,7 +143,7 @@ def constructor(cls: Any) -> Any:
     if not any(callable(getattr(cls, name, None)) for name in METHOD_ARGUMENTS):
         return cls
 
-    @intrinsic
+    @extending.intrinsic
     def build(typing_context, members):  # type: ignore[no-untyped-def]
         kinds = [types.unliteral(kind) for kind in members.types]
         kind = plugin_type(cls, kinds)
@@ -192,7 +183,7 @@ def choose(condition, x, y):
     return np.where(condition, x, y)
 
 
-@overload(choose, **OVERLOAD)
+@extending.overload(choose, **OVERLOAD)
 def _choose(condition, x, y):
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)
@@ -223,7 +214,7 @@ def formula(function: Any, callers: frozenset[Any] = frozenset()) -> Any:
             return choose
         if value is np and "where" in names:
             return _numpy
-        if is_jitted(value) and value.py_func not in callers:
+        if extending.is_jitted(value) and value.py_func not in callers:
             inner = formula(value.py_func, callers)
             return value if inner is value.py_func else jit(**value.targetoptions)(inner)
         if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):

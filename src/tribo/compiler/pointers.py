@@ -13,16 +13,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
-from numba.extending import (
-    intrinsic,
-    lower_builtin,
-    make_attribute_wrapper,
-    models,
-    overload_attribute,
-    register_model,
-    type_callable,
-)
+from numba import config, extending, types
 
 from tribo.compiler.jit import KERNEL
 from tribo.compiler.numba_private import NATIVE, cgutils
@@ -43,8 +34,8 @@ class PointerType(types.Type):
         super().__init__(name=f"Pointer({dtype}, {ndim})")
 
 
-@register_model(PointerType)
-class _Model(models.StructModel):
+@extending.register_model(PointerType)
+class _Model(extending.models.StructModel):
     def __init__(self, manager, kind) -> None:
         shape = types.UniTuple(types.intp, kind.ndim)
         super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), ("shape", shape)])
@@ -138,7 +129,7 @@ def _checked(arrays):
     return map_arrays(lambda a: a.view(CheckedArray) if type(a) is np.ndarray else a, arrays)
 
 
-pointers: Any = _checked if config.DISABLE_JIT else intrinsic(_pointers)  # type: ignore[attr-defined]
+pointers: Any = _checked if config.DISABLE_JIT else extending.intrinsic(_pointers)  # type: ignore[attr-defined]
 
 
 def _part(array: PointerType, at: Any) -> types.Type | None:
@@ -155,12 +146,12 @@ def _part(array: PointerType, at: Any) -> types.Type | None:
     return PointerType(array.dtype, left) if left else array.dtype
 
 
-@type_callable(operator.getitem)
+@extending.type_callable(operator.getitem)
 def _type_of_item(context):
     return lambda array, at: _part(array, at) if isinstance(array, PointerType) else None
 
 
-@type_callable(operator.setitem)
+@extending.type_callable(operator.setitem)
 def _type_of_setting(context):
     def find(array, at, value):
         if isinstance(array, PointerType) and _part(array, at) == array.dtype:
@@ -176,10 +167,10 @@ def _read(context, builder, kind, value):
     return array.data, cgutils.unpack_tuple(builder, array.shape)
 
 
-make_attribute_wrapper(PointerType, "shape", "shape")
+extending.make_attribute_wrapper(PointerType, "shape", "shape")
 
 
-@intrinsic
+@extending.intrinsic
 def _size(typing_context, array):
     def build(context, builder, sig, args):
         _, (size, *others) = _read(context, builder, sig.args[0], args[0])
@@ -190,7 +181,7 @@ def _size(typing_context, array):
     return types.intp(array), build
 
 
-@overload_attribute(PointerType, "size", jit_options=KERNEL)
+@extending.overload_attribute(PointerType, "size", jit_options=KERNEL)
 def _find_size(array):
     return lambda array: _size(array)
 
@@ -214,8 +205,8 @@ def _indices(builder, kind, at):
     return (kind,), [at]
 
 
-@lower_builtin(operator.getitem, PointerType, types.Integer)
-@lower_builtin(operator.getitem, PointerType, types.BaseTuple)
+@extending.lower_builtin(operator.getitem, PointerType, types.Integer)
+@extending.lower_builtin(operator.getitem, PointerType, types.BaseTuple)
 def _get(context, builder, sig, args):
     array, at = sig.args
     place, shape = _locate(context, builder, array, args[0], *_indices(builder, at, args[1]))
@@ -224,7 +215,7 @@ def _get(context, builder, sig, args):
     return context.unpack_value(builder, array.dtype, place)
 
 
-@lower_builtin(operator.getitem, PointerType, types.SliceType)
+@extending.lower_builtin(operator.getitem, PointerType, types.SliceType)
 def _slice(context, builder, sig, args):
     data, (length,) = _read(context, builder, sig.args[0], args[0])
     part = context.make_helper(builder, sig.args[1], args[1])
@@ -234,8 +225,8 @@ def _slice(context, builder, sig, args):
     return _make(context, builder, sig.return_type, place, [builder.sub(stop, part.start)])
 
 
-@lower_builtin(operator.setitem, PointerType, types.Integer, types.Any)
-@lower_builtin(operator.setitem, PointerType, types.BaseTuple, types.Any)
+@extending.lower_builtin(operator.setitem, PointerType, types.Integer, types.Any)
+@extending.lower_builtin(operator.setitem, PointerType, types.BaseTuple, types.Any)
 def _set(context, builder, sig, args):
     array, at, _ = sig.args
     place, _ = _locate(context, builder, array, args[0], *_indices(builder, at, args[1]))

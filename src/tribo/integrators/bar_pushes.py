@@ -3,14 +3,7 @@
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import (
-    column_of_constants,
-    constant,
-    coordinates,
-    directions,
-    is_fixed,
-    keeps_velocity,
-)
+from tribo.kernels.blocks import constant, coordinates, directions, is_fixed, keeps_velocity
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import place_of
@@ -30,14 +23,12 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
 
     The works are added to the accounts from `slot` on.
     """
-    a = model.constants
-    c = column_of_constants(s, i)
+    l2, mobility = constant(model, rows.L2, s, i), constant(model, rows.INVERSE_MASS, s, i)
     tx, ty = directions(model, i)
     along = tx * px + ty * py
     omega = block(v, i)
-    change = 0.0 - block(a[rows.L2], c) * along * block(a[rows.INVERSE_INERTIA], c)
-    change_x = px * block(a[rows.INVERSE_MASS], c)
-    change_y = py * block(a[rows.INVERSE_MASS], c)
+    change = 0.0 - l2 * along * constant(model, rows.INVERSE_INERTIA, s, i)
+    change_x, change_y = px * mobility, py * mobility
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
     set_block(v, i, omega + change)
@@ -52,10 +43,10 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     pivot = pivot_lengths(model.pivots, s, i)
     add_block(accounts, k, px)
     add_block(accounts, k + stride, py)
-    add_block(accounts, k + 2 * stride, 0.0 - (block(a[rows.L2], c) + pivot) * swept)
+    add_block(accounts, k + 2 * stride, 0.0 - (l2 + pivot) * swept)
     add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
     if is_fixed(model.fixed, s):
-        x, y = impulse_on_end(model, s, i, 0.0 - block(a[rows.L2], c) * along)
+        x, y = impulse_on_end(model, s, i, 0.0 - l2 * along)
         k = place_of(s, s.acc_ends + 2 * stride, i)
         add_block(accounts, k, x)
         add_block(accounts, k + stride, y)

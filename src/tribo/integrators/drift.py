@@ -14,13 +14,7 @@ from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import (
-    column_of_constants,
-    constant,
-    coordinates,
-    is_fixed,
-    keeps_velocity,
-)
+from tribo.kernels.blocks import constant, coordinates, is_fixed, keeps_velocity
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import lever_of_bar, pivot_lengths
@@ -74,11 +68,9 @@ def settle_end_works(model, q, accounts, arcs):
 @kernel
 def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
-    a = model.constants
-    c = column_of_constants(s, i)
-    stiffness = block(a[rows.KAPPA], c)
-    inverse_length = block(a[rows.INVERSE_BAR_LENGTH], c)
-    nu = block(a[rows.NU_START], c)
+    stiffness, frequency = constant(model, rows.KAPPA, s, i), constant(model, rows.FREQUENCY, s, i)
+    inverse_length = constant(model, rows.INVERSE_BAR_LENGTH, s, i)
+    start, nu = constant(model, rows.PHI_START, s, i), constant(model, rows.NU_START, s, i)
     stride = s.account_stride
     k = place_of(s, s.acc_ends, i)
     turning = 0.5 * nu * impulse
@@ -86,11 +78,11 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     add_block(accounts, k + stride, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
-        turn = rotation(block(a[rows.FREQUENCY], c), NODES[m] * tau)
+        turn = rotation(frequency, NODES[m] * tau)
         change, change_of_rate = changes(twist, rate, turn)
         now = twist + change
         now_rate = rate + change_of_rate
-        phi = block(a[rows.PHI_START], c) + nu * (t + NODES[m] * tau)
+        phi = start + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, inverse_length, sin, cos)
         sin, cos = sine_cosine(now + phi)

@@ -11,6 +11,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
+from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.blocks import (
     all_coordinates,
     column_of,
@@ -23,12 +24,6 @@ from tribo.kernels.blocks import (
     set_coordinates,
     set_vectors,
     vectors,
-)
-from tribo.kernels.equations_of_motion import (
-    accelerate,
-    accelerations,
-    drive_forces,
-    drive_of_block,
 )
 from tribo.kernels.powers import Powers, powers_of_block, shared_powers
 from tribo.kernels.user_forces import custom_forces
@@ -46,10 +41,10 @@ def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
     These are found by iteration from the velocities before the kick.
     """
     if drives is not None or ends is not None:
-        drive_forces(model, active, t, q)
+        equations.drive_forces(model, active, t, q)
         custom_forces(model, t, q, v)
         for _ in range(ITERATIONS):
-            accelerate(model, 0.0, t, q, work.acceleration)
+            equations.accelerate(model, 0.0, t, q, work.acceleration)
             for m in range(model.core):
                 work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
             custom_forces(model, t, q, work.middle)
@@ -107,7 +102,7 @@ def drive_in_kick(model, drives, s, i, t, q):
     """
     if drives is not None:
         return vectors(model.drive, i)
-    x, y = drive_of_block(model, s, i, t, q)
+    x, y = equations.drive_of_block(model, s, i, t, q)
     if s.acc_drive >= 0 or s.acc_block >= 0 or is_fixed(model.fixed, s):
         set_vectors(model.drive, i, x, y)
     return x, y
@@ -176,7 +171,7 @@ def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     for n in range(begin, end):
         i = column_of(active, n)
         drive = drive_in_kick(model, model.drives, s, i, t, q)
-        acceleration = accelerations(model, s, i, 0.0, t, q, drive)
+        acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
         if twice is None:
             kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
         else:

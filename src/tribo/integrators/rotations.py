@@ -6,13 +6,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, room, set_block
-from tribo.kernels.blocks import (
-    column_of,
-    column_of_constants,
-    first_block,
-    last_block,
-    selected_at,
-)
+from tribo.kernels import blocks
 from tribo.kernels.records import FREQUENCY
 
 
@@ -59,7 +53,7 @@ def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
     frequencies = model.constants[FREQUENCY]
     last = frequencies.size
-    selected = selected_at(active)
+    selected = blocks.selected_at(active)
     if rotations[0, last] == tau and rotations[0, last + 1] == selected:
         return
     rotations[0, last] = tau
@@ -69,8 +63,8 @@ def set_active_rotations(model, active, tau, rotations):
         if s.constants_mask == 0:
             set_rotation(frequencies, s.first_constants, tau, rotations)
         else:
-            for n in range(first_block(active, s, k), last_block(active, s, k)):
-                i = column_of_constants(s, column_of(active, n))
+            for n in range(blocks.first_block(active, s, k), blocks.last_block(active, s, k)):
+                i = blocks.column_of_constants(s, blocks.column_of(active, n))
                 set_rotation(frequencies, i, tau, rotations)
 
 

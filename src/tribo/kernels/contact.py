@@ -29,15 +29,7 @@ from tribo.compiler.lanes import (
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import potential_of
 from tribo.compiler.python_callback import call_at
-from tribo.kernels.blocks import (
-    active_of,
-    column_of,
-    columns_at,
-    first_block,
-    first_column,
-    last_block,
-    stride_of,
-)
+from tribo.kernels import blocks
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
@@ -201,9 +193,9 @@ def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
     """
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
-    active = active_of(neighbours)
+    active = blocks.active_of(neighbours)
     for n in range(begin, end):
-        first = column_of(active, n)
+        first = blocks.column_of(active, n)
         # Numbers that are stored one by one delay the next load of the block.
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
@@ -225,8 +217,8 @@ def add_contact(model, members, contact, fx, fy, neighbours):
             continue
         own = contact.pairs[k, 0]
         one = model.surfaces[own]
-        active = active_of(neighbours)
-        begin, end = first_block(active, one, own), last_block(active, one, own)
+        active = blocks.active_of(neighbours)
+        begin, end = blocks.first_block(active, one, own), blocks.last_block(active, one, own)
         add_rows(model, contact, k, begin, end, fx, fy, fx, fy, neighbours)
 
 
@@ -313,12 +305,12 @@ def pair_energy(model, contact, k, neighbours, lane):
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(first_column(one, lane), one.end, stride_of(lane)):
+    for i in range(blocks.first_column(one, lane), one.end, blocks.stride_of(lane)):
         partners = partner_species(model.species, contact.species, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
         for n in range(first, last):
-            low, high = columns_at(block_of(neighbours, is_listed, n), lane)
+            low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
             for j in range(max(start, low), min(high, other.end)):
                 if not is_partner(model.species, partners, j):
                     continue

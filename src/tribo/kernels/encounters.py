@@ -10,14 +10,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import between_lanes, broadcast, maximum
 from tribo.compiler.lanes_memory import block
 from tribo.compiler.numbers_in_lanes import potential_of
-from tribo.kernels.blocks import (
-    column_of,
-    columns_at,
-    first_block,
-    first_column,
-    last_block,
-    stride_of,
-)
+from tribo.kernels import blocks
 from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
 from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE
@@ -58,7 +51,7 @@ def thermal_energy(model, friction, swing_friction, lane):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.gamma + s.swing_gamma > 0.0:
-            energy = max(energy, temperature_of(model.own, s, first_column(s, lane)))
+            energy = max(energy, temperature_of(model.own, s, blocks.first_column(s, lane)))
     return energy
 
 
@@ -83,12 +76,12 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(first_column(one, lane), one.end, stride_of(lane)):
+        for i in range(blocks.first_column(one, lane), one.end, blocks.stride_of(lane)):
             partners = partner_species(model.species, contact.species, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             for n in range(first, last):
-                low, high = columns_at(block_of(neighbours, is_listed, n), lane)
+                low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
                 for j in range(max(start, low), min(high, other.end)):
                     if not is_partner(model.species, partners, j):
                         continue
@@ -177,8 +170,8 @@ def closing_speed(model, active, pair, speeds):
     for m in range(2):
         k = pair[m]
         s = model.surfaces[k]
-        for place in range(first_block(active, s, k), last_block(active, s, k)):
-            i = column_of(active, place)
+        for place in range(blocks.first_block(active, s, k), blocks.last_block(active, s, k)):
+            i = blocks.column_of(active, place)
             n = s.end - i
             x = block(speeds[0], i)
             y = block(speeds[1], i)
