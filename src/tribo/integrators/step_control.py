@@ -48,7 +48,8 @@ class Tolerance(NamedTuple):
 
 def stricter(tolerance: Tolerance, factor: float) -> Tolerance:
     """All of a tolerance times a factor below 1."""
-    return Tolerance(*(factor * each for each in tolerance))
+    y, s, level, fraction = tolerance
+    return Tolerance(factor * y, factor * s, factor * level, factor * fraction)
 
 
 @kernel
