@@ -1,7 +1,5 @@
 """The method and its accuracy or step, as asked for or by the model of costs."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 

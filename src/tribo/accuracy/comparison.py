@@ -7,8 +7,6 @@ tolerance nor the closure of the ledger serves as an estimate: each of these can
 of magnitude.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 

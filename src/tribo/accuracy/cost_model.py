@@ -13,8 +13,6 @@ of them.  Methods that advance oscillators exactly are stable, but their errors 
 until steps are that short.  Encounters ahead are those of bobs that keep their initial velocity.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

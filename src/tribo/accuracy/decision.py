@@ -4,8 +4,6 @@ A round compares a fine run with two coarse ones.  The functions here see its nu
 nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum

@@ -5,8 +5,6 @@ most a fraction of the way to the nearest bob, so the steps are about the integr
 speed / clearance over time.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.accuracy.levels import NEAR

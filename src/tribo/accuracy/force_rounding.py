@@ -7,8 +7,6 @@ than it is lost in all of them.  The bar is an oscillator on its springs: the fo
 direction for at most the inverse of its frequency.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 Tolerances are made from scales of energy, rate and accounts.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ in another frame.  Where the terms nearly cancel, their rounding is most of the 
 the same in all runs that are compared.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The scales that errors are relative to, and the local tolerances made from them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -6,8 +6,6 @@ difference meets the request, when finer settings gain nothing, or when the scen
 round-off beyond the request.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The contacts of a scene at given positions of its bobs, through the kernels that runs use."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.compiler.lanes_memory import with_spare_lanes

@@ -1,7 +1,5 @@
 """Bobs that start deep in the repulsive core of a potential."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.kernels.records import CHARGE, Contact

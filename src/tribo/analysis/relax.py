@@ -7,8 +7,6 @@ derivative of u''.  Short dtau follow the forces downhill; dtau grows on the way
 are Newton's.  C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, gmres
 

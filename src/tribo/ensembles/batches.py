@@ -1,7 +1,5 @@
 """How members of a scene are run: each as a run of its own, or many by one compiled loop."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from abc import ABC, abstractmethod

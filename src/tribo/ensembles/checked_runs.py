@@ -11,8 +11,6 @@ their own, which their evaluations do not show.  They are run at a level below t
 compared with rougher runs at that.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Engines that compute the parts of an ensemble: threads, executors, and clients of Dask."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice

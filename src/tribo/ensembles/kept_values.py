@@ -1,7 +1,5 @@
 """Kept quantities of many members: what they are, and their values."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

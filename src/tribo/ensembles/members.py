@@ -6,8 +6,6 @@ So neither the number of members nor the order of their runs changes any.
 The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_seq.
 """
 
-from __future__ import annotations
-
 import copy
 import hashlib
 from collections.abc import Mapping

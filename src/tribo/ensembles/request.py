@@ -1,7 +1,5 @@
 """What is asked of each member: the quantities that are kept, and how its scene is run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple

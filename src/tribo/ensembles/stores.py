@@ -1,7 +1,5 @@
 """Where the members of an ensemble go while they are computed: memory, and a file of frames."""
 
-from __future__ import annotations
-
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator

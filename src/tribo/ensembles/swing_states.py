@@ -7,8 +7,6 @@ pendulums has N energies and N phases.  The phases are uniform; the energies are
 ensemble, from numbers that are uniform between 0 and 1.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Contacts between bobs, as kernels read them: species, calculators and neighbour lists."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.compiler.lanes import LANES

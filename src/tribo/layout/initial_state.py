@@ -1,7 +1,5 @@
 """Initial states of a layout, with some initial values changed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A scene laid out for eight members of an ensemble: the lanes of a block are one of each."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

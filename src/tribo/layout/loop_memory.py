@@ -3,8 +3,6 @@
 A layout is only read, so that several threads can run it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

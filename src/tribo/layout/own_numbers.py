@@ -1,7 +1,5 @@
 """The numbers in which members of an ensemble may differ, and these from the values of keys."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 

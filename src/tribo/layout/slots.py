@@ -5,8 +5,6 @@ asperites, so what a surface has of one kind begins at a multiple of the size of
 last block is filled.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The asperites of each surface as a ledger reads them, span by span."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 

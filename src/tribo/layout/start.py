@@ -1,7 +1,5 @@
 """Coordinates and velocities at the start of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The tables of the kernels: a row for each quantity, a column for each asperite."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.compiler.lanes import LANES

@@ -1,7 +1,5 @@
 """How many threads share the work of one run, and how it is divided among them."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections.abc import Callable, Iterator

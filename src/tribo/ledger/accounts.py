@@ -4,8 +4,6 @@ Kernels integrate in the frame of each surface's initial velocity V; in the labo
 work = (about the centre of mass) + V . J + (pseudowork in that frame).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial

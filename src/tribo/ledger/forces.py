@@ -4,8 +4,6 @@ The kernels compute them again in each sampled state.  A force that has white no
 one time; its series is the mean over the interval that ends at the sample, from its impulse.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple

@@ -6,8 +6,6 @@ than every bob of a surface below it has passed the rods there too.  Only bars t
 can: those with a load, a drive of the user's own, or uncancelled forces.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN

@@ -1,7 +1,5 @@
 """The reported quantities: the kind, the units, the meaning and the formula of each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache

@@ -6,8 +6,6 @@ distance at which its energy is a fraction of the energies that it competes with
 states no distance beyond which it is weak has no such distance, as that of Coulomb.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple

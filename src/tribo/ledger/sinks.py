@@ -3,8 +3,6 @@
 Also what notes need of all samples of a run, which a streamed run collects from its portions.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import NamedTuple, Self

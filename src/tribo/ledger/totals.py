@@ -1,7 +1,5 @@
 """Surfaces and the system, from sums over asperites.  Arrays are (times,) unless stated."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Many runs of one scene of two asperites: one after another, or in the lanes of registers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

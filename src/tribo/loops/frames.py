@@ -7,8 +7,6 @@ or is damaged, ends the file: what follows is computed again.  A frame may repla
 the same name; the file is written again without those, once they take more room than the others.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -1,7 +1,5 @@
 """The time loops of any scene, with the state of their run."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Iterator

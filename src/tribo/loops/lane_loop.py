@@ -1,7 +1,5 @@
 """Members of an ensemble, eight side by side in the lanes of registers."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The frequencies that steps have to resolve."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

@@ -1,7 +1,5 @@
 """The compiled time loops for one layout and one method: of single runs, and of members."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

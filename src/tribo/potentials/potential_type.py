@@ -1,7 +1,5 @@
 """The type of potentials: fields from annotations, and methods that follow from others."""
 
-from __future__ import annotations
-
 import inspect
 from collections import namedtuple
 from collections.abc import Callable, Mapping

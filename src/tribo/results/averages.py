@@ -23,8 +23,6 @@ stops too often where the variance happens to be small.
 C. Stein, Ann. Math. Stat. 16 (1945) 243.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The papers behind a result: of the model, the method, the potentials, and the effects."""
 
-from __future__ import annotations
-
 import inspect
 import re
 

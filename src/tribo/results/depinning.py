@@ -1,7 +1,5 @@
 """The force at which a pulled or pushed surface starts to slide."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -13,8 +13,6 @@ the criterion, and without the part beyond the largest value, 0.2 to 0.8 of the 
 contained it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Averages over time of the forces on a surface: friction, and the force of its drive."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tribo.kernels.status import Status

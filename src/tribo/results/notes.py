@@ -1,7 +1,5 @@
 """What a reader of a result should know about its scene and its method."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """Results for readers: a summary, a table in a notebook, and a CSV file."""
 
-from __future__ import annotations
-
 import csv
 import html as markup
 import io

@@ -1,7 +1,5 @@
 """The data of a run: time series, the end, error estimates and cost."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

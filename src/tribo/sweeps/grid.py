@@ -1,7 +1,5 @@
 """The points of a sweep: every combination of the values of some keys."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, SupportsIndex

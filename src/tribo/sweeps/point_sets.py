@@ -5,8 +5,6 @@ All else, as words, durations, or an automatic step's stiffness, takes a scene a
 value, and these are run one after another, or by an engine at the same time.
 """
 
-from __future__ import annotations
-
 import pickle
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
