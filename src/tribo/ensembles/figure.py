@@ -31,10 +31,6 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
         ``at="samples"``, as "upper.friction_force".
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
     if name not in known:

@@ -56,10 +56,6 @@ def commensurate_rows(
     upper, lower : dict, optional
         Settings of :class:`tribo.Surface` that replace those of the row.
 
-    Returns
-    -------
-    upper, lower : Surface
-
     Raises
     ------
     InputError
@@ -89,10 +85,6 @@ def incommensurate_rows(
         As for :func:`commensurate_rows`; `spacing` is that of the upper row.
     ratio : float
         Upper spacing over lower spacing, by default the golden mean: the lower row is denser.
-
-    Returns
-    -------
-    upper, lower : Surface
     """
     n, spacing = integer("n", n, 1), number("spacing", spacing, POSITIVE, "length")
     below = spacing / number("ratio", ratio, POSITIVE)

@@ -207,10 +207,6 @@ def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:
         Mass M of the bar [mass].
     frequency : float
         Angular frequency w0 of the bar on its spring [rad / time]; 0 for a free bar.
-
-    Returns
-    -------
-    float
     """
     mass, frequency, _ = _checked(mass, frequency, np.zeros(1))
     friction = spectrum.gamma / (mass * spectrum.cutoff)

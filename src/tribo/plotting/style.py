@@ -31,10 +31,6 @@ def style() -> AbstractContextManager[None]:
     """Apply tribo's fonts and lines while the context lasts.
 
     Functions that make their own Axes, and `save`, apply it themselves.
-
-    Returns
-    -------
-    context manager
     """
     from matplotlib import rc_context
 

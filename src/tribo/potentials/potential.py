@@ -120,10 +120,6 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         switch_from : float, optional
             Distance from which a switched potential is reduced [length]; 0.9 cutoff if None.
 
-        Returns
-        -------
-        Switched, ForceShifted, Shifted or Truncated
-
         Raises
         ------
         InputError

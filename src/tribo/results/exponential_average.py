@@ -80,10 +80,6 @@ def exponential_average(work: ArrayLike, temperature: float) -> ExponentialAvera
         Temperature T [energy], with k_B = 1.  For surfaces at different temperatures, take the sum
         of their gains over their temperatures as `work`, and 1 here.
 
-    Returns
-    -------
-    ExponentialAverage
-
     Raises
     ------
     InputError

@@ -49,10 +49,6 @@ def sweep_lines(
         The key on the horizontal axis; by default the first.
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     keys = keys_of(data)
     known = quantities(data)
