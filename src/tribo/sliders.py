@@ -174,11 +174,6 @@ def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:
         Key -> range (low, high), or a list of values: ``{"upper.velocity": (0.1, 2.0)}`` or
         ``{"upper.drive": ["forced", "free"]}``.
 
-    Returns
-    -------
-    anywidget.AnyWidget
-        A widget that a notebook shows.
-
     Raises
     ------
     InputError

@@ -10,17 +10,7 @@ from tribo.accuracy.cost_model import estimates
 from tribo.integrators import methods
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
-from tribo.loops.resolution import (
-    corrugation_frequency,
-    first_step,
-    longest_damped_step,
-    longest_kick,
-    longest_step,
-    pendulum_frequency,
-    spring_frequency,
-    turn_of_step,
-    user_frequency,
-)
+from tribo.loops import resolution
 from tribo.model.settings import check_accuracy
 from tribo.validation import POSITIVE, InputError, number
 
@@ -95,7 +85,7 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
     """
     step = number("step", step, POSITIVE)
     if method.splits:
-        check_damped_step(longest_damped_step(layout), step)
+        check_damped_step(resolution.longest_damped_step(layout), step)
         check_resolved(layout, method, step)
     return step
 
@@ -110,11 +100,14 @@ def check_resolved(
     if layout.scene.numerics.allow_unresolved:
         return
     for what, frequency in (
-        ("the fastest pendulum", pendulum_frequency(layout, members)),
-        ("the stiffest spring between bars or to a stage", spring_frequency(layout, members)),
+        ("the fastest pendulum", resolution.pendulum_frequency(layout, members)),
+        (
+            "the stiffest spring between bars or to a stage",
+            resolution.spring_frequency(layout, members),
+        ),
     ):
-        if turn_of_step(layout, method, step, frequency) > MOST_PHASE:
-            most = MOST_PHASE / (frequency * longest_kick(method))
+        if resolution.turn_of_step(layout, method, step, frequency) > MOST_PHASE:
+            most = MOST_PHASE / (frequency * resolution.longest_kick(method))
             raise InputError(
                 "step",
                 f"must be at most {most:.3g} for {method.name}, got {step:g}: a longer one does "
@@ -143,11 +136,17 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     method = methods.METHODS["verlet"]
     if step is not None:
         return Choice(method, None, _checked_step(layout, method, step))
-    step = NOISY_STEP * first_step(layout)
-    fastest = max(spring_frequency(layout), corrugation_frequency(layout), user_frequency(layout))
-    step = min(step, longest_damped_step(layout))
+    step = NOISY_STEP * resolution.first_step(layout)
+    fastest = max(
+        resolution.spring_frequency(layout),
+        resolution.corrugation_frequency(layout),
+        resolution.user_frequency(layout),
+    )
+    step = min(step, resolution.longest_damped_step(layout))
     step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
-    return Choice(method, None, longest_step(layout, step), automatic=True)  # as it is taken
+    return Choice(
+        method, None, resolution.longest_step(layout, step), automatic=True
+    )  # as it is taken
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

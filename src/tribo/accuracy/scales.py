@@ -8,29 +8,23 @@ import numpy as np
 
 from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
+from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.motion import internal_energies, swing_direction
-from tribo.ledger.quantities import (
-    ASPERITE_QUANTITIES,
-    BLOCK_QUANTITIES,
-    OPTIONAL_QUANTITIES,
-    QUANTITIES,
-    SYSTEM_QUANTITIES,
-)
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
 # The kind of every reported quantity, which selects its scale; energies of a surface as a whole and
 # of the system have one of their own.
-KINDS = {name: quantity.kind for name, quantity in QUANTITIES.items()}
-KINDS |= dict.fromkeys(BLOCK_QUANTITIES | SYSTEM_QUANTITIES, "total")
+KINDS = {name: quantity.kind for name, quantity in quantities.QUANTITIES.items()}
+KINDS |= dict.fromkeys(quantities.BLOCK_QUANTITIES | quantities.SYSTEM_QUANTITIES, "total")
 # Energies by which no others are measured: that of contacts has an arbitrary origin, those of
 # swings are no changes, and the work against friction is a part of other works.
 NOT_MEASURED = ("contact_energy", "swing_energy", "friction_work")
 # The quantities of asperites by which rates and energies are measured.
 ENERGIES = tuple(
     name
-    for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
+    for name, quantity in (quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES).items()
     if quantity.kind == "energy" and name not in NOT_MEASURED
 )
 # The works and pseudoworks among them.

@@ -11,18 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tribo.accuracy import decision, levels
-from tribo.accuracy.comparison import (
-    ABORTED,
-    Accuracy,
-    Errors,
-    error_bounds,
-    growth,
-    measure_amplification,
-    observables,
-    out_of_reach,
-    strictest,
-)
+from tribo.accuracy import comparison, decision, levels
 from tribo.accuracy.decision import LONG_RUN, Limits, Round, Stop
 from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.scales import EPSILON
@@ -69,12 +58,12 @@ class FoundSettings:
     seconds: float  # wall time of the search
     costly: bool  # whether a further round would have cost too much
     stopped: Status | None  # of runs with finer settings, if these stopped
-    errors: Errors | None  # of the run to deliver; None if it was compared with no other
+    errors: comparison.Errors | None  # of the run to deliver; None if it was compared with no other
 
 
 def find_settings(
     integrator: Integrator,
-    accuracy: Accuracy,
+    accuracy: comparison.Accuracy,
     stops: StopTimes,
     announce: Announce | None = None,
 ) -> FoundSettings:
@@ -84,7 +73,7 @@ def find_settings(
     out of reach and its runs would be long, or if equal steps would be too many.
     """
     search, method = _Search(integrator, accuracy, stops, announce), integrator.method
-    level = FIRST * method.first_level * strictest(accuracy)
+    level = FIRST * method.first_level * comparison.strictest(accuracy)
     level = min(
         max(level, levels.finest_level(method)), levels.coarsest_level(integrator.layout, method)
     )
@@ -102,12 +91,12 @@ class _Search:
     def __init__(
         self,
         integrator: Integrator,
-        accuracy: Accuracy,
+        accuracy: comparison.Accuracy,
         stops: StopTimes,
         announce: Announce | None,
     ) -> None:
         self.layout, self.method, self.stops = integrator.layout, integrator.method, stops
-        self.accuracy, self.wanted = accuracy, strictest(accuracy)
+        self.accuracy, self.wanted = accuracy, comparison.strictest(accuracy)
         self.count = SearchRuns(integrator, announce)
         self.runs: list[Integration] = []
         self.scales = first_guess(self.layout)
@@ -140,7 +129,7 @@ class _Search:
             return level
         setting, pilot, self.scales = self.count.pilot(self.stops.few)
         self.runs.append(pilot)
-        if pilot.status in ABORTED:
+        if pilot.status in comparison.ABORTED:
             self.rounds.append(Round(level, coarse=setting, fine=setting, runs=[pilot]))
             return None
         if pilot.status != Status.COMPLETED:
@@ -161,11 +150,11 @@ class _Search:
 
     def _too_far(self, amplification: float, longer: float) -> str:
         """Why a long run is refused, and what to do."""
-        why = out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
+        why = comparison.out_of_reach(self.wanted, amplification).removeprefix("accuracy ")
         if amplification * EPSILON <= self.wanted:
             why = (
                 f"{self.wanted:.1e} would take about {longer:.0f} times the evaluations of a run "
-                f"without growing errors: {growth(amplification)}"
+                f"without growing errors: {comparison.growth(amplification)}"
             )
         return (
             f"{why}; name the observables that matter, or give a method and a step; tribo.ensemble "
@@ -261,15 +250,17 @@ class _Search:
     def _measure(self, setting: Setting, run: Integration) -> None:
         """Measure the amplification by a run, unless it is known."""
         if self.amplification is None:
-            names = observables(self.accuracy)
-            self.amplification = measure_amplification(
+            names = comparison.observables(self.accuracy)
+            self.amplification = comparison.measure_amplification(
                 self.layout, self.count.attempt, setting, run, names
             )
 
     def _excess(self, last: Round) -> float:
         """The largest estimate of the fine run relative to the request."""
         *coarser, fine = last.runs
-        last.errors = error_bounds(self.layout, fine, coarser, self.amplification, self.accuracy)
+        last.errors = comparison.error_bounds(
+            self.layout, fine, coarser, self.amplification, self.accuracy
+        )
         return last.errors.excess
 
 

@@ -8,15 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.accuracy import levels
 from tribo.accuracy.cost_model import evaluation_time, rate_of
-from tribo.accuracy.levels import (
-    ToleranceScales,
-    equal_step,
-    fine_level,
-    first_guess,
-    setting_at,
-    tolerance_scales,
-)
 from tribo.kernels.status import Status
 from tribo.loops.integrate import Integration, Setting, most_evaluations
 from tribo.loops.select import Integrator
@@ -100,7 +93,7 @@ class SearchRuns:
         self._left: float | None = None  # seconds of those, until they are announced
         self.plan(self.method.adaptive + 1 + COARSE_RUNS)
 
-    def pilot(self, times: np.ndarray) -> tuple[Setting, Integration, ToleranceScales]:
+    def pilot(self, times: np.ndarray) -> tuple[Setting, Integration, levels.ToleranceScales]:
         """A run whose tolerances resolve the energies and rates that it finds.
 
         Returns its setting, the run, and the scales that it finds.
@@ -108,11 +101,11 @@ class SearchRuns:
         Those below the tolerances of a run are its errors, such as oscillations of a stiff pendulum
         that feels no force yet; the next run has tolerances relative to them.
         """
-        scales = first_guess(self.layout)
+        scales = levels.first_guess(self.layout)
         for _ in range(PILOTS):
-            setting = setting_at(self.layout, self.method, scales, PILOT_LEVEL)
+            setting = levels.setting_at(self.layout, self.method, scales, PILOT_LEVEL)
             run = self.attempt(setting, times)
-            found = tolerance_scales(self.layout, run.samples)
+            found = levels.tolerance_scales(self.layout, run.samples)
             resolved = min(found.energy / scales.energy, found.rate / scales.rate) >= PILOT_LEVEL
             if run.status != Status.COMPLETED or resolved:
                 break
@@ -166,12 +159,12 @@ class SearchRuns:
     def _seconds(self, level: float, last: Integration | None) -> float:
         """What a round at a level should take."""
         layout, method = self.layout, self.method
-        rate, finer = rate_of(layout, method), fine_level(method) * level
+        rate, finer = rate_of(layout, method), levels.fine_level(method) * level
         before, evaluations = self.known
         coarse = (before / level) ** (1.0 / rate.slope) * evaluations
         each = 1e-9 * evaluation_time(layout, method)
         if not method.adaptive:
-            coarse = layout.scene.duration / equal_step(layout, method, level) * rate.step
+            coarse = layout.scene.duration / levels.equal_step(layout, method, level) * rate.step
         elif last is not None and last.evaluations > 0:
             each = last.seconds / last.evaluations
         fine = (level / finer) ** (1.0 / rate.slope) * coarse

@@ -11,18 +11,9 @@ import numpy as np
 
 from tribo import interrupts
 from tribo.accuracy.scales import TOTALS
+from tribo.ensembles import kept_values
 from tribo.ensembles.batches import SingleRuns
 from tribo.ensembles.dataset import common_attributes, members_dataset, settings_attributes
-from tribo.ensembles.kept_values import (
-    ERROR,
-    MISSED,
-    Kept,
-    KeptValues,
-    completed,
-    joined,
-    sum_names,
-    total_names,
-)
 from tribo.ensembles.runner import Runs, policy_of
 from tribo.ensembles.stores import MemberStore
 from tribo.kernels.status import MEANINGS, Status
@@ -56,14 +47,14 @@ def mean_dataset(
         found, interrupted = _up_to(runs, store, most)
     else:
         found, interrupted = _up_to(runs, store, max(store.done, min(FIRST_STAGE, most)))
-        first_stage = int(np.count_nonzero(completed(found)[:FIRST_STAGE]))
+        first_stage = int(np.count_nonzero(kept_values.completed(found)[:FIRST_STAGE]))
         if not interrupted:
             needed = _needed(runs.policy.kept, found, half_width, most)
-        missing = int(needed - np.count_nonzero(completed(found)))
+        missing = int(needed - np.count_nonzero(kept_values.completed(found)))
         while not interrupted and missing > 0 and store.done < most:
             found, interrupted = _up_to(runs, store, min(store.done + missing, most))
-            missing = int(needed - np.count_nonzero(completed(found)))
-    numbers = np.flatnonzero(completed(found))[:FIRST_STAGE]
+            missing = int(needed - np.count_nonzero(kept_values.completed(found)))
+    numbers = np.flatnonzero(kept_values.completed(found))[:FIRST_STAGE]
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)
     scene = runs.policy.simulation.scene
@@ -76,11 +67,11 @@ def mean_dataset(
     return means.added_to(members_dataset(runs.policy, members, found, attributes))
 
 
-def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[KeptValues, bool]:
+def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[kept_values.KeptValues, bool]:
     """So many members, of which those that the store does not have are run, or fewer."""
     interrupted = runs.fill(store, count)
     found = store.values()
-    complete = np.count_nonzero(completed(found))
+    complete = np.count_nonzero(kept_values.completed(found))
     if complete < 2:
         if interrupted:
             raise KeyboardInterrupt
@@ -91,7 +82,7 @@ def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[KeptValues, bool
     return found, interrupted
 
 
-def _again(runs: Runs, numbers: np.ndarray) -> KeptValues | None:
+def _again(runs: Runs, numbers: np.ndarray) -> kept_values.KeptValues | None:
     """Members with half the step, or with error estimates of single runs; None if interrupted."""
     policy, simulation = runs.policy, runs.policy.simulation
     try:
@@ -101,7 +92,7 @@ def _again(runs: Runs, numbers: np.ndarray) -> KeptValues | None:
         else:
             kept = replace(policy.kept, with_errors=True)
             again = SingleRuns(simulation, kept, policy.own_numbers)
-        return joined(list(runs._replace(policy=again).chunks(numbers)))
+        return kept_values.joined(list(runs._replace(policy=again).chunks(numbers)))
     except KeyboardInterrupt:
         interrupts.answer()
         return None
@@ -112,7 +103,7 @@ def checked_half_width(scene: Scene, half_width: object) -> dict[str, float]:
     if not isinstance(half_width, Mapping) or not half_width:
         wanted = 'must map quantities, as {"upper.W": 1e-2}'
         raise InputError("half_width", f"{wanted}, got {short_repr(half_width)}")
-    known = total_names(scene) + sum_names(scene)
+    known = kept_values.total_names(scene) + kept_values.sum_names(scene)
     for name in half_width:
         if name not in known:
             raise must_be_one_of("half_width", known, name)
@@ -120,7 +111,7 @@ def checked_half_width(scene: Scene, half_width: object) -> dict[str, float]:
         return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
 
 
-def check_series(kept: Kept, half_width: Mapping[str, float]) -> None:
+def check_series(kept: kept_values.Kept, half_width: Mapping[str, float]) -> None:
     """Refuse quantities whose series members do not keep.  Raises InputError."""
     for name in half_width:
         if name not in kept.names:
@@ -130,9 +121,11 @@ def check_series(kept: Kept, half_width: Mapping[str, float]) -> None:
             )
 
 
-def _needed(kept: Kept, found: KeptValues, half_width: dict[str, float], most: int) -> float:
+def _needed(
+    kept: kept_values.Kept, found: kept_values.KeptValues, half_width: dict[str, float], most: int
+) -> float:
     """The members that Stein's rule requires, by the spread of the first.  Raises InputError."""
-    first = np.flatnonzero(completed(found)[:FIRST_STAGE])
+    first = np.flatnonzero(kept_values.completed(found)[:FIRST_STAGE])
     totals = [name for name in kept.names if name.rpartition(".")[2] in TOTALS]
     scale = max(float(np.abs(found[name][first]).max()) for name in totals)
     needed = {
@@ -154,20 +147,20 @@ class _Means:
     """The means of members, and how far they depend on the settings of the runs."""
 
     runs: Runs
-    found: KeptValues
+    found: kept_values.KeptValues
     numbers: np.ndarray  # of the members of `check`
-    check: KeptValues | None  # with other settings
+    check: kept_values.KeptValues | None  # with other settings
     first_stage: int | None
     needed: float  # complete members
 
     def added_to(self, data: xarray.Dataset) -> xarray.Dataset:
         """The data set of the members with their means."""
-        summed = sum_names(self.runs.policy.simulation.scene)
+        summed = kept_values.sum_names(self.runs.policy.simulation.scene)
         added: dict[str, Variable] = {}
         for name in self.runs.policy.kept.names:
             quantity = EVERY_QUANTITY[name.rpartition(".")[2]]
             meaning = quantity.long_name + ", summed over asperites" * (name in summed)
-            mean = interval(self.found[name][completed(self.found)], self.first_stage)
+            mean = interval(self.found[name][kept_values.completed(self.found)], self.first_stage)
             values = {"_mean": (mean.mean, "mean of: ")}
             values["_half_width"] = mean.half_width, f"{HALF_WIDTH}mean of: "
             data[name].attrs["long_name"] = meaning
@@ -182,23 +175,23 @@ class _Means:
             return {}
         off = self.found[name][self.numbers] - self.check[name]
         if self.runs.policy.simulation.accuracy is not None:
-            bounds = np.abs(off).max(axis=1) + self.check[f"{name}{ERROR}"]
+            bounds = np.abs(off).max(axis=1) + self.check[f"{name}{kept_values.ERROR}"]
             known, of = bounds[np.isfinite(bounds)], "bound on the error of a member's: "
-            return {ERROR: (known.max(), of)} if known.size else {}
+            return {kept_values.ERROR: (known.max(), of)} if known.size else {}
         if self._checked < 2:
             return {}
-        bias, of = interval(off[completed(self.check)]), "bias of the step in: "
+        bias, of = interval(off[kept_values.completed(self.check)]), "bias of the step in: "
         return {"_bias": (bias.mean, of), "_bias_half_width": (bias.half_width, HALF_WIDTH + of)}
 
     @property
     def _checked(self) -> int:
         """The members that reached their end with other settings."""
-        return 0 if self.check is None else int(np.count_nonzero(completed(self.check)))
+        return 0 if self.check is None else int(np.count_nonzero(kept_values.completed(self.check)))
 
     def notes(self) -> Iterator[str]:
         """Limitations of the means."""
         simulation, status = self.runs.policy.simulation, self.found["status"]
-        complete, note = completed(self.found), self.found["note"]
+        complete, note = kept_values.completed(self.found), self.found["note"]
         number, total = int(np.count_nonzero(complete)), complete.size
         step = simulation.plan.setting if simulation.accuracy is None else None
         assert step is None or isinstance(step, float)
@@ -221,7 +214,7 @@ class _Means:
             rule = f"Stein's rule, from the spread of the first {self.first_stage}"
         yield f"half-widths are by {rule}, for {number} members, at each time separately"
         if self.check is not None and simulation.accuracy is not None:
-            if missed := np.count_nonzero(self.check["status"] == MISSED):
+            if missed := np.count_nonzero(self.check["status"] == kept_values.MISSED):
                 yield f"{missed} of the first {self.numbers.size} members miss their accuracy"
         elif self._checked < 2:
             yield "the effect of the step or of the tolerances on the means was not measured"

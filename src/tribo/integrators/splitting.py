@@ -39,16 +39,8 @@ from tribo.integrators.kicks import (
     substep_of,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
+from tribo.kernels import blocks
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import (
-    active_of,
-    clear,
-    column_of,
-    column_of_constants,
-    first_block,
-    halves,
-    last_block,
-)
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
 from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, note_crossed
@@ -112,12 +104,12 @@ def alternating(drifts: np.ndarray, kicks: np.ndarray) -> Splitting:
 @inlined
 def drift(model, neighbours, team, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
-    active = active_of(neighbours)
+    active = blocks.active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            begin, end = first_block(active, s, k), last_block(active, s, k)
+            begin, end = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
             drift_part(model, neighbours, s, begin, end, now, tau, state, work)
     else:
         share_phase(model, neighbours, team, teams.DRIFT, now, tau, state, work)
@@ -126,13 +118,13 @@ def drift(model, neighbours, team, now, tau, state, work):
 @inlined
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
     """Drift of some active blocks of a surface."""
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     rotations = work.rotations[0]
-    active = active_of(neighbours)
+    active = blocks.active_of(neighbours)
     crossed = broadcast(0.0)
     for n in range(begin, end):
-        i = column_of(active, n)
-        turn = rotation_of(rotations, column_of_constants(s, i))
+        i = blocks.column_of(active, n)
+        turn = rotation_of(rotations, blocks.column_of_constants(s, i))
         drift_block(model, s, i, now, tau, q, v, state.s, turn)
         crossed = crossed + have_left(model, neighbours, i)
     note_crossed(neighbours, crossed)
@@ -141,14 +133,14 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
 @inlined
 def kick(model, twice, neighbours, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau; `twice` as `repeats`."""
-    active = active_of(neighbours)
+    active = blocks.active_of(neighbours)
     gather_contact(model, model.members)
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, v, work)
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            begin, end = first_block(active, s, k), last_block(active, s, k)
+            begin, end = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
         share_phase(model, neighbours, team, teams.KICK, t, tau, state, work)
@@ -164,7 +156,7 @@ def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, 
     if substep is None:
         kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
-        q, v = halves(state.y)
+        q, v = blocks.halves(state.y)
         reservoirs = reservoirs_of(model, state, work, tau)
         keep_velocities(reservoirs, v)
         kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
@@ -173,7 +165,7 @@ def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, 
         if twice is None:
             kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         else:
-            repeat_kick(model, reservoirs, active_of(neighbours), t, 0.5 * tau, state, work)
+            repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
         jump(model, reservoirs, q)
 
 
@@ -193,8 +185,8 @@ def step_piece(model, neighbours, team, piece, state, work):
     """Compute a piece of the present phase."""
     k = team.tiles[piece, 0]
     s = model.surfaces[k]
-    active = active_of(neighbours)
-    first, last = first_block(active, s, k), last_block(active, s, k)
+    active = blocks.active_of(neighbours)
+    first, last = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
     begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
     phase, t, tau = team.counters[teams.PHASE], team.numbers[0], team.numbers[1]
     if phase == teams.DRIFT:
@@ -228,10 +220,10 @@ def assist_team(model, team, neighbours, state, work):
 @kernel
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     place_bobs(model, clock.t, q)
     if is_empty(neighbours):
-        make_lists(model, neighbours, active_of(neighbours), clock.t, q, v, state.s)
+        make_lists(model, neighbours, blocks.active_of(neighbours), clock.t, q, v, state.s)
     if crowded(neighbours):
         return PAUSED
     rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, work.speeds)
@@ -246,15 +238,15 @@ def begin(model, neighbours, clock, state, work):
 def begin_works(model, state, work):
     """Set what the works of ends are counted from; the accounts stay as they are."""
     copy(state.s, work.accounts)
-    settle_end_works(model, halves(state.y)[0], state.s, state.memory[0])
+    settle_end_works(model, blocks.halves(state.y)[0], state.s, state.memory[0])
     copy(work.accounts, state.s)
 
 
 @kernel
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
-    q, v = halves(state.y)
-    active = active_of(neighbours)
+    q, v = blocks.halves(state.y)
+    active = blocks.active_of(neighbours)
     drift(model, neighbours, model.team, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
     advance_inactive(model, active, clock.t, q, v, state.s)
@@ -265,10 +257,10 @@ def arrive(model, neighbours, clock, state, work):
 @inlined
 def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     """The drifts and kicks of a step, but for its last drift, which is left."""
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     s = state.s
     t = clock.t
-    active = active_of(neighbours)
+    active = blocks.active_of(neighbours)
     for m in range(splitting.kicks.size):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
@@ -298,9 +290,9 @@ def splitting_steps(
     )
     last = times[times.size - 1]
     work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
-    clear(model.friction)
-    clear(model.swing_friction)
-    set_bath_momenta(model, model.bath, halves(state.y)[1])
+    blocks.clear(model.friction)
+    blocks.clear(model.swing_friction)
+    set_bath_momenta(model, model.bath, blocks.halves(state.y)[1])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:
@@ -321,6 +313,6 @@ def splitting_steps(
         control.advance_equally(clock, times[clock.sample], h, landing)
         updated = control.update_encounter(model, neighbours, clock, state.y, work.speeds, h)
         # Whatever is not finite reaches the velocities of the asperites within a step.
-        if updated and not control.all_finite(halves(state.y)[1][: model.core]):
+        if updated and not control.all_finite(blocks.halves(state.y)[1][: model.core]):
             return NOT_FINITE
     return PAUSED

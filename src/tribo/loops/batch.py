@@ -24,20 +24,13 @@ from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
+from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop, in_blocks, unit_setting
-from tribo.loops.integrate import (
-    FEWEST_TRIALS,
-    Columns,
-    ProgressGuard,
-    Setting,
-    first_step_at,
-    most_evaluations,
-)
 
 T = TypeVar("T")
 # Steps of a call of the loop, at most, since an interrupt waits for its end; no more than the guard
 # of a run's progress lets pass before its first look.
-MOST_STEPS = FEWEST_TRIALS
+MOST_STEPS = integrate.FEWEST_TRIALS
 
 
 class MemberStarts(NamedTuple):
@@ -89,7 +82,7 @@ class MemberRuns(NamedTuple):
 class MemberLoop(Protocol):
     """A compiled loop over members, with memory of its own."""
 
-    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances."""
 
 
@@ -113,10 +106,12 @@ class RecordingLoop(ABC):
             array[...] = fresh
 
     @abstractmethod
-    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
+    def fill(
+        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
+    ) -> np.ndarray:
         """Run members, fill in their samples (members, times, ...), and return their counts."""
 
-    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances, and return their samples."""
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
@@ -158,7 +153,7 @@ class Pool(Generic[T]):
 class Batch(Pool[MemberLoop]):
     """Runs members of a scene, in any number of threads."""
 
-    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances, in this thread.
 
         What a member gives depends on that member alone.
@@ -197,7 +192,9 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (self.model,), examples)
 
-    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
+    def fill(
+        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
+    ) -> np.ndarray:
         """Run members, fill in their samples, and return their counts.
 
         Seeds matter where there is noise.  The samples of members that did not complete are zeros.
@@ -205,7 +202,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
             clock = self._fresh[1]
-            clock["h"] = first_step_at(setting, self._longest, self._method.order)
+            clock["h"] = integrate.first_step_at(setting, self._longest, self._method.order)
             clock["encounter_fraction"] = setting.encounter_fraction
         counts = np.empty((len(starts.y), COUNTS), np.int64)
         clock = self.clocks.view(np.ndarray)[0]
@@ -223,11 +220,11 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
+    def advance(self, times: np.ndarray, columns: integrate.Columns, budget: int) -> int:
         code: int = self._entry(*self._arguments(times, columns, budget))
         return code
 
-    def _to_end(self, columns: Columns) -> int:
+    def _to_end(self, columns: integrate.Columns) -> int:
         """Run the member through the times of the scene.
 
         Returns a code of a status; PAUSED of a member that makes no progress.
@@ -237,7 +234,9 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         if code != PAUSED:  # nearly always
             return code
         scene, ends = self.layout.scene, (times[0], times[-1])
-        guard = ProgressGuard(self.clocks, *ends, scene.count, most_evaluations(scene))
+        guard = integrate.ProgressGuard(
+            self.clocks, *ends, scene.count, integrate.most_evaluations(scene)
+        )
         while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
             code = self.advance(times, columns, guard.within(MOST_STEPS))
         return code

@@ -35,38 +35,15 @@ from tribo.loops.integrate import (
     integrate,
 )
 from tribo.model.effects import Effect
+from tribo.pair import step_rows
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
-from tribo.pair.step_rows import (
-    FIRST,
-    J_Y,
-    LEVEL,
-    LIMITS,
-    OF_J,
-    OF_V1,
-    OF_V2,
-    Q1,
-    Q2,
-    ROWS,
-    STATE,
-    T1,
-    T2,
-    V1,
-    V2,
-    X1,
-    X2,
-    Y1,
-    Y2,
-    J,
-    K,
-    S,
-)
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
 ARC1, ARC2 = ENERGY, ENERGY + 1
 
-FIRST_ACCOUNT = J + 1
+FIRST_ACCOUNT = step_rows.J + 1
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
@@ -85,21 +62,28 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
     n, shape, mobility = layout.coordinates, asperites.shape[:-1], _mobility_of(layout, asperites)
     to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
     to_accounts = np.zeros((*shape, layout.accounts, ENERGY + 2))
-    columns = ((Q1, V1, X1, Y1, T1, ARC1), (Q2, V2, X2, Y2, T2, ARC2))
+    columns = (
+        (step_rows.Q1, step_rows.V1, step_rows.X1, step_rows.Y1, step_rows.T1, ARC1),
+        (step_rows.Q2, step_rows.V2, step_rows.X2, step_rows.Y2, step_rows.T2, ARC2),
+    )
     for i, (slots, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
         a, slide = asperites[..., i], mobility[..., i]
         to_state[..., i, q] = to_state[..., n + i, v] = 1.0
         first = FIRST_ACCOUNT
         contact = slots.acc_contact
-        to_accounts[..., contact, J] = to_accounts[..., contact + 1, first + J_Y] = sign
+        to_accounts[..., contact, step_rows.J] = to_accounts[
+            ..., contact + 1, first + step_rows.J_Y
+        ] = sign
         to_accounts[..., contact + 2, first + about_x] = sign * a["facing"]
         to_accounts[..., contact + 3, first + about_y] = sign * a["facing"]
         if slots.dof_x >= 0:
-            to_state[..., slots.dof_x, K] = to_state[..., n + slots.dof_x, J] = slide
+            to_state[..., slots.dof_x, step_rows.K] = to_state[
+                ..., n + slots.dof_x, step_rows.J
+            ] = slide
             block = layout.surfaces[i].acc_block
             for slot in (slots.acc_slide, block):
-                to_accounts[..., slot, first + S] = sign * slide
+                to_accounts[..., slot, first + step_rows.S] = sign * slide
         if slots.acc_ends >= 0:
             end = a["kappa"] / a["bar_length"]
             to_accounts[..., slots.acc_ends, arc] = -a["l2"] * a["facing"] * end
@@ -224,8 +208,8 @@ class Pair:
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
-        rows = np.zeros((ROWS, LANES))
-        rows[:LIMITS] = table(self._coefficients)
+        rows = np.zeros((step_rows.ROWS, LANES))
+        rows[: step_rows.LIMITS] = table(self._coefficients)
         return rows
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
@@ -235,9 +219,15 @@ class Pair:
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
-        rates = {OF_V1: own[V1], OF_V2: own[V2], OF_J: own[J]}
+        rates = {
+            step_rows.OF_V1: own[step_rows.V1],
+            step_rows.OF_V2: own[step_rows.V2],
+            step_rows.OF_J: own[step_rows.J],
+        }
         first = first_step_at(tolerance, self._first_step, self._order)
-        for place, value in (rates | {LEVEL: tolerance.level, FIRST: first}).items():
+        for place, value in (
+            rates | {step_rows.LEVEL: tolerance.level, step_rows.FIRST: first}
+        ).items():
             both[0, place] = value
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
@@ -270,7 +260,7 @@ class PairLoop(TimeLoop):
         """Begin a run from `start`, y of the scene's layout."""
         if self._tolerance is not tolerance:
             self._tolerance = tolerance
-            self._rows[LIMITS:STATE] = self._pair.limits(tolerance)
+            self._rows[step_rows.LIMITS : step_rows.STATE] = self._pair.limits(tolerance)
             self.clocks["encounter_fraction"] = tolerance.encounter_fraction
         self._evaluations[0] = 0
         self._start = start
@@ -285,7 +275,7 @@ class PairLoop(TimeLoop):
                 self._evaluations[0] = 0  # from the start again, to the same end
             return integrate(self, times, columns=(record,), most=most)
         seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
-        rows, factors = self._rows[STATE:].copy(), self._pair.factors
+        rows, factors = self._rows[step_rows.STATE :].copy(), self._pair.factors
         return Integration(
             lambda: PairSamples(times, record[:-1], record[:1], factors),
             Status.COMPLETED,
@@ -302,11 +292,11 @@ class PairLoop(TimeLoop):
         return code
 
     def memory(self) -> Memory:
-        return _memory(self.clocks, self._rows[STATE:].copy())
+        return _memory(self.clocks, self._rows[step_rows.STATE :].copy())
 
     def restore(self, memory: Memory) -> None:
         set_numbers(self.clocks, memory["clock"])
-        self._rows[STATE:] = memory["pair"]
+        self._rows[step_rows.STATE :] = memory["pair"]
 
     def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
         record = columns[0][: times.size]
