@@ -271,7 +271,7 @@ def test_out_of_reach_is_refused_early(monkeypatch):
     """If runs would be long and the scene amplifies round-off, only the pilot is run."""
     monkeypatch.setattr(search, "LONG_RUN", 0.0)
     assert tribo.simulate(case("A"), accuracy=1e-9).met
-    monkeypatch.setattr(search, "measure_amplification", lambda *given: 1e8)
+    monkeypatch.setattr(search.comparison, "measure_amplification", lambda *given: 1e8)
     with pytest.raises(tribo.InputError, match=r"accuracy: 1.0e-09 is out of reach.*observables"):
         tribo.simulate(case("A"), accuracy=1e-9)
 
@@ -280,13 +280,13 @@ def test_long_runs_begin_at_the_level_of_growing_errors(monkeypatch):
     """The first round is fine enough for them; where that takes too long, they are refused."""
     usual = tribo.prepare(case("A"), accuracy=1e-3, method="rkn8")
     monkeypatch.setattr(search, "LONG_RUN", 0.0)
-    monkeypatch.setattr(search, "measure_amplification", lambda *given: 1e4)
+    monkeypatch.setattr(search.comparison, "measure_amplification", lambda *given: 1e4)
     finer = tribo.prepare(case("A"), accuracy=1e-3, method="rkn8")
     level = search.AMPLIFIED * 1e-3 / 1e4
     assert finer.plan.tuned.level == pytest.approx(0.1 * level)
     assert usual.plan.tuned.level > 10.0 * finer.plan.tuned.level
     assert finer.first_result().met
-    monkeypatch.setattr(search, "measure_amplification", lambda *given: 1e9)
+    monkeypatch.setattr(search.comparison, "measure_amplification", lambda *given: 1e9)
     refusal = (
         r"accuracy: 1.0e-03 would take about 7 times the evaluations of a run without growing "
         "errors: a change of 1e-11 in the start grows to 1.0e-02 of the scale; name the observables"
