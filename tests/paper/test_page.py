@@ -11,12 +11,13 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "explanation" / "paper.md"
 
 
 def column(case):
-    """The numbers in each row of a column of the table, and the first row, the drive."""
+    """The numbers in each row of a column of the table, after the code of the scene and the drive."""
     table = PAGE.read_text(encoding="utf-8").partition("| | A | B | C | D | E |")[2]
     rows = [line.split("|")[1:-1] for line in table.partition("\n\n")[0].splitlines()[2:]]
     cells = [row["ABCDE".index(case) + 1].replace("\N{MINUS SIGN}", "-").strip() for row in rows]
     numbers = [[float(x) for x in re.findall(r"-?\d+(?:\.\d+)?", cell)] for cell in cells]
-    return cells[0], numbers[2:]
+    assert cells[0] == f'`scene("{case}")`'
+    return cells[1], numbers[3:]
 
 
 def values(scene):
