@@ -11,7 +11,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "explanation" / "paper.md"
 
 
 def column(case):
-    """The numbers in each row of a column of the table, after the code of the scene and the drive."""
+    """The drive of a case in the table, and the numbers in the rows below the contact."""
     table = PAGE.read_text(encoding="utf-8").partition("| | A | B | C | D | E |")[2]
     rows = [line.split("|")[1:-1] for line in table.partition("\n\n")[0].splitlines()[2:]]
     cells = [row["ABCDE".index(case) + 1].replace("\N{MINUS SIGN}", "-").strip() for row in rows]
