@@ -144,9 +144,8 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     )
     step = min(step, resolution.longest_damped_step(layout))
     step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
-    return Choice(
-        method, None, resolution.longest_step(layout, step), automatic=True
-    )  # as it is taken
+    taken = resolution.longest_step(layout, step)
+    return Choice(method, None, taken, automatic=True)
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
