@@ -12,7 +12,7 @@ STATIC = 2.0 * np.pi * AMPLITUDE / PERIOD
 HOW = {"method": "verlet", "step": 0.02}
 
 
-def run(drive, duration, count=1, spacing=1.1, springs=None):
+def run(drive, duration, count=1, spacing=1.1, springs=None, gamma=GAMMA):
     """Rigid asperites on a corrugation, with damping of the bars."""
     surface = tribo.Surface(
         "tip",
@@ -20,7 +20,7 @@ def run(drive, duration, count=1, spacing=1.1, springs=None):
         spacing=(spacing, 0.0),
         asperite=tribo.Asperite(kappa=np.inf),
         drive=drive,
-        langevin=tribo.Langevin(gamma=GAMMA),
+        langevin=tribo.Langevin(gamma=gamma),
         springs=springs or {},
     )
     field = tribo.Field(tribo.Corrugation(AMPLITUDE, PERIOD), on=["tip"])
@@ -40,6 +40,18 @@ def test_a_tip_that_is_pulled_slowly():
     # The spring has the force at x = period / 4.
     expected = (PERIOD / 4.0 + STATIC / 5.0) / 0.005
     assert found.times[0] == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_run_that_ends_after_a_slip_of_several_periods(sign):
+    """The spring then pushes back, which is not the direction of the slide."""
+    pull = tribo.Pulled(stiffness=0.1 * (2.0 * np.pi) ** 2 * AMPLITUDE, speed=sign * 0.05)
+    long = run(pull, 60.0, gamma=0.3)
+    force = sign * pull.stiffness * (pull.speed * long.t - long["tip"].x_bar[:, 0])
+    assert force.min() < -0.5 * STATIC
+    short = run(pull, long.t[np.argmin(force)], gamma=0.3)
+    for result in (long, short):
+        assert sign * result.depinning("tip").mean == pytest.approx(STATIC, rel=0.05)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -70,7 +82,7 @@ def test_what_does_not_start():
     with pytest.raises(tribo.InputError, match=r'that "tip" moves, got 0.5, .* move by 0\.0'):
         run(tribo.Pushed(force=(0.3, 0.0)), 20.0).depinning("tip")
     result = run(tribo.Free(), 1.0)
-    with pytest.raises(tribo.InputError, match="must be one that pulls or pushes"):
+    with pytest.raises(tribo.InputError, match="must be one that pulls with a speed or pushes"):
         result.depinning("tip")
 
 

@@ -41,13 +41,12 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
     x = result[name]["x_bar"]
     index = [surface.name for surface in result.scene.surfaces].index(name)
     surface = result.scene.surfaces[index]
-    force = _force(result, index, x)
+    force, along = _force(result, index, x)
     if surface.springs:
         x, force = x.mean(axis=1, keepdims=True), force.mean(axis=1, keepdims=True)
     if distance is None:
         distance = _half_period(result.scene, name)
     distance = number("distance", distance, POSITIVE, "length")
-    along = np.sign(force[-1])
     slid = along * (x - x[0]) >= distance
     stuck = ~np.logical_or.accumulate(slid, axis=0)
     starts = slid.any(axis=0)
@@ -64,16 +63,22 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
     return Depinning(float(np.nanmean(each)), half_width, each, result.t[places])
 
 
-def _force(result: RunResult, index: int, x: np.ndarray) -> np.ndarray:
-    """The x component of the drive's force on each asperite, (times, asperites)."""
+def _force(result: RunResult, index: int, x: np.ndarray) -> tuple[np.ndarray, float]:
+    """The x component of the drive's force on each asperite, (times, asperites), and its sign.
+
+    The sign is that of the slide: after a slip, the spring of a stage may push backwards.
+    """
     surface, t = result.scene.surfaces[index], result.t[:, None]
     drive = surface.drive
-    if isinstance(drive, Pulled):
+    if isinstance(drive, Pulled) and drive.speed != 0.0:
         rest = resting_bobs(result.scene, index)[:, 0]
-        return np.asarray(drive.stiffness * (rest + drive.speed * t - x))
+        return np.asarray(drive.stiffness * (rest + drive.speed * t - x)), np.sign(drive.speed)
     if isinstance(drive, Pushed):
-        return np.broadcast_to(drive.force[0] + drive.rate[0] * t, x.shape)
-    raise InputError(f"{surface.name}.drive", "must be one that pulls or pushes, to start a slide")
+        force = np.broadcast_to(drive.force[0] + drive.rate[0] * t, x.shape)
+        return force, np.sign(force[-1, 0])
+    raise InputError(
+        f"{surface.name}.drive", "must be one that pulls with a speed or pushes, to start a slide"
+    )
 
 
 def _half_period(scene: Scene, name: str) -> float:
