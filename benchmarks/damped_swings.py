@@ -20,8 +20,8 @@ INERTIA = ASPERITE.m1 * ASPERITE.m2 / MASS * ASPERITE.length**2
 # Step [time], a tenth of a radian of the pendulum.
 STEP = 0.1 / math.sqrt(ASPERITE.kappa / INERTIA)
 # Damping of a step and temperature in units of kappa, at the limits of `tribo.loops.resolution`:
-# 0.25 of z at any temperature, and 0.25 of z^2 T / kappa.
-LIMITS = ((0.249, 3.0), (0.249, 10.0), (0.498, 1.0), (0.98, 0.26), (1.98, 0.0635), (4.8, 0.0108))
+# 0.25 of z at any temperature, and 0.2 of z^2 T / kappa.
+LIMITS = ((0.249, 3.0), (0.249, 10.0), (0.44, 1.0), (0.98, 0.205), (1.98, 0.05), (4.4, 0.01))
 # Length of a run in units of the slowest time of its twist, of which the first tenth is left out.
 TIMES, SAMPLES = 100, 401
 
