@@ -1,10 +1,13 @@
 """The force at which pulled and pushed surfaces start to slide, against exact static friction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 import tribo
+from support.transformations import boosted
 
 AMPLITUDE, PERIOD, GAMMA = 0.3, 1.0, 1.0
 # Of a tip on a corrugation, reached a quarter of a period from its minimum.
@@ -28,6 +31,30 @@ def run(drive, duration, count=1, spacing=1.1, springs=None, gamma=GAMMA):
     return tribo.simulate(
         tribo.Scene([surface], [], duration, fields=[field], output=output), **HOW
     )
+
+
+def test_a_stage_at_rest_above_what_moves():
+    """As a tip that is pulled, in another frame."""
+    scene = run(tribo.Pulled(stiffness=5.0, speed=0.02), 60.0).scene
+    known = tribo.simulate(scene, **HOW).depinning("tip")
+    for speed in (-0.02, 0.5):
+        found = tribo.simulate(boosted(scene, (speed, 0.0)), **HOW).depinning("tip")
+        assert found.mean == pytest.approx(known.mean, rel=1e-9)
+        assert found.times == known.times
+    lower = tribo.Surface(
+        "lower",
+        facing="up",
+        shape=(8, 1),
+        spacing=(1.5, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive="bars",
+    )
+    tip = replace(scene.surfaces[0], bob=(4.5, 0.8), drive=tribo.Pulled(stiffness=1.0, speed=0.02))
+    contact = tribo.Gaussian(0.5, 0.5).with_cutoff(1.5)
+    scene = replace(scene, surfaces=[tip, lower], interactions=contact, fields=[])
+    known = tribo.simulate(scene, **HOW).depinning("tip")
+    found = tribo.simulate(boosted(scene, (-0.02, 0.0)), **HOW).depinning("tip")
+    assert found.mean == pytest.approx(known.mean, rel=1e-9)
 
 
 def test_a_tip_that_is_pulled_slowly():
@@ -82,7 +109,7 @@ def test_what_does_not_start():
     with pytest.raises(tribo.InputError, match=r'that "tip" moves, got 0.5, .* move by 0\.0'):
         run(tribo.Pushed(force=(0.3, 0.0)), 20.0).depinning("tip")
     result = run(tribo.Free(), 1.0)
-    with pytest.raises(tribo.InputError, match="must be one that pulls with a speed or pushes"):
+    with pytest.raises(tribo.InputError, match="must be one that pulls or pushes along x"):
         result.depinning("tip")
 
 
