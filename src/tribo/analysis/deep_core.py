@@ -8,8 +8,7 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
 from tribo.model.drives import Pulled
 
-# Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
-# a core: those of Lennard-Jones are from 0.75 sigma on.
+# Energy of two deep bobs, in units of others of their asperites: 0.75 sigma of Lennard-Jones.
 DEEP = 100.0
 # Distances at which the depth of a potential is looked for, in units of that of the bobs.
 DISTANCES = np.geomspace(1.0, 100.0, 31)
@@ -63,11 +62,7 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
 
 
 def _other_energies(layout: Layout, bobs: Closest) -> float:
-    """The largest energy of two asperites but for contact [energy].
-
-    That of their relative motion, of torsion by 1 rad, of a pull or a load over the length of a
-    rod, and their temperatures.
-    """
+    """The largest energy of two asperites but for contact, over the length of a rod [energy]."""
     pair = layout.asperites[list(bobs[1:])]
     speed = np.hypot(np.ptp(pair.vx), np.ptp(pair.vy))
     rods = (pair.l1 + pair.l2).tolist()

@@ -1,10 +1,10 @@
 """Equilibria: where no force moves any coordinate of a scene.
 
-Forces that a drive cancels have no energy, which the minimisers of scipy.optimize need, so the
-forces themselves are followed, by scipy's solvers of linear systems and eigenvalues.  In each step
-the damped motion du/dtau = u'' is advanced implicitly, (1 / dtau - J) step = u'' with J the
-derivative of u''.  Short dtau follow the forces downhill; dtau grows on the way, and the last steps
-are Newton's.  C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
+Forces that a drive cancels have no energy, which the minimisers of scipy.optimize need, so forces
+are followed, by scipy's solvers.  In each step the damped motion du/dtau = u'' is advanced
+implicitly, (1 / dtau - J) step = u'' with J the derivative of u''.  Short dtau follow the forces
+downhill; dtau grows on the way, and the last steps are Newton's.
+C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
 """
 
 import numpy as np
@@ -31,8 +31,7 @@ MOST_ESCAPES = 20
 LONGEST_STEP = 0.1
 # Displacement out of an unstable equilibrium, in units of that largest change.
 ESCAPE = 0.01
-# Accelerations that are zero, in units of the largest derivative of one: the rounding of forces
-# is two digits smaller where no forces cancel.
+# Accelerations that are zero, in units of the largest derivative; rounding is a hundredth of it.
 ZERO = 1e-10
 # The same, below all rounding of forces.
 NOTHING = 1e-18
@@ -41,8 +40,7 @@ NOTHING = 1e-18
 DIFFERENCE = 1e-4
 # Relative accuracy of a step: a smaller one costs more evaluations than it saves steps.
 STEP_ACCURACY = 1e-3
-# Growth of a perturbation's acceleration, in units of the largest derivative, from which an
-# equilibrium is unstable: differences of forces have relative errors of about 1e-9.
+# Growth at an unstable equilibrium, in units of the largest derivative, which is known to 1e-9.
 UNSTABLE = 1e-7
 # Coordinates up to which all derivatives are computed to find an unstable direction.
 DENSE = 64
@@ -103,10 +101,7 @@ def relax(scene: Scene) -> State:
 
 
 class _Accelerations:
-    """The accelerations u'' of a scene at rest at t = 0, as a function of u.
-
-    u has the coordinates of the asperites, those that are lengths in units of the rods.
-    """
+    """The accelerations u'' of a scene at rest at t = 0; lengths in u are in units of the rods."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
@@ -171,10 +166,7 @@ class _Accelerations:
 
 
 class _Derivative:
-    """J at one place, by central differences.
-
-    `largest` is the largest |J w| / |w| so far, in the maximum norm [1 / time^2].
-    """
+    """J at one place, by central differences, and the largest |J w| / |w| so far [1 / time^2]."""
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:
         self._motion, self._u, self.largest = motion, u, 0.0
