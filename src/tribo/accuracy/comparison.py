@@ -45,8 +45,7 @@ DIVERGED = 0.1
 # The same where a small change of the start grew to DIVERGED: errors of all runs are of one size,
 # and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
 DIVERGED_IN_CHAOS = 0.01
-# Bound of each quantity in diverged runs, in units of its scale: two values of at most the scale.
-# Runs that have nothing more in common may be close in all quantities by chance.
+# Bound in diverged runs, in units of the scales: of two values, which may be close by chance.
 UNRELATED = 2.0
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
 ROUNDED = 256.0 * EPSILON
@@ -198,11 +197,7 @@ def measure_amplification(
     run: Integration,
     names: tuple[str, ...] = (),
 ) -> float | None:
-    """The largest growth of a small change of the start; None if a run was ended from outside.
-
-    `run` has the setting, from the scene's own start.  By default all quantities that have a scale
-    matter, but ENERGIES.
-    """
+    """The largest growth of a small change of the start; None if a run was ended from outside."""
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
     chosen = names or [name for name in KINDS if name not in ENERGIES]

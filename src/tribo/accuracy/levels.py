@@ -164,9 +164,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
+    tiny = np.finfo(float).tiny
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
-        angle = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-        omega = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+        angle = np.minimum(level, energy / np.maximum(a.kappa * scales.twist, tiny))
+        omega = np.minimum(level * scales.rate, energy / np.maximum(a.inertia * spin, tiny))
     q[swing] = _slower_below(angle, scales.lost_angle)
     v[swing] = _slower_below(omega, scales.lost_rate)
     turning = a.dof_phi >= 0
@@ -189,10 +190,6 @@ def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
     """Tolerances, of which those below the effect of rounding fall more slowly."""
     slower = lost ** (1.0 - BELOW_ROUNDING) * np.power(tolerance, BELOW_ROUNDING)
     return np.where(np.less(tolerance, lost), slower, tolerance)
-
-
-def _positive(values: np.ndarray) -> np.ndarray:
-    return np.maximum(values, np.finfo(float).tiny)
 
 
 def fine_level(method: Method) -> float:

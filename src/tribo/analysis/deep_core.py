@@ -8,7 +8,8 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
 from tribo.model.drives import Pulled
 
-# Energy of two deep bobs, in units of others of their asperites: 0.75 sigma of Lennard-Jones.
+# Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
+# a core: those of Lennard-Jones are from 0.75 sigma on.
 DEEP = 100.0
 # Distances at which the depth of a potential is looked for, in units of that of the bobs.
 DISTANCES = np.geomspace(1.0, 100.0, 31)

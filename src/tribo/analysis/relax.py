@@ -26,8 +26,7 @@ from tribo.model.scene import Scene, checked_scene
 MOST_STEPS = 400
 # Unstable equilibria that are left, until the search is given up.
 MOST_ESCAPES = 20
-# Largest change of a coordinate in a step, in units of the shortest of rod, distance of bobs and
-# period of a corrugation: larger steps can pass through another bob.
+# Largest step, in units of the shortest of rod, bobs' distance and period: larger ones pass bobs.
 LONGEST_STEP = 0.1
 # Displacement out of an unstable equilibrium, in units of that largest change.
 ESCAPE = 0.01
@@ -120,11 +119,9 @@ class _Accelerations:
             self._owners[mine] = each[present]
             if row == MASS:
                 self.lengths[mine] = (a.l1 + a.l2)[present]
-
-    @property
-    def weights(self) -> np.ndarray:
-        """(core,) masses or inertias in the units of u; 0 for what a constraint holds."""
-        return np.where(np.isinf(self._inertias), 0.0, self._inertias * self.lengths**2)
+        # (core,) masses or inertias in the units of u; 0 for what a constraint holds.
+        inertias = self._inertias * self.lengths**2
+        self.weights = np.where(np.isinf(self._inertias), 0.0, inertias)
 
     def coordinates(self, u: np.ndarray) -> np.ndarray:
         """All coordinates, with the baths at their bars."""
@@ -189,7 +186,6 @@ class _Derivative:
 def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
     """An equilibrium, stable or not, and the largest derivative there [1 / time^2]."""
     found = motion(u)
-    weights = motion.weights
     interval = 0.0  # dtau
     for _ in range(MOST_STEPS):
         residual = float(np.max(np.abs(found)))
@@ -210,7 +206,7 @@ def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
         ended = residual <= NOTHING * derivative.largest
         if ended or (close and np.max(np.abs(there)) > 0.5 * residual):
             return u, derivative.largest
-        power, power_there = (float(np.sum(weights * step * a)) for a in (found, there))
+        power, power_there = (float(np.sum(motion.weights * step * a)) for a in (found, there))
         if close or (power > 0.0 and power_there > -0.5 * power):
             gain = residual / max(float(np.max(np.abs(there))), 1e-300)
             interval *= min(max(gain, 1.5), 10.0)

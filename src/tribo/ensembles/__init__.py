@@ -168,8 +168,7 @@ def ensemble(
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene)
         kept = request.kept(simulation.layout)
-        if wanted is not None:
-            check_series(kept, wanted)
+        check_series(kept, wanted or {})
         runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target, began)

@@ -60,7 +60,7 @@ class Request(NamedTuple):
         return replace(scene, numerics=numerics, output=output)
 
     def prepare(self, scene: Scene) -> Simulation:
-        """The scene with the settings of all members.  Raises InputError if they are too rough."""
+        """The scene with all members' settings.  Raises InputError if these miss the accuracy."""
         simulation = prepare(
             self.recorded(scene), self.accuracy, self.method, self._step(scene), False, threads=1
         )
@@ -100,7 +100,7 @@ class Request(NamedTuple):
         return identity_of(self.recorded(scene), settings, version())
 
     def _step(self, scene: Scene) -> float | None:
-        """The step; with noise, on which paths depend, it divides the intervals of the scene."""
+        """The step; with noise it divides the times between samples, as paths depend on steps."""
         intervals, given = np.diff(scene.times), scene.numerics
         equal, step = np.ptp(intervals) <= 1e-9 * intervals[0], self.step
         if self.keep is None or self.at != END or not (noisy(scene) and equal):

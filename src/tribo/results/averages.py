@@ -178,7 +178,8 @@ def _average(t: np.ndarray, values: np.ndarray, first: int) -> Average:
 def _run_in(t: np.ndarray, values: np.ndarray) -> int:
     """The place in the first half that is twice as late as the one of the smallest error.
 
-    By the error of the mean of independent samples, an exponential approach still has its own.
+    That is the error of the mean of independent samples from there on, by which an exponential
+    approach still has its own error.
     """
     weights = _weights(t)
     left = np.cumsum(weights[::-1])[::-1]

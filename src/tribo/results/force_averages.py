@@ -88,7 +88,8 @@ def shares_without_contact(result: RunResult) -> dict[str, float]:
 def has_mean_friction(scene: Scene) -> bool:
     """Whether sliding goes on, so that a mean friction force says something.
 
-    It depends on the duration if asperites meet once, and two alone, or without recorded forces.
+    Asperites that pass others meet each once: where their forces are not even recorded, or two
+    asperites meet alone, the mean depends on how long the run lasts.
     """
     drives = [surface.drive for surface in scene.surfaces]
     pulled = any(isinstance(drive, Pulled) for drive in drives)

@@ -30,8 +30,7 @@ NOTED_TURN = 0.5
 # are those of the given step within 10 % for a method of order 2, and a third for order 8: less
 # than what a step of half the length changes at any order.
 NOTED_CUT = 0.95
-# Part of the work of the other drives that a surface at rest may receive without a note: below it,
-# the work of the other drives is the dissipated energy to its first digit.
+# Noted part of the other drives' work: below it, that is the dissipated energy to one digit.
 NOTED_WORK = 0.1
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
