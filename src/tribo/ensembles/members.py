@@ -185,7 +185,7 @@ class Variation:
         return Members(numbers, seeds, values)
 
     def sample(self, count: int, size: int) -> Members:
-        """Some of `count` members: the first, or with arrays, which may be in order, evenly spaced."""
+        """Some of `count` members: the first, or with arrays, possibly in order, evenly spaced."""
         size = min(size, count)
         numbers = np.arange(size)
         return self.members(numbers * count // size if self._arrays else numbers)
