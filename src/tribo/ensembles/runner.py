@@ -1,8 +1,7 @@
 """Runs of the members of an ensemble: by one policy, in threads of this process or by an engine.
 
-A policy says how members of a scene are run and checked: all with the step of the plan
-(:class:`StepRuns`), with one setting in batches and finer ones where they are needed
-(:class:`CheckedRuns`), or each as a run of its own (:class:`SingleRuns`).
+A policy says how members are run and checked: all with the step of the plan (StepRuns), with one
+setting in batches and finer ones where needed (CheckedRuns), or each on its own (SingleRuns).
 """
 
 from __future__ import annotations

@@ -49,8 +49,9 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
     """A note where the energy budget does not close with potentials or fields of the user's own."""
     scene, system = layout.scene, ledger.system
-    effects = (*scene.interactions, *scene.fields)
-    own = dict.fromkeys(name for each in effects for name in _own_classes(each.potential))
+    potentials = [each.potential for each in scene.interactions]
+    potentials += [each.potential for each in scene.fields]
+    own = dict.fromkeys(name for each in potentials for name in _own_classes(each))
     if not own or "applied_work" not in system:
         return ()
     change, work = system["total_energy_change"], system["applied_work"]
