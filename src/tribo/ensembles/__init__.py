@@ -187,9 +187,11 @@ def _collected(
 
     kept, scene, attributes = runs.policy.kept, runs.policy.simulation.scene, kept_attributes(runs)
     level = float(attributes.get("level", "nan"))
-    store: MemberStore | StatisticsStore = MemberStore(target.frames, level)
-    if statistics:
-        store = StatisticsStore(kept, target.frames, level)
+    store: MemberStore | StatisticsStore = (
+        StatisticsStore(kept, target.frames, level)
+        if statistics
+        else MemberStore(target.frames, level)
+    )
     interrupted = runs.fill(store, count)
     attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
     attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
