@@ -35,10 +35,9 @@ class Interleaved(NamedTuple):
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
-    """Lay out eight members, each with arrays of its own for what changes.
+    """Lay out eight members, each with arrays for what changes, and `own_numbers` if they differ.
 
-    All are alike, or have constants, velocities and numbers of a potential of their own.  The scene
-    has neither calculators that are not compiled, nor sums over surfaces as accounts.
+    The scene has neither calculators nor sums over surfaces as accounts.
     """
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.

@@ -23,8 +23,7 @@ VELOCITY, ASPERITE_PART = "velocity", "asperite"
 def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     """Whether members of a scene may differ in numbers with these dotted keys.
 
-    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
-    loop of a pair takes no mass of a surface from the scene.
+    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.
     """
     surfaces, slides = layout.scene.surfaces, slide(layout.scene) & (not by_pair_loop)
     plain = [
@@ -41,10 +40,7 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
 
 
 def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
-    """Keys of a surface's drive and reservoir -> their numbers among `OF_MEMBERS`.
-
-    None has a meaning in the loop of a pair.
-    """
+    """Keys of a surface's drive and reservoir, which pairs do not have -> names in `OF_MEMBERS`."""
     surface = layout.scene.surfaces[index]
     found: dict[str, str] = {}
     if isinstance(surface.drive, Pulled):
@@ -82,10 +78,7 @@ def _names_of_potential(layout: Layout) -> tuple[str, ...]:
 
 
 def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> MemberNumbers:
-    """The numbers of members, from their values (members, 1), or (members, 2) of velocities.
-
-    Raises InputError if a number cannot be used.
-    """
+    """The numbers of members, from values (members, 1 or 2).  Raises InputError about one."""
     scene = layout.scene
     asperites = np.tile(np.asarray(layout.asperites).view(ASPERITE), (members, 1))
     charges = np.empty(asperites.shape)

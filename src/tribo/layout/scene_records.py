@@ -79,10 +79,7 @@ def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
 def fill_parameters(
     asperites: np.ndarray, surface: Surface, each: dict[str, np.ndarray], bobs: np.ndarray
 ) -> None:
-    """Fill in what follows from the parameters of asperites, as `Asperite.for_each` gives them.
-
-    Their resting bobs are `bobs` (n, 3).
-    """
+    """Fill in what follows from the parameters `each` of asperites and from their `bobs` (n, 3)."""
     for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
         asperites[name] = each[name]
     if surface.asperite.is_rigid:
@@ -134,10 +131,9 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
 def fields_on_surfaces(
     scene: Scene, origin: np.ndarray, accounts: int | None
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields; each moving field has an account for the work of moving it.
+    """The external fields, and `accounts` with one more for the work of each that moves.
 
-    The first is that with number `accounts`; their number with these is returned too.  None: there
-    are no accounts.
+    None: there are no accounts.
     """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
@@ -163,8 +159,7 @@ def fields_on_surfaces(
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     """The scene's origin in the field's own frame at t = 0 (2,).
 
-    In a corrugation whole periods are left out, so that its phase keeps all digits far from x = 0;
-    fmod is exact.
+    A corrugation needs the phase alone: fmod is exact, and keeps all digits far from x = 0.
     """
     if type(field.potential) is Corrugation:
         x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))

@@ -68,7 +68,7 @@ def model_tables(
 
 
 def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
-    """Whether the asperites of a surface share their constants.
+    """Whether a surface's asperites share their constants.
 
     Those that fill its last block would turn if the angles of bars were not zero.
     """
@@ -112,10 +112,9 @@ def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) 
 def _table(
     values: np.ndarray, surfaces: np.ndarray, columns: np.ndarray, others: np.ndarray | float
 ) -> np.ndarray:
-    """A table like that of constants, of values (rows, asperites) that have some columns.
+    """A table like that of constants, with values (rows, asperites) in some columns.
 
-    Others fill up blocks of asperites that are not alike, and feel no force.  Of asperites that are
-    alike, the first gives its column to the whole block that they share.
+    Others fill up blocks, and feel no force.  Asperites that are alike share a block of the first.
     """
     last = surfaces[-1]
     size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]

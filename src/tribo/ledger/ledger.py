@@ -222,10 +222,7 @@ class Ledger:
 
 
 def assemble(layout: Layout, samples: Samples) -> Ledger:
-    """The ledger of raw samples, the first of which is the start of the run.
-
-    Each series is computed when it is first asked for.
-    """
+    """The ledger of raw samples from the start of a run on; series are computed when needed."""
     forces, kept = Forces(layout, samples), layout.scene.output.ledger
     wholes, surfaces, blocks = [], {}, {}
     for index, surface in enumerate(layout.scene.surfaces):

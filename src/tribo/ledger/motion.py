@@ -190,10 +190,7 @@ def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span
 def about_pivots(
     asperites: Asperites, swing: np.ndarray, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Displacements x, y and velocities of the centres of mass about the centres of driven bars.
-
-    The coordinates x and y of such asperites are those of the bars.
-    """
+    """Displacements x, y and velocities of centres of mass about the centres of driven bars."""
     pivot, facing = asperites.pivot, asperites.facing
     tx, ty = swing_direction(facing, swing)
     lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx

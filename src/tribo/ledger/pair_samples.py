@@ -79,9 +79,8 @@ class PairSamples(Samples):
         s = self._columns @ self._factors.accounts.T
         if self._factors.driven is not None:
             start = self._first[:, self._factors.columns] * self._factors.multiples
-            add_reactions(
-                self._factors.driven, self.y, s, np.tile(start, (self.t.size // self.runs, 1))
-            )
+            starts = np.tile(start, (self.t.size // self.runs, 1))
+            add_reactions(self._factors.driven, self.y, s, starts)
         return s
 
     @cached_property
@@ -120,18 +119,14 @@ class PairSamples(Samples):
         return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
 
     def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> Samples:
-        """The samples as they are where each run has factors of its own.
-
-        They are those of :func:`tribo.loops.pair.factors_of`, (runs, ..., columns).
-        """
+        """The samples where each run has factors of its own, (runs, ..., columns)."""
         columns = self._columns.reshape(-1, self.runs, state.shape[2]).swapaxes(0, 1)
         y, s = (
             (columns @ factors.swapaxes(1, 2)).swapaxes(0, 1).reshape(-1, factors.shape[1])
             for factors in (state, accounts)
         )
-        return Samples.of_runs(
-            self.runs, self.t, y, s, self.contact, self.field, self.stored, self.baths
-        )
+        others = self.contact, self.field, self.stored, self.baths
+        return Samples.of_runs(self.runs, self.t, y, s, *others)
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""

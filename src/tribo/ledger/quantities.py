@@ -275,10 +275,7 @@ class Reported:
 
 @cache
 def reported(ledger: str, present: frozenset[str]) -> Reported:
-    """The quantities that are reported, with others whose names are `present`.
-
-    `ledger` says of what works are kept: "asperites", "surfaces" or "none".
-    """
+    """The quantities with works kept as `ledger` says, and others whose names are `present`."""
     own = ASPERITE_QUANTITIES | _those_of(OPTIONAL_QUANTITIES, present)
     tables = [own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES]
     if ledger == "surfaces":

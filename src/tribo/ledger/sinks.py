@@ -1,7 +1,4 @@
-"""What is kept of a run whose samples are too many to hold: its ledger, portion by portion.
-
-Also what notes need of all samples of a run, which a streamed run collects from its portions.
-"""
+"""The ledger of a run that is too large to hold, portion by portion, and what notes need of it."""
 
 import math
 from dataclasses import replace

@@ -47,8 +47,7 @@ class AsperiteSeries:
 class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
-    `among` is the motion of all asperites, if it is known, and `forces` has the forces on them,
-    where they are reported.
+    `among` is the motion of all asperites, if it is known; `forces` are those that are reported.
     """
 
     def __init__(
@@ -130,10 +129,7 @@ class SurfaceSeries(AsperiteSeries):
     @property
     @_with_infinities
     def heat_of_bath(self) -> np.ndarray:
-        """The change of the bath's energy in the surface's own motion.
-
-        That is the motion with V; on driven bars, which do not excite a bath, that of the bars.
-        """
+        """The change of the bath's energy in the motion with V, or with driven bars."""
         energy = self._bath_energy
         if self._record.drive != BARS:
             (x, y), stored = self._lag, self.stored
@@ -233,10 +229,7 @@ class SystemSeries:
 
 
 class Linear:
-    """A quantity that is linear in the integrals of the kernels.
-
-    `value` gives its series, from its surface or the system, and the integrals.
-    """
+    """A quantity that is linear in the integrals; `value` takes its surface or system and these."""
 
     def __init__(self, value: Callable[..., np.ndarray]) -> None:
         self.value = value
@@ -253,8 +246,5 @@ def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
 
 
 def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
-    """The sum of all, over their asperites.
-
-    Sums, unlike products of matrices, have the same bits for any number of times.
-    """
+    """The sum over asperites, with the same bits for any number of times, unlike products."""
     return np.asarray(sum(np.sum(value, axis=1) for value in values))

@@ -1,7 +1,4 @@
-"""Many runs of one scene: what they begin from, what they give, and the loops that run them.
-
-Also the loop for members of any scene, one after another with the arrays of one loop.
-"""
+"""Many runs of one scene: what they begin from and give, and the loop that takes one by one."""
 
 from __future__ import annotations
 
@@ -154,10 +151,7 @@ class Batch(Pool[MemberLoop]):
     """Runs members of a scene, in any number of threads."""
 
     def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with a step or tolerances, in this thread.
-
-        What a member gives depends on that member alone.
-        """
+        """Run members in this thread; what a member gives depends on that member alone."""
         loop = self.take()
         runs = loop.run(setting, starts)
         self.give_back(loop)
@@ -165,17 +159,14 @@ class Batch(Pool[MemberLoop]):
 
 
 def has_batches(layout: Layout) -> bool:
-    """Whether members of a scene can be run without a result for each.
-
-    Forces as series and calculators of ASE need one.
-    """
+    """Whether members need no results of their own, as force series and ASE calculators do."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     alone = layout.calculator_calls or layout.scene.output.series
     return compiled and not (alone or exceeds_memory(layout, layout.times.size))
 
 
 class GeneralMembers(GeneralLoop, RecordingLoop):
-    """A time loop that runs one member after another of a scene for which `has_batches` is true.
+    """A loop that runs members of a scene with `has_batches` one by one.
 
     `first_step` is the longest one of an adaptive method [time].
     """
@@ -195,10 +186,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
     def fill(
         self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
     ) -> np.ndarray:
-        """Run members, fill in their samples, and return their counts.
-
-        Seeds matter where there is noise.  The samples of members that did not complete are zeros.
-        """
+        """Run members from their seeds; the samples of those that did not complete are zeros."""
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
             clock = self._fresh[1]
@@ -225,10 +213,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         return code
 
     def _to_end(self, columns: integrate.Columns) -> int:
-        """Run the member through the times of the scene.
-
-        Returns a code of a status; PAUSED of a member that makes no progress.
-        """
+        """Run the member through the times of the scene; PAUSED if it makes no progress."""
         times = self.layout.times
         code = self.advance(times, columns, MOST_STEPS)
         if code != PAUSED:  # nearly always

@@ -29,10 +29,7 @@ MOST_STEPS = 2048
 
 
 class PairMembers:
-    """The loop of single runs for many members, without Python between them.
-
-    Raises InputError if the potential does not compile.
-    """
+    """The loop of single runs for many members.  Raises InputError if the potential fails."""
 
     def __init__(self, pair: Pair) -> None:
         self._pair = pair
@@ -61,20 +58,11 @@ class PairMembers:
         self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the potential; samples and counts before the last."""
-        members, times = len(starts), self._times.size
-        return (
-            record,
-            potential,
-            self._rows,
-            self._clocks,
-            starts,
-            np.empty(self._size),
-            self._times,
-            np.empty((times + 1, COLUMNS)),
-            np.empty((times, members, COLUMNS)),
-            np.empty((members, COUNTS), np.int64),
-            MOST_STEPS,
-        )
+        members, times = len(starts), self._times
+        room = np.empty(self._size), times, np.empty((times.size + 1, COLUMNS))
+        results = np.empty((times.size, members, COLUMNS)), np.empty((members, COUNTS), np.int64)
+        memory = self._rows, self._clocks, starts, *room
+        return record, potential, *memory, *results, MOST_STEPS
 
 
 def pair_runs(
@@ -84,10 +72,7 @@ def pair_runs(
     counts: np.ndarray,
     numbers: MemberNumbers | None,
 ) -> MemberRuns:
-    """Runs of a pair's members from rows of the loop's record, (times, members, COLUMNS).
-
-    With numbers of their own, or those of the scene.
-    """
+    """Runs of a pair's members from rows of its record, (times, members, COLUMNS)."""
     layout, each_time = pair.layout, np.repeat(times, len(counts))
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:

@@ -74,8 +74,7 @@ class Integrator:
     def batch(self, own_numbers: bool = False, rounded: bool = False) -> Batch:
         """The fastest kind of batch that runs members of the scene: in lanes or not, as a pair.
 
-        A scene that is no pair has `has_batches`, and `fit_lanes` too if members have numbers of
-        their own.  `rounded` gives the bobs' places other roundings.
+        A scene that is no pair has `has_batches`, and `fit_lanes` too for numbers of their own.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
         method, first_step = self.method, self.first_step
