@@ -280,7 +280,7 @@ def lay_out(scene: Scene) -> Layout:
         for surface, own in zip(scene.surfaces, bobs, strict=True)
     ]
     places = slots.places(mine, theirs, np.arange(shared), orders)
-    model = model_tables(scene, asperites, theirs, places.columns[:, None])._replace(
+    model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
         contacts=between,
         within=within,
         inner=True if within else None,

@@ -1,6 +1,6 @@
 """The asperites of each surface as a ledger reads them, span by span."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
 
@@ -25,7 +25,6 @@ class Span:
     # (asperites,) 1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
     held: np.ndarray
     reservoir: np.ndarray  # (2, asperites) velocity of the reservoir in the surface's first frame
-    _consecutive: dict[str, bool] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def present(self) -> frozenset[str]:
@@ -33,13 +32,15 @@ class Span:
         groups = ((k, v) for k, v in vars(self.asperites).items() if k[:4] in ("acc_", "dof_"))
         return frozenset(name for name, slots in groups if slots.max() >= 0)
 
-    def are_consecutive(self, group: str) -> bool:
-        """Whether the slots of a group follow one another, and one stride holds for all of them."""
-        if group not in self._consecutive:
-            slots, stride = getattr(self.asperites, group), self.asperites.stride
-            follow = slots.ndim == 1 and slots[0] >= 0 and bool(np.all(np.diff(slots) == 1))
-            self._consecutive[group] = follow and bool(np.all(stride == stride[0]))
-        return self._consecutive[group]
+    @cached_property
+    def consecutive(self) -> frozenset[str]:
+        """Groups whose slots follow one another, with one stride for all of them."""
+        if np.any(self.asperites.stride != self.asperites.stride[0]):
+            return frozenset()
+        groups = ((name, getattr(self.asperites, name)) for name in self.present)
+        return frozenset(
+            name for name, slots in groups if slots[0] >= 0 and np.all(np.diff(slots) == 1)
+        )
 
 
 def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:

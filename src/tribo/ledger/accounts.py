@@ -84,7 +84,7 @@ def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> li
     if group not in span.present:
         return [0.0 for _ in places]
     slots, stride = getattr(span.asperites, group), span.asperites.stride
-    if span.are_consecutive(group):  # a part of the table, ten times faster than its columns
+    if group in span.consecutive:  # a part of the table, ten times faster than its columns
         firsts = [int(slots[0] + k * stride[0]) for k in places]
         return [s[:, first : first + slots.size] for first in firsts]
     return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]

@@ -227,18 +227,12 @@ FURTHER_OF_SYSTEM = {
         lambda scene, surface: bool(scene.fields),
     )
 }
+ON_REQUEST = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
+EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
-    "forces": {
-        name: each
-        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES).items()
-        if each.kind in ("force", "share")
-    },
-    "energies": {
-        name: each
-        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM).items()
-        if each.kind == "energy"
-    },
+    group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
+    for group, kinds in (("forces", ("force", "share")), ("energies", ("energy",)))
 }
 
 
@@ -251,9 +245,6 @@ def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)
     )
-
-
-EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 
 
 # The sums over the asperites of a surface, by the names of what is summed.
@@ -283,8 +274,7 @@ def reported(ledger: str, present: frozenset[str]) -> Reported:
         tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
     elif ledger == "none":
         tables = list(map(_without_accounts, tables))
-    on_request = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
-    asked = (_those_of(table, present) for table in on_request)
+    asked = (_those_of(table, present) for table in ON_REQUEST)
     return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
 
 

@@ -23,6 +23,7 @@ from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop, in_blocks, unit_setting
+from tribo.loops.integrate import Columns, Setting
 
 T = TypeVar("T")
 # Steps of a call of the loop, at most, since an interrupt waits for its end; no more than the guard
@@ -79,7 +80,7 @@ class MemberRuns(NamedTuple):
 class MemberLoop(Protocol):
     """A compiled loop over members, with memory of its own."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances."""
 
 
@@ -103,12 +104,10 @@ class RecordingLoop(ABC):
             array[...] = fresh
 
     @abstractmethod
-    def fill(
-        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
-    ) -> np.ndarray:
+    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         """Run members, fill in their samples (members, times, ...), and return their counts."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances, and return their samples."""
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
@@ -150,7 +149,7 @@ class Pool(Generic[T]):
 class Batch(Pool[MemberLoop]):
     """Runs members of a scene, in any number of threads."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members in this thread; what a member gives depends on that member alone."""
         loop = self.take()
         runs = loop.run(setting, starts)
@@ -183,9 +182,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (self.model,), examples)
 
-    def fill(
-        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
-    ) -> np.ndarray:
+    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         """Run members from their seeds; the samples of those that did not complete are zeros."""
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
@@ -208,20 +205,18 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def advance(self, times: np.ndarray, columns: integrate.Columns, budget: int) -> int:
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         code: int = self._entry(*self._arguments(times, columns, budget))
         return code
 
-    def _to_end(self, columns: integrate.Columns) -> int:
+    def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""
         times = self.layout.times
         code = self.advance(times, columns, MOST_STEPS)
         if code != PAUSED:  # nearly always
             return code
-        scene, ends = self.layout.scene, (times[0], times[-1])
-        guard = integrate.ProgressGuard(
-            self.clocks, *ends, scene.count, integrate.most_evaluations(scene)
-        )
+        scene, most = self.layout.scene, integrate.most_evaluations(self.layout.scene)
+        guard = integrate.ProgressGuard(self.clocks, times[0], times[-1], scene.count, most)
         while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
             code = self.advance(times, columns, guard.within(MOST_STEPS))
         return code

@@ -136,7 +136,7 @@ class GeneralLoop(TimeLoop):
         return memory
 
     def restore(self, memory: Memory) -> None:
-        set_numbers(self.clocks, memory["clock"])
+        self.clocks[0] = tuple(memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
             lists: dict[str, Any] = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
@@ -190,9 +190,3 @@ def in_blocks(setting: Setting, layout: Layout) -> Setting:
 def numbers_of(clocks: np.ndarray) -> np.ndarray:
     """The fields of a clock as numbers; counts below 2^53 are exact."""
     return np.array(clocks[0].tolist(), float)
-
-
-def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
-    """Set the fields of a clock from :func:`numbers_of`."""
-    for name, value in zip(CLOCK.names or (), numbers, strict=True):
-        clocks[name] = value

@@ -23,7 +23,7 @@ from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import entry_point
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
-from tribo.loops.general import numbers_of, set_numbers
+from tribo.loops.general import numbers_of
 from tribo.loops.integrate import (
     Checkpoints,
     Columns,
@@ -285,7 +285,7 @@ class PairLoop(TimeLoop):
         return _memory(self.clocks, self._rows[step_rows.STATE :].copy())
 
     def restore(self, memory: Memory) -> None:
-        set_numbers(self.clocks, memory["clock"])
+        self.clocks[0] = tuple(memory["clock"])
         self._rows[step_rows.STATE :] = memory["pair"]
 
     def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
