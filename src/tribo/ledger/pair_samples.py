@@ -58,11 +58,10 @@ class PairSamples(Samples):
     def __init__(
         self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
     ) -> None:
-        self.t, self.contact, self.baths = t, record[:, ENERGY], np.empty((t.size, 0, 0))
-        self._record = record
-        self._first = first
-        self._factors = factors
-        self.runs = len(first)
+        self.t, self.contact, self.runs = t, record[:, ENERGY], len(first)
+        self.field, self.stored = np.zeros(t.size), np.zeros((t.size, 2, STORED))
+        self.baths = np.empty((t.size, 0, 0))
+        self._record, self._first, self._factors = record, first, factors
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
@@ -82,16 +81,6 @@ class PairSamples(Samples):
             starts = np.tile(start, (self.t.size // self.runs, 1))
             add_reactions(self._factors.driven, self.y, s, starts)
         return s
-
-    @cached_property
-    def field(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times,)."""
-        return np.zeros(self.t.size)
-
-    @cached_property
-    def stored(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times, 2, STORED)."""
-        return np.zeros((self.t.size, 2, STORED))
 
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""

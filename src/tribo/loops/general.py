@@ -91,17 +91,9 @@ class GeneralLoop(TimeLoop):
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         self._neighbours = with_room(self._neighbours)
-        return (
-            self._neighbours,
-            *self._constants,
-            self.clocks,
-            self.state,
-            times,
-            Record(*columns, *self._recorded),  # type: ignore[call-arg]
-            budget,
-            *self._noise,
-            *self._scratch,
-        )
+        record = Record(*columns, *self._recorded)  # type: ignore[call-arg]
+        run = self.clocks, self.state, times, record, budget
+        return self._neighbours, *self._constants, *run, *self._noise, *self._scratch
 
     def forget_neighbours(self) -> None:
         if self._neighbours is not None:

@@ -69,7 +69,7 @@ class LaneLoop(RecordingLoop):
         own_numbers: bool,
         alone: Pool[GeneralMembers],
     ) -> None:
-        self.layout, self._alone, self._own_numbers = layout, alone, own_numbers
+        self.layout, self._alone = layout, alone
         self._longest, self._order = first_step, method.order
         self.eight = eight = interleaved(layout, own_numbers)
         self.coefficients: Any = method.coefficients
@@ -98,8 +98,7 @@ class LaneLoop(RecordingLoop):
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         members = len(starts.y)
         numbers = np.empty((members, 0))
-        if self._own_numbers:
-            assert starts.numbers is not None
+        if starts.numbers is not None:
             numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(each.reshape(math.prod(each.shape[:2]), *each.shape[2:]) for each in columns)
         counts = self.fill_lanes(setting, starts, numbers, rows)
@@ -169,18 +168,9 @@ class NystromLanes(LaneLoop):
         s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
         first_step = first_step_at(tolerance, self._longest, self._order)
         places = self._places, numbers, self.eight.numbers
-        return (
-            self.coefficients,
-            tolerance._replace(y=y, s=s),
-            self._clocks,
-            self._state,
-            self.layout.times,
-            self.record(columns),
-            budget,
-            queue,
-            Starts(starts, *places, self.eight.memory, first_step),
-            *self._scratch,
-        )
+        begin = Starts(starts, *places, self.eight.memory, first_step)
+        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
+        return self.coefficients, tolerance._replace(y=y, s=s), *run, queue, begin, *self._scratch
 
 
 class SplittingLanes(LaneLoop):
@@ -239,18 +229,9 @@ class SplittingLanes(LaneLoop):
         self, step: float, columns: Columns, budget: int, deviates: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
-        return (
-            self.coefficients,
-            step,
-            self._clocks,
-            self._state,
-            self.layout.times,
-            self.record(columns),
-            budget,
-            self._watch,
-            Deviates(deviates, np.zeros(1, np.int64)),
-            self._work,
-        )
+        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
+        noise = Deviates(deviates, np.zeros(1, np.int64))
+        return self.coefficients, step, *run, self._watch, noise, self._work
 
 
 def deviates_of_substep(layout: Layout) -> int:

@@ -106,9 +106,8 @@ class Integrator:
         if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
             setting = stricter(setting, OTHER_STEPS)
         start = self.layout.start if start is None else start
-        entry = None
-        if self._journal is not None:
-            entry = self._journal.integration(key_of(setting, times, start))
+        journal = self._journal
+        entry = None if journal is None else journal.integration(key_of(setting, times, start))
         if pair is not None:
             assert isinstance(setting, Tolerance)
             return pair.integrate(setting, start, times, self._progress, entry, most)
