@@ -13,8 +13,8 @@ import inventories  # noqa: E402
 import tribo  # noqa: E402
 
 project = "tribo"
-author = "The tribo authors"
-copyright = "2026, the tribo authors"
+author = "The tribo developers"
+copyright = "2026, the tribo developers"
 release = version = tribo.__version__
 
 extensions = ["mathml", "myst_parser"]

@@ -112,9 +112,10 @@ class Result(RunResult):
     def depinning(self, surface: str, distance: float | None = None) -> Depinning:
         """The drive's force at which a pulled or pushed surface starts to slide, along x.
 
-        It is the largest force on each asperite until its bar has moved by `distance`: the static
-        friction, if the pull is slow and samples are close in time. If the force grows at a rate,
-        the result is too large by the rate times the time that the bar takes for the distance.
+        It is the largest force on each asperite until its bar has moved by `distance` over the
+        field or the other surface: the static friction, if the pull is slow and samples are close
+        in time. If the force grows at a rate, the result is too large by the rate times the time
+        that the bar takes for the distance.
 
         Parameters
         ----------

@@ -95,7 +95,8 @@ def number(field: str, value: object, condition: Condition = ANY, unit: str = ""
     """One finite number that meets the condition; the message names the unit if one is given."""
     if type(value) is float and condition is ANY and -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
         return value
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+    value = scalar(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating)):
         raise must_be(field, f"a number{_in(unit)}", value)
     if isinstance(value, (float, np.floating)) and not math.isfinite(value):
         raise InputError(field, f"must be a finite number{_in(unit)}, got {value}")
@@ -114,11 +115,9 @@ def number_or_array(
     field: str, value: object, condition: Condition = ANY, unit: str = ""
 ) -> float | np.ndarray:
     """One number for all asperites, or one number per asperite as a read-only array."""
-    if type(value) is float:  # the most frequent type, for which `is_list` is not needed
+    # A float is the most frequent, for which `is_list` is not needed.
+    if type(value) is float or not is_list(value):
         return number(field, value, condition, unit)
-    if not is_list(value):
-        item = value[()] if isinstance(value, np.ndarray) else value
-        return number(field, item, condition, unit)
     return vector(field, value, condition, unit=unit)
 
 
@@ -131,6 +130,8 @@ def vector(
         raise must_be(field, f"{wanted}{_in(unit)}", value)
     if size is not None and len(value) != size:
         raise InputError(field, f"must be {wanted}{_in(unit)}, got {len(value)}")
+    if hasattr(value, "__array__"):
+        value = np.asarray(value)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
     else:
@@ -169,12 +170,17 @@ def fields(item: Any, **checks: Check) -> None:
 
 
 def is_list(value: object) -> TypeGuard[Sequence[Any] | np.ndarray]:
-    """Whether the value is a list, a tuple or an array of at least one axis."""
+    """Whether the value is a list, a tuple or an array, as of numpy or xarray, with an axis."""
     if isinstance(value, (int, float)):
         return False
-    if isinstance(value, np.ndarray):
-        return value.ndim > 0
+    if hasattr(value, "ndim"):
+        return bool(value.ndim > 0)
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
+
+
+def scalar(value: object) -> Any:
+    """A number of Python for an array without an axis, as of numpy or xarray; others as given."""
+    return np.asarray(value).item() if getattr(value, "shape", None) == () else value
 
 
 def integer(field: str, value: object, least: int, most: int | None = None) -> int:

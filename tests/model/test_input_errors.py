@@ -3,12 +3,14 @@
 import copy
 import math
 import re
+import warnings
 from datetime import date
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 import tomli_w
+import xarray
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -676,6 +678,15 @@ def test_wrong_value_in_python(call, given, sentence):
         call(**given)
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(sentence)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int8, np.longdouble, np.array, xarray.DataArray])
+def test_numbers_of_other_libraries(kind):
+    """They become numbers of Python, without a warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        duration = pair(duration=kind(3)).duration
+    assert type(duration) is float and duration == 3.0
 
 
 RIGID = {"asperite": Asperite(kappa=math.inf)}

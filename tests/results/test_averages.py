@@ -4,7 +4,9 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
+import xarray
 
 import tribo
 from tribo.results.averages import FUNCTIONS
@@ -43,6 +45,24 @@ def test_short_series_have_no_interval():
     noise = np.random.default_rng(1).standard_normal(2000)
     slow = tribo.time_average(np.arange(2000.0), np.cumsum(noise), 0.0)
     assert np.isnan(slow.half_width) and slow.note
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3, -7e80])
+@pytest.mark.parametrize("samples", [4, 100_000])
+def test_a_constant_is_its_average(value, samples):
+    """Up to round-off, which is no correlated motion, and also where samples are few."""
+    noise = 1e-16 * np.random.default_rng(1).standard_normal(samples)
+    found = tribo.time_average(np.arange(samples), value * (1.0 + noise))
+    assert abs(found.mean - value) <= 4e-16 * abs(value)
+    assert found.half_width <= 1e-15 * abs(value) and not found.note
+
+
+def test_arrays_of_other_libraries():
+    """Series of xarray, of pandas and of 32 bits are read as those of numpy."""
+    t, values = np.arange(100.0), np.random.default_rng(1).standard_normal(100).astype(np.float32)
+    known = tribo.time_average(t, values.astype(float), 10.0)
+    for kind in (xarray.DataArray, pandas.Series):
+        assert tribo.time_average(kind(t), kind(values), after=np.float32(10.0)) == known
 
 
 def test_incomplete_periods_do_not_matter():

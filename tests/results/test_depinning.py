@@ -1,10 +1,13 @@
 """The force at which pulled and pushed surfaces start to slide, against exact static friction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 import tribo
+from support.transformations import boosted
 
 AMPLITUDE, PERIOD, GAMMA = 0.3, 1.0, 1.0
 # Of a tip on a corrugation, reached a quarter of a period from its minimum.
@@ -12,7 +15,7 @@ STATIC = 2.0 * np.pi * AMPLITUDE / PERIOD
 HOW = {"method": "verlet", "step": 0.02}
 
 
-def run(drive, duration, count=1, spacing=1.1, springs=None):
+def run(drive, duration, count=1, spacing=1.1, springs=None, gamma=GAMMA):
     """Rigid asperites on a corrugation, with damping of the bars."""
     surface = tribo.Surface(
         "tip",
@@ -20,7 +23,7 @@ def run(drive, duration, count=1, spacing=1.1, springs=None):
         spacing=(spacing, 0.0),
         asperite=tribo.Asperite(kappa=np.inf),
         drive=drive,
-        langevin=tribo.Langevin(gamma=GAMMA),
+        langevin=tribo.Langevin(gamma=gamma),
         springs=springs or {},
     )
     field = tribo.Field(tribo.Corrugation(AMPLITUDE, PERIOD), on=["tip"])
@@ -28,6 +31,30 @@ def run(drive, duration, count=1, spacing=1.1, springs=None):
     return tribo.simulate(
         tribo.Scene([surface], [], duration, fields=[field], output=output), **HOW
     )
+
+
+def test_a_stage_at_rest_above_what_moves():
+    """As a tip that is pulled, in another frame."""
+    scene = run(tribo.Pulled(stiffness=5.0, speed=0.02), 60.0).scene
+    known = tribo.simulate(scene, **HOW).depinning("tip")
+    for speed in (-0.02, 0.5):
+        found = tribo.simulate(boosted(scene, (speed, 0.0)), **HOW).depinning("tip")
+        assert found.mean == pytest.approx(known.mean, rel=1e-9)
+        assert found.times == known.times
+    lower = tribo.Surface(
+        "lower",
+        facing="up",
+        shape=(8, 1),
+        spacing=(1.5, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive="bars",
+    )
+    tip = replace(scene.surfaces[0], bob=(4.5, 0.8), drive=tribo.Pulled(stiffness=1.0, speed=0.02))
+    contact = tribo.Gaussian(0.5, 0.5).with_cutoff(1.5)
+    scene = replace(scene, surfaces=[tip, lower], interactions=contact, fields=[])
+    known = tribo.simulate(scene, **HOW).depinning("tip")
+    found = tribo.simulate(boosted(scene, (-0.02, 0.0)), **HOW).depinning("tip")
+    assert found.mean == pytest.approx(known.mean, rel=1e-9)
 
 
 def test_a_tip_that_is_pulled_slowly():
@@ -40,6 +67,18 @@ def test_a_tip_that_is_pulled_slowly():
     # The spring has the force at x = period / 4.
     expected = (PERIOD / 4.0 + STATIC / 5.0) / 0.005
     assert found.times[0] == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_run_that_ends_after_a_slip_of_several_periods(sign):
+    """The spring then pushes back, which is not the direction of the slide."""
+    pull = tribo.Pulled(stiffness=0.1 * (2.0 * np.pi) ** 2 * AMPLITUDE, speed=sign * 0.05)
+    long = run(pull, 60.0, gamma=0.3)
+    force = sign * pull.stiffness * (pull.speed * long.t - long["tip"].x_bar[:, 0])
+    assert force.min() < -0.5 * STATIC
+    short = run(pull, long.t[np.argmin(force)], gamma=0.3)
+    for result in (long, short):
+        assert sign * result.depinning("tip").mean == pytest.approx(STATIC, rel=0.05)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -70,7 +109,7 @@ def test_what_does_not_start():
     with pytest.raises(tribo.InputError, match=r'that "tip" moves, got 0.5, .* move by 0\.0'):
         run(tribo.Pushed(force=(0.3, 0.0)), 20.0).depinning("tip")
     result = run(tribo.Free(), 1.0)
-    with pytest.raises(tribo.InputError, match="must be one that pulls or pushes"):
+    with pytest.raises(tribo.InputError, match="must be one that pulls or pushes along x"):
         result.depinning("tip")
 
 

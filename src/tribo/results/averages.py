@@ -56,6 +56,8 @@ UNRESOLVED = 5.0
 # Probability with which a trend is not one of chance, and the same of one by unresolved slips: 3.3
 # standard errors, that of a slope being the square root of 12 times that of the mean.
 TREND, SLOPE = 0.999, 11.4
+# Spread, relative to the mean, of the values of a constant.
+ROUNDING = 1e-14
 # Probability that an interval contains the exact mean.
 CONFIDENCE = 0.95
 
@@ -146,10 +148,12 @@ def _average(t: np.ndarray, values: np.ndarray, first: int) -> Average:
     if t.size < 2:
         raise InputError("after", f"must leave two samples or more, got {t.size}")
     weights = _weights(t)
-    mean = float(weights @ values)
+    mean = float(values[0] + weights @ (values - values[0]))  # exact for a constant
     rest = values - mean
     spread = float(np.sqrt(weights @ rest**2))
     begin, length = float(t[0]), float(t[-1] - t[0])
+    if spread <= ROUNDING * abs(mean):
+        return Average(mean, 2.0 * spread, spread, 0.0, float(t.size), begin)
     if t.size < 2 * FUNCTIONS:
         note = f"too short for an interval: {t.size} samples, {2 * FUNCTIONS} or more would do"
         return Average(mean, np.nan, spread, np.nan, np.nan, begin, note)

@@ -7,7 +7,6 @@ import numpy as np
 from tribo.layout.scene_records import resting_bobs
 from tribo.model.drives import Pulled, Pushed
 from tribo.model.fields import Corrugation
-from tribo.model.scene import Scene
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
@@ -38,24 +37,27 @@ class Depinning(NamedTuple):
 
 def depinning(result: RunResult, name: str, distance: float | None = None) -> Depinning:
     """The force at which a surface starts to slide; see :meth:`tribo.Result.depinning`."""
-    x = result[name]["x_bar"]
     index = [surface.name for surface in result.scene.surfaces].index(name)
     surface = result.scene.surfaces[index]
-    force = _force(result, index, x)
-    if surface.springs:
-        x, force = x.mean(axis=1, keepdims=True), force.mean(axis=1, keepdims=True)
+    periods, ground = _ground(result, name)
     if distance is None:
-        distance = _half_period(result.scene, name)
+        if len(set(periods)) != 1:
+            raise InputError("distance", "is missing, and the scene has no period along x; give it")
+        distance = 0.5 * periods[0]
     distance = number("distance", distance, POSITIVE, "length")
-    along = np.sign(force[-1])
-    slid = along * (x - x[0]) >= distance
+    force, along = _force(result, index, ground)
+    moved = result[name]["x_bar"] - ground[:, None]
+    if surface.springs:
+        moved, force = moved.mean(axis=1, keepdims=True), force.mean(axis=1, keepdims=True)
+    moved = along * (moved - moved[0])
+    slid = moved >= distance
     stuck = ~np.logical_or.accumulate(slid, axis=0)
     starts = slid.any(axis=0)
     if not starts.any():
         raise InputError(
             "distance",
             f'must be one that "{name}" moves, got {distance:g}, and its bars move by '
-            f"{np.max(along * (x - x[0])):.3g} at most; run for longer or with more force",
+            f"{np.max(moved):.3g} at most; run for longer or with more force",
         )
     places = np.argmax(np.where(stuck, along * force, -np.inf), axis=0)
     each = np.where(starts, force[places, np.arange(starts.size)], np.nan)
@@ -64,25 +66,37 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
     return Depinning(float(np.nanmean(each)), half_width, each, result.t[places])
 
 
-def _force(result: RunResult, index: int, x: np.ndarray) -> np.ndarray:
-    """The x component of the drive's force on each asperite, (times, asperites)."""
+def _ground(result: RunResult, name: str) -> tuple[list[float], np.ndarray]:
+    """What a surface slides on, fields or else other surfaces: periods, displacement (times,)."""
+    fields = [field for field in result.scene.fields if name in field.on]
+    if fields:
+        potentials = [field.potential for field in fields]
+        periods = [each.period for each in potentials if isinstance(each, Corrugation)]
+        return periods, np.mean([field.velocity[0] for field in fields]) * result.t
+    others = [s for s in result.scene.surfaces if s.name != name]
+    rows = [s for s in others if s.positions is None and s.shape[0] > 1 and s.spacing[0] > 0.0]
+    places = [result[s.name]["x_bar"].mean(axis=1) for s in others] or [0.0 * result.t]
+    displacement = np.mean(places, axis=0)
+    return [s.spacing[0] for s in rows], displacement - displacement[0]
+
+
+def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarray, float]:
+    """The x component of the drive's force on each asperite, (times, asperites), and its sign.
+
+    The sign is that of the slide: after a slip, the spring of a stage may push backwards.
+    """
     surface, t = result.scene.surfaces[index], result.t[:, None]
-    drive = surface.drive
+    drive, x = surface.drive, result[surface.name]["x_bar"]
+    along = 0.0
     if isinstance(drive, Pulled):
         rest = resting_bobs(result.scene, index)[:, 0]
-        return np.asarray(drive.stiffness * (rest + drive.speed * t - x))
-    if isinstance(drive, Pushed):
-        return np.broadcast_to(drive.force[0] + drive.rate[0] * t, x.shape)
-    raise InputError(f"{surface.name}.drive", "must be one that pulls or pushes, to start a slide")
-
-
-def _half_period(scene: Scene, name: str) -> float:
-    """Half of the period of the field on a surface, or else of the surfaces in contact with it."""
-    corrugations = [f.potential for f in scene.fields if name in f.on]
-    periods = [each.period for each in corrugations if isinstance(each, Corrugation)]
-    if not periods:
-        others = [s for s in scene.surfaces if s.name != name and s.positions is None]
-        periods = [s.spacing[0] for s in others if s.shape[0] > 1 and s.spacing[0] > 0.0]
-    if len(set(periods)) != 1:
-        raise InputError("distance", "is missing, and the scene has no period along x; give it")
-    return 0.5 * periods[0]
+        force = np.asarray(drive.stiffness * (rest + drive.speed * t - x))
+        along = float(np.sign(drive.speed * result.t[-1] - ground[-1]))
+    elif isinstance(drive, Pushed):
+        force = np.broadcast_to(drive.force[0] + drive.rate[0] * t, x.shape)
+        along = float(np.sign(force[-1, 0]))
+    if along == 0.0:
+        raise InputError(
+            f"{surface.name}.drive", "must be one that pulls or pushes along x, to start a slide"
+        )
+    return force, along

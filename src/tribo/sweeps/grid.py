@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
-from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, short_repr
+from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, scalar, short_repr
 
 # A value of a key.
 Value = float | int | str | bool
@@ -86,7 +86,7 @@ def _axis(key: object, values: object) -> Axis:
         if together and not (is_list(item) and len(item) == len(keys)):
             raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
         given = item if together else [item]
-        row = tuple(each.item() if isinstance(each, np.generic) else each for each in given)
+        row = tuple(map(scalar, given))
         for each in row:
             if not isinstance(each, (float, int, str)):
                 raise must_be(name, "a list of numbers or words", each)
