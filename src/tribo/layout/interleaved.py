@@ -35,10 +35,7 @@ class Interleaved(NamedTuple):
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
-    """Lay out eight members, each with arrays for what changes, and `own_numbers` if they differ.
-
-    The scene has neither calculators nor sums over surfaces as accounts.
-    """
+    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`."""
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
     shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1

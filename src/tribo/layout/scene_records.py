@@ -130,9 +130,9 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
 def fields_on_surfaces(
     scene: Scene, origin: np.ndarray, accounts: int | None
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields, each with an account if it moves, and the number of accounts then.
+    """The external fields, and how many accounts there are with one for each that moves.
 
-    There are so many `accounts` before these; with None fields have none.
+    There are so many `accounts` before these; with None, fields have none.
     """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)

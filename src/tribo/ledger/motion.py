@@ -172,7 +172,6 @@ class Motion:
         return np.full((len(table), self.span.asperites.stride.size), absent())
 
 
-
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
     """The motion of surface `index`, span by span."""
     for span in layout.spans[index]:

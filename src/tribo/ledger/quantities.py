@@ -237,10 +237,7 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
-    """The names of what the scene reports of a surface, and of the system, beside all scenes'.
-
-    The optional quantities, and the series that the scene's output asks for.
-    """
+    """The optional quantities that a scene reports, and the series that its output asks for."""
     groups = (OPTIONAL_QUANTITIES, *(FURTHER.get(name, {}) for name in scene.output.series))
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)

@@ -41,7 +41,7 @@ class AsperiteSeries:
 
     def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals.of(span), name) for span in self.spans])
+        return _side_by_side([accounted(integrals[span], name) for span in self.spans])
 
 
 class SurfaceSeries(AsperiteSeries):
@@ -74,7 +74,7 @@ class SurfaceSeries(AsperiteSeries):
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        return _sum(accounted(integrals.of(span), name) for span in self._accounted)
+        return _sum(accounted(integrals[span], name) for span in self._accounted)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
@@ -194,7 +194,7 @@ class SurfaceSeries(AsperiteSeries):
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = (integrals.of(span) for span in self._accounted)
+        every = (integrals[span] for span in self._accounted)
         return _sum(
             each.whole(sum(part(each[name], each.span.velocity) for name in names))
             for each in every

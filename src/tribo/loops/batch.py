@@ -112,10 +112,7 @@ class RecordingLoop(ABC):
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
         counts = self.fill(setting, starts, columns)
-        each_time = (
-            np.swapaxes(each[:members], 0, 1).reshape(times.size * members, *each.shape[2:])
-            for each in columns
-        )
+        each_time = (np.concatenate(np.swapaxes(each[:members], 0, 1)) for each in columns)
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
             layout = replace(layout, numbers=starts.numbers, member_times=times.size)
@@ -165,10 +162,7 @@ def has_batches(layout: Layout) -> bool:
 
 
 class GeneralMembers(GeneralLoop, RecordingLoop):
-    """A loop that runs members of a scene with `has_batches` one by one.
-
-    `first_step` is the longest one of an adaptive method [time].
-    """
+    """A loop for members of a scene with `has_batches`; `first_step` [time] is the longest one."""
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
         setting = unit_setting(layout, method)

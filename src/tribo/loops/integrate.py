@@ -1,7 +1,4 @@
-"""One integration of a scene: a time loop, called in chunks, and its samples.
-
-A guard stops runs with adaptive steps that make no progress.
-"""
+"""One integration of a scene: a time loop in chunks, its samples, and a guard of its progress."""
 
 from __future__ import annotations
 

@@ -40,10 +40,7 @@ class Journal(Frames):
             self._known.setdefault(number, {})[name] = arrays
 
     def integration(self, key: bytes) -> JournaledIntegration:
-        """The next integration of the run; `key` identifies its settings.
-
-        Raises InputError if the one in the journal has other settings.
-        """
+        """The next integration; raises InputError if the journal's has settings with another `key`."""
         number, known = self._number, self._known.pop(self._number, {})
         self._number += 1
         if "memory" in known and known["memory"]["key"].tobytes() != key:

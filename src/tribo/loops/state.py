@@ -237,8 +237,7 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
     ledgers = state.scene.output.ledger, layout.scene.output.ledger
     same_scene = first_difference(before, now) is None and ledgers[0] == ledgers[1]
     places, others = ({"surface": list(map(_places_of, t["surface"]))} for t in (old, new))
-    other = first_difference(places, others)
-    if other is not None:
+    if (other := first_difference(places, others)) is not None:
         raise InputError("start", f"must be a state of this scene, but {other}")
     if state.y.size != layout.start.size:
         raise InputError("start", "must be a state of this scene, but has other coordinates")
