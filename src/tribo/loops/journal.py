@@ -40,7 +40,7 @@ class Journal(Frames):
             self._known.setdefault(number, {})[name] = arrays
 
     def integration(self, key: bytes) -> JournaledIntegration:
-        """The next integration; raises InputError if the journal's has settings with another `key`."""
+        """The next integration.  Raises InputError if the journal has it with another `key`."""
         number, known = self._number, self._known.pop(self._number, {})
         self._number += 1
         if "memory" in known and known["memory"]["key"].tobytes() != key:
