@@ -24,7 +24,8 @@ Values = Mapping[str, np.ndarray]  # of a key: (members, 1), or (members, 2) of 
 def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     """Whether members of a scene may differ in numbers with these dotted keys.
 
-    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.
+    Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
+    loop of a pair takes no mass of a surface from the scene.
     """
     surfaces, slides = layout.scene.surfaces, slide(layout.scene) & (not by_pair_loop)
     plain = [

@@ -98,6 +98,7 @@ class LaneLoop(RecordingLoop):
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         members = len(starts.y)
         numbers = np.empty((members, 0))
+        assert starts.numbers is not None or self.eight.memory.size == 0
         if starts.numbers is not None:
             numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(each.reshape(math.prod(each.shape[:2]), *each.shape[2:]) for each in columns)
