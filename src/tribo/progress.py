@@ -9,7 +9,7 @@ from typing import Any
 
 from tribo.validation import must_be
 
-# Seconds before a bar appears: shorter computations show none.
+# Seconds before a progress bar appears: shorter computations show none.
 DELAY = 1.0
 # How a bar looks: six digits of what is reached, the time spent and the time left.
 FORMAT = "{desc}{percentage:3.0f}%|{bar}| {n:.6g}/{total:.6g} {unit} [{elapsed}<{remaining}]"

@@ -55,8 +55,8 @@ def prepare(
         A step [time] instead of an accuracy; such runs have no error estimate.
     progress : callable or bool, optional
         A function that is called with the time reached, a few times a second, in all runs.  By
-        default a bar appears on a terminal or in a notebook after a second; True shows it elsewhere
-        too, False never.
+        default a progress bar appears on a terminal or in a notebook after a second; True shows it
+        elsewhere too, False never.
     start : State, optional
         The state from which all runs begin, such as that of a result; by default the start of the
         scene at t = 0.  In the scene of the state, works and changes of energy continue from

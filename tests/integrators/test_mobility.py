@@ -243,13 +243,18 @@ def test_system_with_bath_and_reservoir():
     assert abs(missing) / ROW["shape"][1] < 0.02 * TEMPERATURE
 
 
-def test_steps_that_heat_swings_are_refused():
-    """The message names a step that would do; the automatic step is as short."""
-    surface = Surface("bar", drive=Free(load=0.0), langevin=Langevin(150.0, TEMPERATURE))
+@pytest.mark.parametrize(("temperature", "most"), [(TEMPERATURE, 0.0231), (0.05, 0.0566)])
+def test_steps_that_heat_swings_are_refused(temperature, most):
+    """The message names a step that would do; the automatic step is as short.
+
+    The limit is 0.2 of z^2 T / kappa; at 0.05, z = 6 heats the swings by 9 %, not by 2 % as the
+    product z T / kappa suggests (benchmarks/damped_swings.py).
+    """
+    surface = Surface("bar", drive=Free(load=0.0), langevin=Langevin(150.0, temperature))
     scene = Scene([surface], [], 100.0)
-    with pytest.raises(InputError, match=r"step: must be at most 0.02 for the damping"):
-        tribo.simulate(scene, step=STEP)
+    with pytest.raises(InputError, match=rf"step: must be at most {most} for the damping"):
+        tribo.simulate(scene, step=0.12)
     choice = choose(lay_out(scene), None, None, None)
-    assert choice.step == pytest.approx(longest_step(lay_out(scene), 0.02))
+    assert choice.step == pytest.approx(longest_step(lay_out(scene), most), rel=3e-3)
     given = choose(lay_out(scene), None, None, choice.step)
     assert given == replace(choice, automatic=False)

@@ -23,10 +23,10 @@ DIFFERENCE = 0.01
 # Bounds on steps h with reservoirs, where a pendulum of frequency w swings.  The jumps by which
 # strong friction undoes the drifts leave an error that heats it.  With z = gamma h / mass:
 # <twist^2> of harmonic swings is too large by about 0.12 z (w h / 2)^4, from the covariance of a
-# step, and that of wide swings on damped bars by about 0.13 z T / kappa, but by less than 1 % for
-# z < 0.25 at any T, as measured on 1500 pendulums.  Both stay below 2.5 %.
+# step, and that of wide swings on damped bars by about 0.1 z^2 T / kappa (less for z > 6), but by
+# less than 1 % for z < 0.25 at any T; benchmarks/damped_swings.py.  Both stay below 2.5 %.
 MOST_DAMPED_PHASE = 0.2  # of z (w h / 2)^4
-MOST_DAMPED_SWING = 0.15  # of z T / kappa
+MOST_DAMPED_SWING = 0.2  # of z^2 T / kappa
 MOST_DAMPING = 0.25  # of z, where T / kappa is large
 
 
@@ -107,7 +107,7 @@ def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) ->
         rates = on_bars + swing_gamma[..., a.surface] / table[row.INERTIA]
         most = (16.0 * MOST_DAMPED_PHASE / (rates * table[row.FREQUENCY] ** 4)) ** 0.2
         torsion = table[row.KAPPA] / warmest
-        curved = np.maximum(MOST_DAMPING, MOST_DAMPED_SWING * torsion) / on_bars
+        curved = np.maximum(MOST_DAMPING, np.sqrt(MOST_DAMPED_SWING * torsion)) / on_bars
         curved = np.where(warmest > 0.0, curved, np.inf)
     return float(min(np.nanmin(most, initial=np.inf), np.nanmin(curved, initial=np.inf)))
 
