@@ -50,7 +50,8 @@ class PairMembers:
             potential = np.ascontiguousarray(numbers.potential)
         arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
-        return pair_runs(self._pair, self._times, *arguments[-3:-1], starts)
+        samples, counts = arguments[-3:-1]
+        return pair_runs(self._pair, self._times, samples, counts, starts)
 
     def _arguments(
         self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
