@@ -1,6 +1,7 @@
 """The decision after a round, by tables: no run is made."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,7 +9,7 @@ from tribo.accuracy.decision import LONG_RUN, Limits, Round, Stop, best, decide,
 from tribo.kernels.status import Status
 
 ADAPTIVE = Limits(wanted=1e-6, order=12, adaptive=True, finest=1e-13, amplification=10.0)
-EQUAL = ADAPTIVE._replace(order=2, adaptive=False)
+EQUAL = replace(ADAPTIVE, order=2, adaptive=False)
 
 
 def rounds(*excesses, level=1e-6):
@@ -26,23 +27,23 @@ def stopped(status, level=1e-7):
     ("history", "limits", "wanted"),
     [
         (rounds(0.9), ADAPTIVE, Stop.MET),
-        (rounds(1.1), ADAPTIVE._replace(exhausted=True), Stop.EXHAUSTED),
-        (rounds(1.1), ADAPTIVE._replace(finest=1e-6), Stop.FINEST),
+        (rounds(1.1), replace(ADAPTIVE, exhausted=True), Stop.EXHAUSTED),
+        (rounds(1.1), replace(ADAPTIVE, finest=1e-6), Stop.FINEST),
         (rounds(8.0, 6.0, 4.0), ADAPTIVE, Stop.STALLED),
-        (rounds(8.0), ADAPTIVE._replace(amplification=None), Stop.OUT_OF_REACH),
-        (rounds(8.0), ADAPTIVE._replace(amplification=1e11), Stop.OUT_OF_REACH),
+        (rounds(8.0), replace(ADAPTIVE, amplification=None), Stop.OUT_OF_REACH),
+        (rounds(8.0), replace(ADAPTIVE, amplification=1e11), Stop.OUT_OF_REACH),
         ([stopped(Status.INTERRUPTED)], ADAPTIVE, Stop.ENDED),
         ([*rounds(8.0), stopped(Status.NO_PROGRESS, 4e-7)], ADAPTIVE, Stop.BRACKETED),
         # Levels: a tenth where the excess is small, else what the excess asks for.
         (rounds(2.0), ADAPTIVE, 1e-7),
         (rounds(60.0), ADAPTIVE, 1e-6 * 0.3 / 60.0),
         (rounds(math.inf), ADAPTIVE, 1e-8),
-        (rounds(60.0), ADAPTIVE._replace(finest=1e-7), 1e-7),
+        (rounds(60.0), replace(ADAPTIVE, finest=1e-7), 1e-7),
         (rounds(8.0, 6.0), ADAPTIVE, 1e-7 * 0.3 / 6.0),  # one stalled round is chance
         (rounds(8.0, 6.0, 1.5, 1.2), ADAPTIVE, 1e-10),  # a gain between two stalls
         # Between a level at which runs stop and one at which they do not.
         ([*rounds(8.0), stopped(Status.NO_PROGRESS, 1e-8)], ADAPTIVE, 1e-7),
-        ([stopped(Status.NO_PROGRESS, 1e-8)], ADAPTIVE._replace(reached=1e-4), 1e-6),
+        ([stopped(Status.NO_PROGRESS, 1e-8)], replace(ADAPTIVE, reached=1e-4), 1e-6),
         ([stopped(Status.NO_PROGRESS, 1e-8)], ADAPTIVE, Stop.BRACKETED),
         # Equal steps that are too long: a quarter of the step, by a method of order 2.
         ([stopped(Status.NOT_FINITE, 1e-6)], EQUAL, 1e-6 / 16.0),

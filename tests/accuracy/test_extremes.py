@@ -10,7 +10,6 @@ from support.hard_scenes import changed, simulate, stopped
 from tribo.accuracy.levels import (
     FLOOR,
     fine_level,
-    finest_level,
     first_guess,
     tolerance_scales,
     tolerances,
@@ -74,7 +73,7 @@ def test_no_two_settings_begin_with_the_same_step():
     layout = lay_out(changed("A"))
     coarse, fine = (
         tolerances(layout, first_guess(layout), level, 0.5)
-        for level in (finest_level(METHOD), fine_level(METHOD) * finest_level(METHOD))
+        for level in (FLOOR / fine_level(METHOD), FLOOR)
     )
     assert coarse.level > 5.0 * fine.level and fine.level == pytest.approx(FLOOR)
     assert first_step_at(fine, 1.0, 15) < 0.9 * first_step_at(coarse, 1.0, 15) < 0.9

@@ -7,7 +7,7 @@ from scipy.stats import qmc
 
 import tribo
 from tribo import InputError, ensemble, paper
-from tribo.ensembles.members import Variation, sampled
+from tribo.ensembles.members import Variation, sources_of
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_samplers():
     row = tribo.Surface("row", shape=(3, 1), spacing=(5.0, 0.0), langevin=tribo.Langevin(1.0, 0.3))
     scene = tribo.Scene((row,), (), 2.0)
     vary = {"row.theta": stats.norm(), "row.velocity": stats.norm(), "row.nu": [[0.0]] * 8}
-    found = sampled(qmc.LatinHypercube(4, rng=1), 8, scene, vary)
+    found = sources_of(scene, vary, qmc.LatinHypercube(4, rng=1), 8)
     assert found["row.theta"].shape == (8, 3) and found["row.velocity"].shape == (8, 1)
     strata = np.sort(np.floor(8 * stats.norm.cdf(found["row.theta"])), axis=0)
     np.testing.assert_array_equal(strata, np.tile(np.arange(8.0)[:, None], (1, 3)))

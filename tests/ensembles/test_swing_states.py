@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 import tribo
 from tribo import InputError, paper
-from tribo.ensembles.members import Variation, draws_of, sampled
+from tribo.ensembles.members import Variation, draws_of, sources_of
 
 FORCED = paper.scene("A")
 DRIVEN = replace(FORCED, surfaces=[replace(s, drive=tribo.DrivenBars()) for s in FORCED.surfaces])
@@ -70,7 +70,7 @@ def test_one_energy_has_uniform_phases():
     numbers = {key: draw.dimensions for key, draw in draws_of(FORCED, vary).items()}
     assert numbers == {"upper.swing_state": 1, "lower.theta": 1}
     points = qmc.Sobol(2, rng=3)
-    for values in (rows(FORCED, vary), sampled(points, 1024, FORCED, vary)):
+    for values in (rows(FORCED, vary), sources_of(FORCED, vary, points, 1024)):
         np.testing.assert_allclose(energy(values, "upper"), 0.5, rtol=1e-13)
         phase = np.arctan2(
             np.sqrt(INERTIA) * values["upper.omega"], np.sqrt(KAPPA) * values["upper.swing"]

@@ -53,6 +53,16 @@ def test_points_are_runs(whole):
     assert len(np.unique(whole["upper.W"])) == 6
 
 
+def test_ends_of_drawn_starts_have_names_of_their_own():
+    """The start of a swing keeps its key, also where swing and rate are drawn together."""
+    vary = {"upper.swing_state": tribo.Canonical(0.01)}
+    strengths = {"interaction.strength": [0.1, 0.2]}
+    data = sweep(SCENE, strengths, members=3, vary=vary, keep=["upper.omega"], accuracy=1e-4)
+    assert data["upper.omega"].dims == ("member", "upper_asperite")
+    assert data["upper.omega_end"].dims == ("interaction.strength", "member", "upper_asperite")
+    assert not np.any(data["upper.omega"] == data["upper.omega_end"])
+
+
 def test_in_parallel(whole):
     """An engine gives the same bits."""
     with ThreadPoolExecutor(2) as pool:

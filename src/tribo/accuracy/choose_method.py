@@ -14,16 +14,13 @@ from tribo.loops import resolution
 from tribo.model.settings import check_accuracy
 from tribo.validation import POSITIVE, InputError, number
 
-# The accuracy where neither the call nor the scene file gives one: far below what a figure can
-# show, and far above round-off.
+# The accuracy if none is given: far below what a figure can show, and far above round-off.
 DEFAULT_ACCURACY = 1e-8
 # Ratio of two times below which the model of costs does not tell one from the other.
 LONGER = 1.1
-# Step of a run with noise, in units of the first step of a run without: a tenth of a radian of the
-# fastest pendulum or oscillator.
+# Step with noise, in units of the first step without: 0.1 rad of the fastest pendulum or bath.
 NOISY_STEP = 2.0
-# Such a step is also at most this phase of springs between bars, of pulling springs, and of a
-# user's forces [rad].
+# Most phase of springs between bars, of pulling springs, and of a user's forces in a step [rad].
 NOISY_PHASE = 0.1
 # Most phase of a pendulum and of springs between two kicks [rad].  At 2, deflections are 0.64 of
 # the right ones and springs become unstable; at pi, kicks are in resonance with the pendulum.
@@ -45,11 +42,7 @@ class Choice:
 def choose(
     layout: Layout, accuracy: Accuracy | None, method: str | None, step: float | None
 ) -> Choice:
-    """The method and its accuracy or step for a request.
-
-    Without a method, it is the one that should be the fastest.  Raises InputError if these do not
-    go together, or if the method cannot integrate the scene.
-    """
+    """The method, by default the fastest, and its accuracy or step.  Raises InputError."""
     scene = layout.scene
     if accuracy is not None and step is not None:
         raise InputError("accuracy", "cannot go with a step; give one or the other")
@@ -79,10 +72,7 @@ def choose(
 
 
 def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
-    """A given step.
-
-    Raises InputError where a splitting method would not resolve the scene, unless that is allowed.
-    """
+    """A given step.  Raises InputError where a splitting method would not resolve the scene."""
     step = number("step", step, POSITIVE)
     if method.splits:
         check_damped_step(resolution.longest_damped_step(layout), step)
@@ -93,19 +83,13 @@ def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
 def check_resolved(
     layout: Layout, method: methods.Method, step: float, members: MemberNumbers | None = None
 ) -> None:
-    """Refuse a step with which a splitting method does not resolve the scene, or its members.
-
-    Raises InputError, unless the scene allows it.
-    """
+    """Refuse a step with which a splitting method does not resolve the scene, or its members."""
     if layout.scene.numerics.allow_unresolved:
         return
-    for what, frequency in (
-        ("the fastest pendulum", resolution.pendulum_frequency(layout, members)),
-        (
-            "the stiffest spring between bars or to a stage",
-            resolution.spring_frequency(layout, members),
-        ),
-    ):
+    springs = resolution.spring_frequency(layout, members)
+    found = {"the fastest pendulum": resolution.pendulum_frequency(layout, members)}
+    found["the stiffest spring between bars or to a stage"] = springs
+    for what, frequency in found.items():
         if resolution.turn_of_step(layout, method, step, frequency) > MOST_PHASE:
             most = MOST_PHASE / (frequency * resolution.longest_kick(method))
             raise InputError(
@@ -136,16 +120,14 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     method = methods.METHODS["verlet"]
     if step is not None:
         return Choice(method, None, _checked_step(layout, method, step))
-    step = NOISY_STEP * resolution.first_step(layout)
-    fastest = max(
-        resolution.spring_frequency(layout),
-        resolution.corrugation_frequency(layout),
-        resolution.user_frequency(layout),
+    springs, user = resolution.spring_frequency(layout), resolution.user_frequency(layout)
+    fastest = max(springs, resolution.corrugation_frequency(layout), user)
+    step = min(
+        NOISY_STEP * resolution.first_step(layout),
+        resolution.longest_damped_step(layout),
+        NOISY_PHASE / fastest if fastest > 0.0 else np.inf,
     )
-    step = min(step, resolution.longest_damped_step(layout))
-    step = min(step, NOISY_PHASE / fastest if fastest > 0.0 else np.inf)
-    taken = resolution.longest_step(layout, step)
-    return Choice(method, None, taken, automatic=True)
+    return Choice(method, None, resolution.longest_step(layout, step), automatic=True)
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

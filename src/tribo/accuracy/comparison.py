@@ -36,37 +36,30 @@ from tribo.validation import InputError
 # An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random
 # pairs of asperites had errors above their estimates, of which four by 1.2 to 1.5 times.
 SAFETY = 3.0
-# It is also multiplied by this where a derivative of a potential jumps, because errors then fall
-# irregularly with the step.
+# Its factor where a derivative of a potential jumps: errors then fall irregularly with the step.
 ROUGH = 2.0
-# Fraction of the largest estimate of all, in units of the scales, that is added to each: runs may
-# agree by chance in one quantity.
+# Fraction of the largest estimate, in scales, that each contains: one quantity may agree by chance.
 POOLED = 0.02
 # Largest estimate, in units of the scales, from which runs count as diverged.
 DIVERGED = 0.1
-# The same where a small change of the start grew to DIVERGED, so that its growth is known no more
-# than round-off's: errors of all runs are then of one size, and differ by less than they are.  One
-# of 138 random scenes had an error of 1.2 times its estimate of 0.08.
+# The same where a small change of the start grew to DIVERGED: errors of all runs are of one size,
+# and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
 DIVERGED_IN_CHAOS = 0.01
-# Bound of each quantity in diverged runs, in units of its scale: two values of at most the scale.
-# Runs that have nothing more in common may be close in all quantities by chance.
+# Bound in diverged runs, in units of the scales: of two values, which may be close by chance.
 UNRELATED = 2.0
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
 ROUNDED = 256.0 * EPSILON
-# Smallest estimate, in units of the request.  Where a run happens to be far more accurate than its
-# tolerances, because encounters or samples limit its steps, it differs from the coarser runs by
-# chance: without this, of 600 random pairs of asperites three had errors above their estimates, of
-# 1e-8, 3e-5 and 2e-4 of the request.
+# Smallest estimate, in units of the request.  A run that is far more accurate than its tolerances,
+# by encounters or samples, differs from the coarser runs by chance: without this, three of 600
+# random pairs of asperites had errors above their estimates, of 1e-8, 3e-5 and 2e-4 of the request.
 LEAST = 1e-3
-# Change of every initial theta [radian], and of every omega in units of the largest rate, that
-# measures the amplification: small enough to grow linearly, large against round-off.  Rates are
-# rounded most where they are large, as in a close pass.
+# Change of every initial theta [rad], and of omega in units of the largest rate, that measures the
+# amplification: it grows linearly, and exceeds round-off, which is largest where rates are.
 PERTURBATION = 1e-11
 # The same where the former grows to DIVERGED, which hides how much smaller ones grow: some hundred
 # roundings.  The growth of one rounding of the start, which all runs share, follows from it.
 TINY_PERTURBATION = 1e-13
-# Energies that follow from the state and may be far larger than all works, so that they change with
-# any angle and rate; their own rounding is known.
+# Energies that follow from the state, and change with any angle and rate; their rounding is known.
 ENERGIES = {
     *("contact_energy", "total_energy_change", "delta_E_int", "delta_K"),
     *("delta_e_int", "delta_k_trans", "swing_energy"),
@@ -80,8 +73,7 @@ LOST = "below the rounding of the energies"
 
 # The largest relative error of everything, or of each quantity by name.
 Accuracy = float | Mapping[str, float]
-# Runs the scene with a setting, through times, from a start or else the scene's own: an Integrator,
-# or what calls it.
+# An Integrator, or what calls it: takes a setting, times, and a start if not the scene's own.
 Attempt = Callable[..., Integration]
 
 
@@ -121,10 +113,7 @@ def check_observables(layout: Layout, names: Iterable[str], field: str = "accura
 
 
 def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
-    """The largest difference of two runs at the same times, in units of the scales.
-
-    Of the quantities in `names`, or of all.
-    """
+    """The largest difference of two runs, in units of the scales, of some quantities or of all."""
     worst = 0.0
     for name in names or KINDS:
         for mine, theirs in zip(one.series(name), other.series(name), strict=True):
@@ -140,11 +129,7 @@ def safety(rough: bool) -> float:
 
 
 def rounding(amplification: float | None, steps: int) -> float:
-    """The effect of rounding on a quantity, in units of its scale.
-
-    Each step makes one rounding, which grows by the `amplification` of a small change of the start;
-    None where that was not measured.
-    """
+    """The effect of rounding in units of a scale: that of each step, and its growth if measured."""
     return ROUNDED + WALK * EPSILON * (amplification or 0.0) * steps**0.5
 
 
@@ -155,11 +140,7 @@ def error_bounds(
     amplification: float | None,
     accuracy: Accuracy,
 ) -> Errors:
-    """Bounds on the errors of a run by its differences from coarser ones.
-
-    They are infinite if one of these stopped early.  The accuracy, for which the run was made, may
-    name further quantities, as "upper.W".
-    """
+    """Bounds on the errors of a run by its differences from others; infinite if one stopped."""
     found = extremes(layout, fine, coarser, observables(accuracy))
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
     scales = scales_of(layout, tops, float(found.speed), float(found.internal))
@@ -178,9 +159,8 @@ def estimate(
 ) -> dict[str, float]:
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
-    Where a derivative of a potential jumps, forces are `rough`.  In units of the scales, `least` is
-    added to the estimates: the effect of rounding on the motion, which may be the same in all runs,
-    and of chance; and `diverged` is the largest estimate from which the runs count as diverged.
+    In units of the scales, `least` is the effect on the motion of rounding, which may be the same
+    in all runs, and of chance; from an estimate of `diverged` on, runs count as diverged.
     """
     factor, tops, rounded = safety(rough), found.tops, found.terms
     gaps = factor * found.gaps
@@ -217,11 +197,7 @@ def measure_amplification(
     run: Integration,
     names: tuple[str, ...] = (),
 ) -> float | None:
-    """The largest growth of a small change of the start, relative to the scales.
-
-    `run` is the one with the setting from the scene's own start.  By default all quantities that
-    have a scale matter, but ENERGIES.  None if the second run was ended from outside.
-    """
+    """The largest growth of a small change of the start; None if a run was ended from outside."""
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
     chosen = names or [name for name in KINDS if name not in ENERGIES]
@@ -246,9 +222,7 @@ def measure_amplification(
 
 def out_of_reach(accuracy: float, amplification: float) -> str:
     """The reason why an accuracy cannot be kept."""
-    reason = ""
-    if amplification * EPSILON < accuracy:
-        reason = "finer settings gain too little, though "
+    reason = "finer settings gain too little, though " * (amplification * EPSILON < accuracy)
     return (
         f"accuracy {accuracy:.1e} is out of reach: {reason}{growth(amplification)}, and round-off "
         f"of {EPSILON:.1e} with it to about {amplification * EPSILON:.1e}"
@@ -265,11 +239,7 @@ def growth(amplification: float) -> str:
 
 
 def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
-    """A note for each run whose errors of works are relative to energies of the motion; else "".
-
-    `work` is the largest of an asperite, `energy` the scale of energies.  There are no notes where
-    the accuracy is for other quantities alone.
-    """
+    """A note for each run whose errors of works are relative to energies of the motion; else ""."""
     work, energy = np.atleast_1d(work), np.atleast_1d(energy)
     asked = [kind_of(name) for name in observables(accuracy)]
     if asked and not {"energy", "total"} & set(asked):
@@ -287,11 +257,7 @@ def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
 def compare_members(
     layout: Layout, fine: Samples, other: Samples, accuracy: Accuracy
 ) -> tuple[Scales, np.ndarray]:
-    """The scales of the errors of members, and their largest differences from other runs.
-
-    Scales are arrays (members,), those of each as of a single run.  Differences are in units of the
-    accuracy, (members,); NaN where a value is not finite.
-    """
+    """Scales of members, and largest differences in units of the accuracy; NaN if not finite."""
     found = member_extremes(layout, fine, other, observables(accuracy))
     tops = dict(zip(found.names, found.tops, strict=True))
     scales, worst = scales_of(layout, tops, found.speed, found.internal), np.zeros(fine.runs)

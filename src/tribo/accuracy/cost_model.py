@@ -1,27 +1,30 @@
 """The model of what each method costs on a scene.
 
-    seconds = evaluations x (seconds of an evaluation)
-    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
-                  but at least those of one step for each sample, and of the steps towards the
-                  encounters ahead
-    seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
+seconds = evaluations x (seconds of an evaluation)
+evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
+but at least those of a step for each sample, and of the steps towards the encounters ahead
+seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
 
 The numbers were measured by benchmarks/calibrate.py and are part of the source: no clock decides
 which method is chosen.  Only their ratios enter, which differ little between machines.  Methods
 that integrate bath oscillators numerically are stable only if steps are short against the fastest
 of them.  Methods that advance oscillators exactly are stable, but their errors fall more slowly
-until steps are that short.  Encounters ahead are those of bobs that keep their initial velocity.
+until steps are that short.  A step goes at most a fraction of the way to the nearest bob: those
+towards encounters are about the integral of speed / clearance over time.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.accuracy.encounter_estimate import steps_towards
+from tribo.accuracy.levels import NEAR
 from tribo.integrators.methods import METHODS, Method, refusal
 from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
+from tribo.kernels.kinematics import bob_position, nearest_image
+from tribo.kernels.records import Box
 from tribo.layout.layout import Layout
+from tribo.ledger.motion import swing_direction
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
 
@@ -70,6 +73,14 @@ PAIR_OF_BOBS = 2.0
 CALCULATOR_CALL = 1e6
 # Neighbours of a bob in a list, as in benchmarks/scale.py: each is in reach of about a dozen.
 LISTED = 16.0
+# Most times at which clearances are computed.
+MOST_TIMES = 129
+# Most distances computed for two surfaces: they take a quarter of a second.
+MOST_DISTANCES = 2e7
+# Distances that are computed at once: their arrays stay in the cache of a core.
+DISTANCES_AT_ONCE = 1e5
+# Bobs of the first of two surfaces whose clearances are computed.
+FOLLOWED = 8
 
 
 @dataclass(frozen=True)
@@ -84,8 +95,8 @@ class Estimate:
 def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     """Methods for the scene, the cheapest first.
 
-    Equal steps cannot shorten at an encounter.  So methods with equal steps are considered only
-    where a fast bath would make even the best of the others take short steps throughout.
+    Equal steps cannot shorten at an encounter: methods with these are considered only where a fast
+    bath would make even the best of the others take short steps throughout.
     """
     scene = layout.scene
     steps = max(steps_towards(layout), float(scene.times.size))
@@ -135,10 +146,7 @@ def evaluation_time(layout: Layout, method: Method) -> float:
 
 
 def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
-    """The pairs of bobs that are visited in one evaluation, and whether some are listed.
-
-    Of listed bobs each is taken to have LISTED neighbours.
-    """
+    """The pairs of bobs that one evaluation visits, and whether some bobs are in lists."""
     counts = [surface.count for surface in layout.scene.surfaces]
     visited, listed = 0.0, False
     for contact in (*layout.model.contacts, *(layout.model.within or ())):
@@ -158,3 +166,46 @@ def counted(layout: Layout, method: Method, step: float, times: np.ndarray) -> f
     intervals = np.diff(times)
     steps = np.sum(count_of_steps(intervals, step))
     return float(steps * each + (not method.splits))
+
+
+def steps_towards(layout: Layout) -> float:
+    """The fewest steps that jump no encounter, if bobs keep their first velocity and swing."""
+    a = layout.asperites
+    tx, ty = swing_direction(a.facing, layout.start[: a.size])
+    place = np.array([*bob_position(a.x, a.y, a.l1, tx, ty), layout.depths])
+    swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
+    rates = [0.0]
+    for contact in layout.model.contacts:
+        for one, other in contact.pairs:
+            mine, theirs = (layout.surfaces[k] for k in (one, other))
+            first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
+            followed = place[:, first.astype(int)]
+            others = place[:, theirs.start : theirs.stop]
+            drift = layout.velocities[one] - layout.velocities[other]
+            count = MOST_DISTANCES / (followed.shape[1] * others.shape[1])
+            times = np.linspace(0.0, layout.scene.duration, int(np.clip(count, 5, MOST_TIMES)))
+            speed = float(np.hypot(*drift)) + 2.0 * swinging
+            at_once = max(1, int(DISTANCES_AT_ONCE / (followed.shape[1] * others.shape[1])))
+            shifts = [
+                np.outer(drift, times[k : k + at_once]) for k in range(0, times.size, at_once)
+            ]
+            near = [
+                r for each in shifts for r in _nearest(followed, others, each, layout.model.box)
+            ]
+            clear = np.array([contact.potential.clearance(r) for r in near])
+            if np.max(clear) > 0.0:  # bobs that stay at one place have no run
+                rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
+    return max(rates) * layout.scene.duration / NEAR
+
+
+def _nearest(
+    some: np.ndarray, others: np.ndarray, shifts: np.ndarray, box: Box | None
+) -> list[float]:
+    """The smallest distances of bobs (3, n), shifted by each of (2, k), from bobs (3, m)."""
+    dx = (some[0] + shifts[0, :, None])[:, :, None] - others[0]
+    dy = (some[1] + shifts[1, :, None])[:, :, None] - others[1]
+    dz = some[2][:, None] - others[2]
+    if box is not None:
+        dx, dz = nearest_image(dx, box.x), nearest_image(dz, box.z)
+    found: list[float] = np.sqrt(np.min(dx * dx + dy * dy + dz * dz, axis=(1, 2))).tolist()
+    return found

@@ -1,14 +1,12 @@
-"""What follows a round of a search: a level for the next one, or the reason to stop.
+"""What follows a round of a search, a fine run and two coarse ones: the next level, or a stop.
 
-A round compares a fine run with two coarse ones.  The functions here see its numbers alone, and run
-nothing.
+The functions see the numbers of rounds alone, and run nothing.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -36,8 +34,7 @@ KNOWN = 0.01
 # Estimates below this many times the effect of rounding gain too little from finer settings.
 MOST_ROUNDED = 3.0
 # Work of a long run [force evaluations x asperites], which is refused early if its request is out
-# of reach: 5 to 10 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an asperite.
-# The tries of `single_setting` end after as much work.
+# of reach, and of all tries of `single_setting`: 5 to 10 s, by benchmarks/calibrate.py.
 LONG_RUN = 1.5e8
 
 
@@ -57,8 +54,9 @@ class Round:
     errors: Errors | None = None  # of the fine run
 
 
-class Limits(NamedTuple):
-    """What bounds a search."""
+@dataclass
+class Limits:
+    """What bounds a search, as far as it is known."""
 
     wanted: float  # the smallest error of the request, relative to the scales
     order: int  # of the method
@@ -114,10 +112,7 @@ def is_too_long(rounds: Sequence[Round], limits: Limits) -> bool:
 
 
 def best(rounds: Sequence[Round], limits: Limits) -> Round:
-    """The finest round whose excess is about the smallest.
-
-    Where runs stop, and others have errors as large as the scales, the finest that stopped.
-    """
+    """The finest round of about the smallest excess; the finest that stopped, if none is close."""
     known = [item for item in rounds if item.excess * limits.wanted <= KNOWN]
     candidates: Sequence[Round] = rounds
     if known or too_fine(rounds, limits) == 0.0:

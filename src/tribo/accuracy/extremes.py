@@ -1,7 +1,4 @@
-"""The largest values of a run, and its largest differences from others.
-
-Samples are taken portion by portion, so that the series of large scenes need little memory.
-"""
+"""The largest values of a run and of its differences from others, by portions of its samples."""
 
 from __future__ import annotations
 
@@ -21,23 +18,18 @@ from tribo.loops.integrate import Integration
 
 # Bytes of the series of a portion; four times as many take a half longer, since caches hold less.
 PORTION = 2**25
-# Bytes of the series of one asperite at one time, in all runs that are compared: measured on rows
-# and grids.
+# Bytes of the series of one asperite at one time, in all runs compared: measured on rows and grids.
 BYTES = 2500
 
 
 class Extremes(NamedTuple):
-    """The largest magnitudes in a run, by quantity where they are arrays (names,).
-
-    Of several members, arrays have one more axis.
-    """
+    """The largest magnitudes in a run; arrays are (names,), of members (names, members)."""
 
     names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
     tops: np.ndarray  # the largest magnitudes
     gaps: np.ndarray  # the largest differences from the other runs
     terms: np.ndarray  # the rounding of terms: see tribo.accuracy.roundoff.rounding_of_terms
-    # The largest speed of a bob relative to the mean of the surfaces' initial velocities.
-    speed: float | np.ndarray
+    speed: float | np.ndarray  # the largest of a bob relative to the mean of initial velocities
     internal: float | np.ndarray  # the largest internal energy of an asperite
 
     def join(self, other: Extremes) -> Extremes:
@@ -48,10 +40,7 @@ class Extremes(NamedTuple):
 def extremes(
     layout: Layout, fine: Integration, coarser: Sequence[Integration], names: tuple[str, ...]
 ) -> Extremes:
-    """The largest values of a run, and its largest differences from coarser ones at shared times.
-
-    `names` are those of further quantities, as "upper.W".
-    """
+    """The largest values of a run, and its differences from coarser ones at shared times."""
     portions = _portions(layout, fine.samples, [run.samples for run in coarser])
     found = (_extremes(layout, own, shared, names, fine.steps) for own, shared in portions)
     return reduce(Extremes.join, found)
@@ -73,7 +62,6 @@ def _portions(
 def _extremes(
     layout: Layout, fine: Samples, shared: list[Samples], names: tuple[str, ...], steps: int
 ) -> Extremes:
-    """Those of one portion."""
     count, samples = fine.t.size, fine.then(*shared)
     group = AsperiteSeries(layout, samples, (layout.together,))
     columns, (motion,) = series_table(layout, group, names), group.motions

@@ -1,9 +1,8 @@
 """The rounding of forces that are differences, and of the motion that it makes.
 
-The stretch of a spring, between two bars or a bar and an oscillator, is a difference of
-displacements, and a twist one of angles.  Where the terms are far larger than the difference, their
-rounding is a force.  It may have the same bits in all runs that are compared, and what is smaller
-than it is lost in all of them.  The bar is an oscillator on its springs: the force acts in one
+The stretch of a spring is a difference of displacements, and a twist one of angles.  Where the
+terms are far larger, their rounding is a force, which may have the same bits in all runs that are
+compared, and hides what is smaller.  The bar is an oscillator on its springs: the force acts in one
 direction for at most the inverse of its frequency.
 """
 
@@ -21,8 +20,7 @@ from tribo.ledger.motion import Motion
 
 # Roundings of a difference: those of a displacement, of sine and cosine in it, and of the product.
 ROUNDINGS = 4.0
-# Where a coordinate changes in a step by less than this many of its roundings, what these change is
-# no random walk: increments of half a rounding are lost in every step.
+# Changes in a step by fewer roundings are no random walk: half a rounding is lost in every step.
 FEW_ROUNDINGS = 16.0
 
 
@@ -52,11 +50,7 @@ class Errors(NamedTuple):
 
 
 def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[str, float]:
-    """The effect of the rounding of springs, baths and twists, by quantity, in its own unit.
-
-    `motion` is that of all asperites, in a run of so many `steps` and in those that it is compared
-    with.
-    """
+    """The effect of the rounding of springs, baths and twists, by quantity, in its own unit."""
     stiffness, lost = _stiffness(layout), Lost(float(np.max(motion.t)) - layout.beginning, steps)
     if not (stiffness.any() or motion.phi.any() or lost.of(motion.swing, motion.omega).any()):
         return {}

@@ -1,7 +1,4 @@
-"""Settings of runs by the level of their errors, relative to the scales: tolerances or equal steps.
-
-Tolerances are made from scales of energy, rate and accounts.
-"""
+"""The level of a run's errors, relative to the scales, and the tolerances or steps that have it."""
 
 from dataclasses import dataclass
 
@@ -22,8 +19,8 @@ from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
 # Tolerances below the effect of rounding fall as this power of the level.  Were they constant,
-# finer runs would take the same steps as coarse ones, and their difference would hide that of both
-# from the solution: 4.1e-12 of a rate in one of 450 random scenes, for an estimate of 1.4e-12.
+# finer runs would take the same steps: one of 450 random scenes had an error of 4.1e-12 of a rate,
+# for an estimate of 1.4e-12.
 BELOW_ROUNDING = 0.25
 # Places of the impulses (x, y, ...) in each group of accounts.
 IMPULSES = {
@@ -37,14 +34,13 @@ IMPULSES = {
 }
 # Places of integrals that have no factor of the arm's length yet.
 WITHOUT_ARM = {"acc_contact": (2, 3), "acc_drive": (2,)}
-# Level of the fine run relative to the coarse ones.  Their difference exceeds the error of the
-# fine run by about the inverse of this.  Errors of adaptive steps differ by chance, so that two
-# runs may agree: of 600 random pairs of asperites 2.3 % had errors above the estimates at 0.3, and
-# 0.3 % at 0.1.  Errors of equal steps fall smoothly.
+# Level of the fine run relative to the coarse ones; its error is about this part of the difference.
+# Errors of adaptive steps differ by chance: of 600 random pairs of asperites 2.3 % had errors above
+# the estimates at 0.3, and 0.3 % at 0.1.  Errors of equal steps fall smoothly.
 FINE_LEVEL = 0.1
 FINE_LEVEL_OF_EQUAL_STEPS = 0.3
-# The longest step of a coarse run, as a fraction of the time to the next encounter.  That of a
-# fine run is shorter, so that errors which tolerances do not control fall as much.
+# Longest step of a coarse run, relative to the time to the next encounter.  Steps of a fine run are
+# shorter, so that errors which tolerances do not control fall as much.
 NEAR = 0.5
 # Asperites that take as long as a call of an ASE calculator: 1 ms, as measured for EMT.
 CALL = 8000
@@ -60,8 +56,7 @@ class ToleranceScales:
     rate: float  # the largest |omega| or |nu| [1 / time]
     spin: float  # the largest |omega| [1 / time]
     twist: float  # the largest |theta - rest - phi| [rad]
-    # Bounds on what the rounding of forces changes, which no step resolves; see
-    # tribo.accuracy.force_rounding.rounding_of_forces.
+    # What the rounding of forces changes, and no step resolves; see accuracy.force_rounding.
     lost_angle: float = 0.0
     lost_rate: float = 0.0
     lost_speed: float = 0.0
@@ -90,10 +85,7 @@ def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
 
 
 def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
-    """Scales measured in a run; `first_guess` replaces those that are zero.
-
-    The works are those in the frame of the surfaces' mean velocity.
-    """
+    """Scales of a run, in the frame of the surfaces' mean velocity; the first guess for zeros."""
     guess = first_guess(layout)
     span, motion = layout.together, Motion(layout, layout.together, samples)
     relative = _relative_velocity(layout, span)
@@ -158,11 +150,10 @@ def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
 def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: float) -> Tolerance:
     """Local tolerances of all coordinates, rates and accounts for an accuracy of about `level`.
 
-    A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change
-    that alters an energy by `level` times the scale of energies.  The second governs weakly
-    coupled scenes, whose works are tiny.  Both fall more slowly below the effect of the rounding of
-    forces, for which steps would shrink without end.
-    `near` is the largest step, as a fraction of the time to the next encounter.
+    A coordinate's tolerance is the smaller of two: `level` times its own scale, and the change that
+    alters an energy by `level` times the scale of energies, which governs weakly coupled scenes of
+    tiny works.  Both fall more slowly below the effect of the rounding of forces, for which steps
+    would shrink without end.  `near` is the longest step in units of the time to an encounter.
     """
     level = max(level, FLOOR)
     a = layout.together.asperites
@@ -173,9 +164,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
+    tiny = np.finfo(float).tiny
     with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
-        angle = np.minimum(level, energy / _positive(a.kappa * scales.twist))
-        omega = np.minimum(level * scales.rate, energy / _positive(a.inertia * spin))
+        angle = np.minimum(level, energy / np.maximum(a.kappa * scales.twist, tiny))
+        omega = np.minimum(level * scales.rate, energy / np.maximum(a.inertia * spin, tiny))
     q[swing] = _slower_below(angle, scales.lost_angle)
     v[swing] = _slower_below(omega, scales.lost_rate)
     turning = a.dof_phi >= 0
@@ -200,28 +192,15 @@ def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
     return np.where(np.less(tolerance, lost), slower, tolerance)
 
 
-def _positive(values: np.ndarray) -> np.ndarray:
-    return np.maximum(values, np.finfo(float).tiny)
-
-
 def fine_level(method: Method) -> float:
     """Level of a fine run relative to that of the coarse runs that it is compared with."""
     return FINE_LEVEL if method.adaptive else FINE_LEVEL_OF_EQUAL_STEPS
 
 
-def finest_level(method: Method) -> float:
-    """The finest level of coarse runs, with which a fine run is still finer."""
-    return FLOOR / fine_level(method)
-
-
 def setting_at(
     layout: Layout, method: Method, scales: ToleranceScales, level: float, near: float = NEAR
 ) -> Setting:
-    """The setting whose errors are about `level` of the scales: tolerances or equal steps.
-
-    Of an adaptive method, `near` is the longest step, as a fraction of the time to the next
-    encounter.
-    """
+    """The tolerances or equal steps whose errors are about `level` of the scales."""
     if method.adaptive:
         return tolerances(layout, scales, level, near)
     return equal_step(layout, method, level)
@@ -235,8 +214,8 @@ def equal_step(layout: Layout, method: Method, level: float) -> float:
 def coarsest_level(layout: Layout, method: Method) -> float:
     """The coarsest level, whose equal steps turn the fastest oscillator of a bath by one radian.
 
-    Splitting methods advance oscillators exactly.  Others with longer steps damp a fast one or let
-    it grow, at all levels alike, so that differences do not show their errors.
+    Longer steps of methods that do not advance it exactly damp it, or let it grow, at all levels
+    alike, so that differences do not show their errors.
     """
     fastest = 0.0 if method.adaptive or method.splits else bath_frequency(layout)
     if fastest == 0.0:

@@ -1,7 +1,4 @@
-"""The plan of a run: the method and all settings, fixed before the run.
-
-Also the cheapest setting for runs that are compared with no other.
-"""
+"""The plan of a run, fixed before it: the method and all settings, also those of single runs."""
 
 from __future__ import annotations
 
@@ -23,15 +20,13 @@ from tribo.loops.integrate import Setting
 from tribo.loops.select import Integrator
 from tribo.validation import InputError
 
-# The longest step of a run that is compared with no other, as a fraction of the time to the next
-# encounter.
+# Longest step of a run that is compared with no other, relative to the time to an encounter.
 NEAR_ALONE = 0.75
 # First factor by which the level is raised for a run that is compared with no other.
 LOOSER = 16.0
 # Most runs that try such a level.
 TRIES = 8
-# Largest estimate of such a run relative to the request: its difference from the finest run is
-# nearly its error, and the estimate is three times that.
+# Its largest estimate relative to the request: three times a difference that is nearly its error.
 LOOSE_EXCESS = 1.875
 # A try with more evaluations than this times the fewest so far is no cheaper; fewer is chance.
 MORE = 1.05
@@ -44,15 +39,11 @@ class Plan:
     method: str
     why: str  # the reason for the method; empty if it was given
     setting: Setting  # of the run that is delivered
-    # Times at which that run stops: those of the scene, and those of comparisons with coarser runs;
-    # the latter alone where samples are too many to hold.
-    times: np.ndarray
+    times: np.ndarray  # at which it stops: to record, if memory holds these, and to compare
     accuracy: Accuracy | None = None  # None with a given step
-    # The search for `setting` and for that of the two coarser runs that estimate the error; None
-    # with a given step.
+    # The search for it, and for the setting of two coarser runs; None with a given step.
     tuned: FoundSettings | None = None
-    # Of a run without an error estimate, recorded at the scene's times alone; None where there is
-    # none that is cheaper than `setting`, or where it has not been looked for yet.
+    # Of a run without an error estimate, at the scene's times alone; None if none is cheaper.
     single: Setting | None = None
     automatic: bool = False  # whether a step was chosen, and is halved if it passes an encounter
 
@@ -68,11 +59,7 @@ class Plan:
 
 
 def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None = None) -> Plan:
-    """The plan of a run; looks for the settings that keep an accuracy.
-
-    Raises InputError if the accuracy is out of reach, or if the scene does not report what it
-    names.
-    """
+    """The plan of a run, with settings that keep its accuracy.  Raises InputError."""
     layout, accuracy = integrator.layout, choice.accuracy
     name, times = choice.method.name, layout.times
     if accuracy is None:
@@ -88,10 +75,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
 
 
 def _compared(layout: Layout) -> np.ndarray:
-    """Times at which runs are compared: all that are recorded, or some where these are too many.
-
-    Raises InputError where even these are too many to hold.
-    """
+    """Times at which runs are compared: some, where memory does not hold all that are recorded."""
     times = layout.times
     if not is_streamed(layout, times.size):
         return times
@@ -107,8 +91,8 @@ def _compared(layout: Layout) -> np.ndarray:
 def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
     """The cheapest setting whose run agrees with the finest one within the plan's accuracy.
 
-    It is for runs that are compared with no other: these need not differ in their steps from any,
-    and stop at samples only.  None if no try agrees, or if the finest run is long.
+    Runs that are compared with no other need not differ in their steps, and stop at samples only.
+    None if no try agrees, or if the finest run is long.
     """
     layout, found = integrator.layout, plan.tuned
     if plan.single is not None or found is None or not found.runs:

@@ -1,8 +1,7 @@
 """The rounding of reported sums and differences, whose terms may be far larger than they are.
 
-A change of an energy is a difference of two energies, and a work in the laboratory a sum of works
-in another frame.  Where the terms nearly cancel, their rounding is most of the error, and it may be
-the same in all runs that are compared.
+Where the terms of a change of energy, or of a work in the laboratory, nearly cancel, their rounding
+is most of the error, and it may be the same in all runs that are compared.
 """
 
 from typing import Any
@@ -27,8 +26,7 @@ TERM_ROUNDINGS = 4.0
 WALK = 2.0
 # Bobs of a surface of which the distances are looked at.
 MOST_BOBS = 64
-# Terms of a force: its work about the centre of mass, its pseudowork, and the works of its impulse
-# at the surface's velocity along x and y.
+# Terms of a force: work about the centre of mass, pseudowork, and the impulse's at velocities x, y.
 PARTS = 4
 # All terms: those of each force, and the works of the reservoir's impulse at its own velocity.
 TERMS = PARTS * len(FORCES) + 2
@@ -62,8 +60,7 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     """The rounding of the terms of energies and works, by quantity, in its own unit.
 
     Each term has some roundings of its own, and those of the run's `steps`, which add up like a
-    random walk.  The motion is that of all asperites, in a run and in those that it is compared
-    with.
+    random walk.  The motion is that of a run and of those that it is compared with.
     """
     samples, span = motion.samples, layout.accounted
     # The magnitudes of the terms of all accounts, summed: (times, asperites, sums).
@@ -96,8 +93,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
 def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     """The rounding of the works of the ends of clamped bars, by quantity; `count` is of angles.
 
-    A work is a difference of two values of sin x - x cos x, with x the twist: the terms may be far
-    larger than it is, and have the same bits in all runs.  In sums of both ends they cancel.
+    They are differences of sin x - x cos x, with x the twist, whose terms may be far larger, with
+    the same bits in all runs.  In sums of both ends they cancel.
     """
     a, twist = motion.span.asperites, np.abs(motion.swing - motion.phi)
     clamped = layout.surfaces.acc_ends[a.surface] >= 0
@@ -115,10 +112,7 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 
 
 def _of_cutoffs(layout: Layout) -> dict[str, float]:
-    """The rounding of the energies that cutoffs subtract from those of pairs, by quantity.
-
-    They may be far larger than the energy that is left, and have the same bits in all runs.
-    """
+    """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
     scene, found = layout.scene, {"total_energy_change": 0.0}
     of = {"contact_energy": layout.model.contacts, "delta_E_int": layout.model.within or ()}
     for name, contacts in of.items():
@@ -200,10 +194,7 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
 
 
 def _shortest_length(layout: Layout, motion: Motion) -> float:
-    """The shortest length over which a contact's force changes; infinite without contacts.
-
-    Of potentials without a length of their own, at the sample with the largest energy of contact.
-    """
+    """The shortest length over which a contact's force changes; infinite without contacts."""
     contacts = (*layout.model.contacts, *(layout.model.within or ()))
     lengths = [contact.potential.feature()[0] for contact in contacts]
     sample, parts = int(np.argmax(np.abs(motion.samples.contact))), list(layout.parts.values())

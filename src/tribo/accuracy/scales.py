@@ -1,4 +1,4 @@
-"""The scales that errors are relative to, and the local tolerances made from them."""
+"""The scales that errors are relative to."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,8 +14,7 @@ from tribo.ledger.motion import internal_energies, swing_direction
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
-# The kind of every reported quantity, which selects its scale; energies of a surface as a whole and
-# of the system have one of their own.
+# The kind of every reported quantity, which selects its scale; that of wholes is "total".
 KINDS = {name: quantity.kind for name, quantity in quantities.QUANTITIES.items()}
 KINDS |= dict.fromkeys(quantities.BLOCK_QUANTITIES | quantities.SYSTEM_QUANTITIES, "total")
 # Energies by which no others are measured: that of contacts has an arbitrary origin, those of
@@ -34,9 +33,8 @@ TOTALS = tuple(n for n, kind in KINDS.items() if kind == "total" and n not in NO
 # Energies of a position, with which those of the motion are compared.
 POTENTIALS = ("contact_energy", "field_energy")
 MEASURED = ("omega", "nu", *ENERGIES, *TOTALS, *POTENTIALS)
-# Motion with less energy than this fraction of the energy of contacts and fields is made of
-# round-off.  Two rows of five in an equilibrium have works of 1e-15 of that energy, and a total of
-# 1e-14.
+# Motion with less than this part of the energy of contacts and fields is round-off.  Two rows of
+# five in an equilibrium have works of 1e-15 of that energy, and a total of 1e-14.
 UNRESOLVED = 256.0 * EPSILON
 
 
@@ -48,19 +46,17 @@ Values = float | np.ndarray
 class Scales:
     """One scale for each kind of quantity, which its errors are relative to; arrays of members.
 
-    No scale is made of round-off: where energies, rates or velocities are below UNRESOLVED of the
-    energy of contacts and fields by asperite, or of the rate or velocity that this energy could
-    give an asperite, these are the scales.
+    Rates, velocities and energies below UNRESOLVED of what the energy of contacts and fields by
+    asperite could give are round-off; this is then the scale.
     """
 
     rate: float  # the largest |omega| or |nu| [1 / time]
     length: float  # the longest rod
     velocity: float  # the largest of a bob relative to the mean of the surfaces' initial velocities
-    # The largest work, pseudowork, delta_e_int or delta_k_trans; where all works are below the
-    # round-off of the largest internal energy, that energy.
+    # The largest work, pseudowork, delta_e_int or delta_k_trans; where works are below the rounding
+    # of the largest internal energy, that energy.
     energy: float
-    # The largest work, pseudowork or change of energy of a surface as a whole or of the system, and
-    # at least `energy`.
+    # The largest work, pseudowork or change of energy of a surface or system; at least `energy`.
     total: float
     work: float = 0.0  # the largest work or pseudowork of an asperite; no errors are relative to it
     angle: float = 1.0  # radian
@@ -93,11 +89,7 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
 def scales_of(
     layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values
 ) -> Scales:
-    """The scales of the errors of a run, or arrays of those of several members (members,).
-
-    `tops` are the largest magnitudes by quantity, `speed` is the largest of a bob relative to the
-    mean of the surfaces' initial velocities, `internal` the largest internal energy of an asperite.
-    """
+    """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
     a, runs = layout.together.asperites, np.size(speed)
     inertia, mass, length = (
         np.max(np.atleast_2d(each), axis=1)[:runs] for each in (a.inertia, a.mass, a.l1 + a.l2)

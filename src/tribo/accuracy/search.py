@@ -1,9 +1,8 @@
 """The search for settings that keep an accuracy.
 
-A pilot run measures the scales from which local tolerances are made; methods with equal steps need
-none.  Each round then compares a fine run with two coarse ones.  The search ends when their
-difference meets the request, when finer settings gain nothing, or when the scene amplifies
-round-off beyond the request.
+A pilot run measures the scales from which tolerances are made; equal steps need none.  Each round
+then compares a fine run with two coarse ones.  The search ends when their difference meets the
+request, when finer settings gain nothing, or when the scene amplifies round-off beyond the request.
 """
 
 import time
@@ -21,14 +20,13 @@ from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator
 from tribo.validation import InputError
 
-# First level, in units of that which a method states for estimates of twice a difference: they are
-# three times the difference.
+# First level, in units of that of the method, which is for estimates of two differences, not three.
 FIRST = 2.0 / 3.0
 # Rounds of lower levels, after which a request counts as out of reach.
 ROUNDS = 6
-# Requests below this measure the amplification at once, because rounding counts in their estimate.
-# Others do so if the first round misses them: where nothing moves but by weak forces, a change of
-# the start matters a thousand times more than rounding, which is relative to what it rounds.
+# Requests below this measure the amplification at once, for rounding counts in their estimate;
+# others if the first round misses.  With weak forces alone, a change of the start matters a
+# thousand times more than rounding, which is relative to what it rounds.
 TIGHT = 1e-9
 # Level of the coarse runs for an accuracy of 1, where a small change of the start grows by 1.  Of
 # two grids of 5041 asperites, where changes grew by 53,000, the error was 0.02 at a level of 6e-6.
@@ -49,8 +47,7 @@ class FoundSettings:
     coarse: Setting  # of the runs that estimate the error
     fine: Setting  # of the run that is delivered
     level: float  # of the fine setting, relative to the scales
-    # Of the search, in order; the last is the one to deliver, and the two before it those that it
-    # was compared with, if it was.
+    # All of the search, the one to deliver last, after two that it was compared with, if it was.
     runs: tuple[Integration, ...]
     amplification: float | None  # of a small change of the start, if it was measured
     met: bool  # whether the fine run kept the accuracy
@@ -67,16 +64,10 @@ def find_settings(
     stops: StopTimes,
     announce: Announce | None = None,
 ) -> FoundSettings:
-    """Settings of which a fine run agrees with two coarse ones within `accuracy`, if there are any.
-
-    Else those whose error estimate is nearest to the request.  Raises InputError if the accuracy is
-    out of reach and its runs would be long, or if equal steps would be too many.
-    """
-    search, method = _Search(integrator, accuracy, stops, announce), integrator.method
-    level = FIRST * method.first_level * comparison.strictest(accuracy)
-    level = min(
-        max(level, levels.finest_level(method)), levels.coarsest_level(integrator.layout, method)
-    )
+    """Settings of which a fine run keeps `accuracy`, or misses it least.  Raises InputError."""
+    search, method = _Search(SearchRuns(integrator, announce), accuracy, stops), integrator.method
+    level = max(FIRST * method.first_level * search.wanted, search.limits.finest)
+    level = min(level, levels.coarsest_level(integrator.layout, method))
     following: float | Stop | None = search.run_pilot(level)
     for _ in range(ROUNDS):
         if not isinstance(following, float) or not search.allows(following):
@@ -88,42 +79,21 @@ def find_settings(
 class _Search:
     """The runs of a search, in order, and what they show."""
 
-    def __init__(
-        self,
-        integrator: Integrator,
-        accuracy: comparison.Accuracy,
-        stops: StopTimes,
-        announce: Announce | None,
-    ) -> None:
-        self.layout, self.method, self.stops = integrator.layout, integrator.method, stops
+    def __init__(self, count: SearchRuns, accuracy: comparison.Accuracy, stops: StopTimes) -> None:
+        self.layout, self.method, self.count, self.stops = count.layout, count.method, count, stops
         self.accuracy, self.wanted = accuracy, comparison.strictest(accuracy)
-        self.count = SearchRuns(integrator, announce)
         self.runs: list[Integration] = []
         self.scales = first_guess(self.layout)
         self.rounds: list[Round] = []
-        self.amplification: float | None = None
-        self.reached = np.inf  # the level of a pilot that completed
+        method, finest = self.method, levels.FLOOR / levels.fine_level(self.method)
+        self.limits = Limits(self.wanted, method.order, method.adaptive, finest)
         self.costly = False
 
-    @property
-    def limits(self) -> Limits:
-        """What bounds the search, as far as it is known now."""
-        return Limits(
-            self.wanted,
-            self.method.order,
-            self.method.adaptive,
-            levels.finest_level(self.method),
-            self.reached,
-            self.count.spent > self.count.most,
-            self.amplification,
-        )
-
     def run_pilot(self, level: float) -> float | None:
-        """Run the pilot of an adaptive method; none with equal steps.
+        """Run the pilot of an adaptive method; the level of the first round, None if no run helps.
 
-        Returns the level of the first round: `level`, or less where the fine run would be long and
-        small errors grow; None if no other run can come farther.  Refuses an accuracy that is out
-        of reach of such a run.
+        It is below `level` where the fine run would be long and small errors grow.  Raises
+        InputError if the accuracy is out of reach of such a run.
         """
         if not self.method.adaptive:
             return level
@@ -135,18 +105,19 @@ class _Search:
         if pilot.status != Status.COMPLETED:
             return level
         self.count.plan(1 + COARSE_RUNS)
-        self.reached, self.count.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
+        self.limits.reached, self.count.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
         longer = self.count.expected(levels.fine_level(self.method) * level) / pilot.evaluations
         if longer * levels.work(self.layout, pilot) < LONG_RUN:
             return level
         self._measure(setting, pilot)
-        if self.amplification is None:
+        grown = self.limits.amplification
+        if grown is None:
             return level
-        amplified = min(level, AMPLIFIED * self.wanted / max(self.amplification, 1.0))
+        amplified = min(level, AMPLIFIED * self.wanted / max(grown, 1.0))
         longer = self.count.expected(amplified) / self.count.expected(level)
-        if self.amplification * EPSILON > self.wanted or longer > MOST_LONGER:
-            raise InputError("accuracy", self._too_far(self.amplification, longer))
-        return max(amplified, levels.finest_level(self.method))
+        if grown * EPSILON > self.wanted or longer > MOST_LONGER:
+            raise InputError("accuracy", self._too_far(grown, longer))
+        return max(amplified, self.limits.finest)
 
     def _too_far(self, amplification: float, longer: float) -> str:
         """Why a long run is refused, and what to do."""
@@ -213,10 +184,11 @@ class _Search:
                 self._measure(last.coarse, last.runs[0])
             last.estimate = last.excess = self._excess(last)
         if decision.is_too_long(self.rounds, self.limits):
-            self.amplification, last.estimate, last.excess = None, np.inf, np.inf
-        elif last.stopped is None and last.estimate > 1.0 and self.amplification is None:
+            self.limits.amplification, last.estimate, last.excess = None, np.inf, np.inf
+        elif last.stopped is None and last.estimate > 1.0 and self.limits.amplification is None:
             self._measure(last.coarse, last.runs[0])
             last.excess = self._excess(last)
+        self.limits.exhausted = self.count.spent > self.count.most
         return decision.decide(self.rounds, self.limits)
 
     def found(self) -> FoundSettings:
@@ -232,7 +204,7 @@ class _Search:
             fine=chosen.fine,
             level=levels.fine_level(self.method) * chosen.level,
             runs=(*others, *chosen.runs),
-            amplification=self.amplification,
+            amplification=self.limits.amplification,
             met=chosen.excess <= 1.0,
             evaluations=self.count.spent,
             seconds=time.perf_counter() - self.count.began,
@@ -249,18 +221,17 @@ class _Search:
 
     def _measure(self, setting: Setting, run: Integration) -> None:
         """Measure the amplification by a run, unless it is known."""
-        if self.amplification is None:
+        if self.limits.amplification is None:
             names = comparison.observables(self.accuracy)
-            self.amplification = comparison.measure_amplification(
+            self.limits.amplification = comparison.measure_amplification(
                 self.layout, self.count.attempt, setting, run, names
             )
 
     def _excess(self, last: Round) -> float:
         """The largest estimate of the fine run relative to the request."""
         *coarser, fine = last.runs
-        last.errors = comparison.error_bounds(
-            self.layout, fine, coarser, self.amplification, self.accuracy
-        )
+        grown = self.limits.amplification
+        last.errors = comparison.error_bounds(self.layout, fine, coarser, grown, self.accuracy)
         return last.errors.excess
 
 

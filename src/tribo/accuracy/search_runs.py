@@ -16,25 +16,21 @@ from tribo.loops.select import Integrator
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
 PILOT_LEVEL = 1e-3
-# Most pilot runs.  Each finds smaller scales until they are those of the motion; where these are
-# tiny, 1e-60 of the first guess, four are enough.
+# Most pilot runs, with smaller and smaller scales; four reach those of 1e-60 of the first guess.
 PILOTS = 8
-# A run stops after this times the evaluations expected from the last by the order of the method,
-# since errors of rounding, which do not fall with the step, then control its steps.  With rods of
-# 1e5 and longer, a tenth of the level took eight times the evaluations instead of 1.3 times.
+# A run stops after this times the evaluations expected from the last: errors of rounding then
+# control its steps.  With rods of 1e5, a tenth of the level took eight times the evaluations.
 UNEXPECTED = 4.0
 # But not before this fraction of the evaluations that any run may take.
 UNNOTICED = 0.02
 # Coarse runs of a round, which the fine run is compared with.
 COARSE_RUNS = 2
 
-# Equal parts of the duration after which a fine run stops, so that its steps differ from those of
-# the coarse runs even if there are few samples.
+# Parts of the duration after which a fine run stops, for steps of its own even with few samples.
 PARTS = 32
 # Most inner stops of a coarse run: each shortens a step.
 MOST_STOPS = 256
-# Stops that differ by less than this fraction of the duration are one: steps between them would be
-# as short as rounding.
+# Stops closer than this part of the duration are one: steps between them would be of rounding.
 SAME = 1e-9
 
 # Called before each run with its number, how many runs there will be unless more rounds are needed,
@@ -45,8 +41,7 @@ Announce = Callable[[int, int, float | None], None]
 class StopTimes(NamedTuple):
     """Times at which a fine run and two coarse ones stop, so that no two share their steps.
 
-    Every fourth inner time of the fine run belongs to the first coarse run, and all others to the
-    second: each recorded time is compared with one of them.
+    Every fourth inner time of the fine run belongs to the first coarse run, others to the second.
     """
 
     few: np.ndarray
@@ -94,12 +89,10 @@ class SearchRuns:
         self.plan(self.method.adaptive + 1 + COARSE_RUNS)
 
     def pilot(self, times: np.ndarray) -> tuple[Setting, Integration, levels.ToleranceScales]:
-        """A run whose tolerances resolve the energies and rates that it finds.
+        """The setting, run and scales of a run whose tolerances resolve what it finds.
 
-        Returns its setting, the run, and the scales that it finds.
-
-        Those below the tolerances of a run are its errors, such as oscillations of a stiff pendulum
-        that feels no force yet; the next run has tolerances relative to them.
+        Energies and rates below the tolerances of a run are its errors, such as oscillations of a
+        stiff pendulum that feels no force yet; the next run has tolerances relative to them.
         """
         scales = levels.first_guess(self.layout)
         for _ in range(PILOTS):
@@ -120,7 +113,6 @@ class SearchRuns:
     def run(
         self, setting: Setting, times: np.ndarray, level: float, rounded: bool = False
     ) -> Integration:
-        """A run of a round."""
         most = max(UNEXPECTED * self.expected(level), UNNOTICED * self.most)
         run = self.attempt(setting, times, most=min(self.most, most), rounded=rounded)
         if run.status == Status.COMPLETED:
@@ -147,7 +139,6 @@ class SearchRuns:
         return run
 
     def plan(self, further: int) -> None:
-        """How many further runs are planned."""
         self._of = self._number + further
 
     def plan_round(self, level: float, last: Integration | None) -> None:

@@ -12,10 +12,9 @@ from tribo.model.scene import Scene
 
 
 class ContactProbe:
-    """Contact energies and forces of a scene whose bobs are placed by the caller.
+    """Contact energies and forces of a scene, also of ASE's calculators, at given places of bobs.
 
-    Bobs are numbered surface after surface, as in ``layout.parts``.  Calculators of ASE are called
-    too.
+    Bobs are numbered surface after surface, as in ``layout.parts``.
     """
 
     def __init__(self, scene: Scene) -> None:

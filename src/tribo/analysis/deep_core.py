@@ -63,11 +63,7 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
 
 
 def _other_energies(layout: Layout, bobs: Closest) -> float:
-    """The largest energy of two asperites but for contact [energy].
-
-    That of their relative motion, of torsion by 1 rad, of a pull or a load over the length of a
-    rod, and their temperatures.
-    """
+    """The largest energy of two asperites but for contact, over the length of a rod [energy]."""
     pair = layout.asperites[list(bobs[1:])]
     speed = np.hypot(np.ptp(pair.vx), np.ptp(pair.vy))
     rods = (pair.l1 + pair.l2).tolist()

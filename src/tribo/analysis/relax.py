@@ -1,10 +1,10 @@
 """Equilibria: where no force moves any coordinate of a scene.
 
-Forces that a drive cancels have no energy, which the minimisers of scipy.optimize need, so the
-forces themselves are followed, by scipy's solvers of linear systems and eigenvalues.  In each step
-the damped motion du/dtau = u'' is advanced implicitly, (1 / dtau - J) step = u'' with J the
-derivative of u''.  Short dtau follow the forces downhill; dtau grows on the way, and the last steps
-are Newton's.  C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
+Forces that a drive cancels have no energy, which the minimisers of scipy.optimize need, so forces
+are followed, by scipy's solvers.  In each step the damped motion du/dtau = u'' is advanced
+implicitly, (1 / dtau - J) step = u'' with J the derivative of u''.  Short dtau follow the forces
+downhill; dtau grows on the way, and the last steps are Newton's.
+C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.
 """
 
 import numpy as np
@@ -26,13 +26,11 @@ from tribo.model.scene import Scene, checked_scene
 MOST_STEPS = 400
 # Unstable equilibria that are left, until the search is given up.
 MOST_ESCAPES = 20
-# Largest change of a coordinate in a step, in units of the shortest of rod, distance of bobs and
-# period of a corrugation: larger steps can pass through another bob.
+# Largest step, in units of the shortest of rod, bobs' distance and period: larger ones pass bobs.
 LONGEST_STEP = 0.1
 # Displacement out of an unstable equilibrium, in units of that largest change.
 ESCAPE = 0.01
-# Accelerations that are zero, in units of the largest derivative of one: the rounding of forces
-# is two digits smaller where no forces cancel.
+# Accelerations that are zero, in units of the largest derivative; rounding is a hundredth of it.
 ZERO = 1e-10
 # The same, below all rounding of forces.
 NOTHING = 1e-18
@@ -41,8 +39,7 @@ NOTHING = 1e-18
 DIFFERENCE = 1e-4
 # Relative accuracy of a step: a smaller one costs more evaluations than it saves steps.
 STEP_ACCURACY = 1e-3
-# Growth of a perturbation's acceleration, in units of the largest derivative, from which an
-# equilibrium is unstable: differences of forces have relative errors of about 1e-9.
+# Growth at an unstable equilibrium, in units of the largest derivative, which is known to 1e-9.
 UNSTABLE = 1e-7
 # Coordinates up to which all derivatives are computed to find an unstable direction.
 DENSE = 64
@@ -103,10 +100,7 @@ def relax(scene: Scene) -> State:
 
 
 class _Accelerations:
-    """The accelerations u'' of a scene at rest at t = 0, as a function of u.
-
-    u has the coordinates of the asperites, those that are lengths in units of the rods.
-    """
+    """The accelerations u'' of a scene at rest at t = 0; lengths in u are in units of the rods."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
@@ -125,11 +119,9 @@ class _Accelerations:
             self._owners[mine] = each[present]
             if row == MASS:
                 self.lengths[mine] = (a.l1 + a.l2)[present]
-
-    @property
-    def weights(self) -> np.ndarray:
-        """(core,) masses or inertias in the units of u; 0 for what a constraint holds."""
-        return np.where(np.isinf(self._inertias), 0.0, self._inertias * self.lengths**2)
+        # (core,) masses or inertias in the units of u; 0 for what a constraint holds.
+        inertias = self._inertias * self.lengths**2
+        self.weights = np.where(np.isinf(self._inertias), 0.0, inertias)
 
     def coordinates(self, u: np.ndarray) -> np.ndarray:
         """All coordinates, with the baths at their bars."""
@@ -171,10 +163,7 @@ class _Accelerations:
 
 
 class _Derivative:
-    """J at one place, by central differences.
-
-    `largest` is the largest |J w| / |w| so far, in the maximum norm [1 / time^2].
-    """
+    """J at one place, by central differences, and the largest |J w| / |w| so far [1 / time^2]."""
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:
         self._motion, self._u, self.largest = motion, u, 0.0
@@ -197,7 +186,6 @@ class _Derivative:
 def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
     """An equilibrium, stable or not, and the largest derivative there [1 / time^2]."""
     found = motion(u)
-    weights = motion.weights
     interval = 0.0  # dtau
     for _ in range(MOST_STEPS):
         residual = float(np.max(np.abs(found)))
@@ -218,7 +206,7 @@ def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
         ended = residual <= NOTHING * derivative.largest
         if ended or (close and np.max(np.abs(there)) > 0.5 * residual):
             return u, derivative.largest
-        power, power_there = (float(np.sum(weights * step * a)) for a in (found, there))
+        power, power_there = (float(np.sum(motion.weights * step * a)) for a in (found, there))
         if close or (power > 0.0 and power_there > -0.5 * power):
             gain = residual / max(float(np.max(np.abs(there))), 1e-300)
             interval *= min(max(gain, 1.5), 10.0)

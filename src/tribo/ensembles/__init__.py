@@ -21,20 +21,11 @@ from tribo.ensembles.dataset import common_attributes, kept_attributes, members_
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
-from tribo.ensembles.members import (
-    Members,
-    Sampler,
-    Source,
-    Variation,
-    is_random,
-    of_surfaces,
-    sampled,
-)
+from tribo.ensembles.members import Members, Sampler, Source, Variation, is_random, sources_of
 from tribo.ensembles.request import END, SAMPLES, Request, checked_names
 from tribo.ensembles.runner import Execution, Runs, planned, policy_of
 from tribo.ensembles.statistics import coordinates_of, variables_of
-from tribo.ensembles.stores import MemberStore, StatisticsStore
-from tribo.ensembles.target import Target, in_file
+from tribo.ensembles.stores import MemberStore, StatisticsStore, Target, in_file
 from tribo.model.scene import Scene, checked_scene
 from tribo.model.scene_file import scene_from
 from tribo.progress import Shown
@@ -160,7 +151,7 @@ def ensemble(
     for name, given in of_kept.items():
         if given and keep is None:
             raise InputError(name, 'needs keep, as keep=["upper.w1"]')
-    vary = sampled(sampler, members, scene, of_surfaces(scene, vary))
+    vary = sources_of(scene, vary, sampler, members)
     names = None if keep is None else checked_names(keep)
     request = Request(names, at, False, accuracy, method, step, allow_unresolved)
     wanted = None if half_width is None else checked_half_width(scene, half_width)
@@ -177,8 +168,7 @@ def ensemble(
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene)
         kept = request.kept(simulation.layout)
-        if wanted is not None:
-            check_series(kept, wanted)
+        check_series(kept, wanted or {})
         runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target, began)
@@ -207,14 +197,11 @@ def _collected(
     attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
     if isinstance(store, StatisticsStore):
         store.flush()
-        moments = store.moments()
-        if moments is None and interrupted:
-            raise KeyboardInterrupt
-        if moments is None:
-            raise InputError("scene", "is completed by no member")
+        if (moments := store.moments()) is None:
+            none = InputError("scene", "is completed by no member")
+            raise KeyboardInterrupt if interrupted else none
         coordinates = times_of(kept, scene) | coordinates_of(kept)
-        data = xarray.Dataset(variables_of(kept, moments), coordinates, attributes)
-        return target.saved(data)
+        return target.saved(xarray.Dataset(variables_of(kept, moments), coordinates, attributes))
 
     def datasets(parts: Iterable[KeptValues]) -> Iterator[xarray.Dataset]:
         first = 0

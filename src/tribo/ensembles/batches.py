@@ -26,8 +26,7 @@ from tribo.result import Result
 from tribo.simulation import from_settings, prepare
 from tribo.validation import InputError
 
-# Members that are run in one call, at most: of a pair some 30 ms, after which an interrupt is
-# answered.
+# Members that are run in one call, at most: of a pair some 30 ms, which delay an interrupt.
 CHUNK = 8192
 # Work of a call for members of larger scenes [force evaluations x asperites], one by one and in
 # lanes: some 0.05 s, to which the ledgers of all its members add a few milliseconds.
@@ -39,10 +38,9 @@ MOST_NUMBERS = 2**21
 
 
 class Policy(ABC):
-    """Runs members of an ensemble, and keeps `kept` of each; it can be pickled.
+    """Runs members by the settings of a simulation, and keeps `kept` of each; it can be pickled.
 
-    The simulation has the settings of all members.  The keys `own_numbers` are of what they differ
-    in beside initial angles and rates.
+    The keys `own_numbers` are of what members differ in beside initial angles and rates.
     """
 
     chunk: int  # members that are run in one call
@@ -58,17 +56,15 @@ class Policy(ABC):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the scene as text, from which plug-ins are loaded."""
         scene, settings = self.simulation.scene.to_toml(), self.simulation.settings
-        return _restored, (type(self), scene, settings, self.kept, self.own_numbers, self.plan)
+        given = type(self), scene, settings, self.kept, self.own_numbers
+        return _restored, given, {"plan": self.plan}
 
     def complete(self, members: Members) -> KeptValues:
         """Run some members in this thread, also those that need settings of their own."""
         return self.run_alone(members, self.compute(members))
 
     def run_alone(self, members: Members, found: KeptValues) -> KeptValues:
-        """Run those whose status is UNKNOWN: with the given step, or with settings of their own.
-
-        The settings are searched for, for each member.  Returns `found`, with these.
-        """
+        """`found`, where UNKNOWN members are run: with the given step, or with their own search."""
         simulation, kept = self.simulation, self.kept
         for index in np.flatnonzero(found["status"] == UNKNOWN).tolist():
             scene = members.scene(index, simulation.scene, with_start=True)
@@ -89,12 +85,8 @@ class Policy(ABC):
         return found
 
 
-def _restored(
-    kind: type[Policy], scene: str, settings: Any, kept: Kept, own_numbers: Sequence[str], plan: Any
-) -> Policy:
-    runs = kind(from_settings(scene_from(tomllib.loads(scene)), settings), kept, own_numbers)
-    runs.plan = plan
-    return runs
+def _restored(kind: type[Policy], scene: str, settings: Any, *others: Any) -> Policy:
+    return kind(from_settings(scene_from(tomllib.loads(scene)), settings), *others)
 
 
 class SingleRuns(Policy):
@@ -103,10 +95,7 @@ class SingleRuns(Policy):
     chunk = 1
 
     def compute(self, members: Members) -> KeptValues:
-        """Run some members by the settings of all.
-
-        Those that miss their accuracy have the status UNKNOWN, unless errors are kept too.
-        """
+        """Run some members; those that miss their accuracy are UNKNOWN, unless errors are kept."""
         found = self.kept.without_runs(members.numbers.size)
         for index in range(members.numbers.size):
             result = self._run(members, index)
@@ -154,10 +143,7 @@ def kept_series(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
 
 
 def delivered(kept: Kept, runs: MemberRuns, level: float, guarded: bool = False) -> KeptValues:
-    """What is kept of some runs; those that did not complete have the status UNKNOWN.
-
-    With `guarded`, those whose energy grows without bound count as not completed too.
-    """
+    """What is kept of some runs; those that stop, or, if `guarded`, grow in energy, are UNKNOWN."""
     members = len(runs.counts)
     stopped = passed_through(runs.layout, runs.samples)
     if guarded:

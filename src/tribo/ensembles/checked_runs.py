@@ -1,14 +1,12 @@
 """Members that are run by one compiled loop with one setting, checked, and refined.
 
-docs/developers/ensembles.md has the rules.  What is delivered of a member depends on the plan of
-all and on the member alone, not on the members that are run beside it.
+docs/developers/ensembles.md has the rules and reasons.  What is delivered of a member depends on
+the plan of all and on the member alone, not on the members that are run beside it.
 
 The plan is the method, its setting, and whom to check.  The cheapest setting with which a sample
-agrees with finer runs is tried on a pilot.  Few members have errors far above those of the others,
-and not all of them take more evaluations: the setting is made finer until the largest error found
-leaves room for larger ones among all members.  Members with numbers of their own have scales of
-their own, which their evaluations do not show.  They are run at a level below the cheapest one, and
-compared with rougher runs at that.
+agrees with finer runs is tried on a pilot, and made finer until its largest error leaves room for
+larger ones.  Members with numbers of their own, of which evaluations do not show the errors, are
+run at a level below the cheapest one, and compared with rougher runs.
 """
 
 import json
@@ -36,32 +34,26 @@ from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.integrate import Setting
 from tribo.prepared import Simulation
 
-# Members by which the setting is chosen, the first ones, which are all checked: their share of a
-# million is nothing.
+# The first members, by which the setting is chosen; all are checked: few of a million.
 SAMPLE = 64
 # Members of the pilot: 2 % of the runs of 200,000 members of a pair.  Those of larger scenes are
 # fewer, and fewer are checked before them.
 PILOT, PILOT_OF_LARGE = 4096, 512
-# Finest level by which the setting is chosen in larger scenes, relative to the accuracy.  Pairs can
-# afford the finest that there is.
+# Finest level that is tried in larger scenes, relative to the accuracy.  Pairs can afford FLOOR.
 FINEST_OF_LARGE = 1e-4
 # One member in so many is checked beside them, whatever its evaluations: 2 % of the time.
 CHECKED = 256
-# Level of a run that checks another, relative to that or to the accuracy: its error is two digits
-# smaller.
+# Level of a run that checks another, relative to that or to the accuracy: two digits better.
 FINER = 1e-2
-# Largest difference of a run from a finer one, in units of the accuracy: the rest is for the error
-# of the finer run.
+# Largest difference of a run from a finer one, in units of the accuracy: the rest is the latter's.
 KEPT = 0.9
 # Longest step of members in lanes, as a fraction of the time to the next encounter.
 NEAR_IN_LANES = 1.25
-# Time of an evaluation of all forces in lanes, relative to that of the collocation: 6 and 13 ns, as
-# measured on cases A and C of the paper.
+# Time of an evaluation in lanes over that of the collocation: 6 and 13 ns on cases A and C.
 COST_IN_LANES = 0.47
 # Level of a rougher run, relative to that of the plan.
 ROUGHER = 4.0
-# Its longest step on the way to an encounter, relative to that of the plan: tolerances do not
-# control errors of such steps.
+# Its longest step to an encounter, relative to the plan's: tolerances do not control its error.
 ROUGHER_NEAR = 1.5
 # Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
 # checked: most of the difference is the error of the rougher one, some three times as large.
@@ -72,19 +64,16 @@ MOST_COMPARED = 65
 REFINEMENTS = 3
 # Levels that are tried, from the loosest, in units of the accuracy.
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
-# Largest difference of the sample from finer runs, in units of the accuracy: other members may have
-# larger ones.
+# Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 512
-# Members of the first batch: where they keep the accuracy, 1 % of all members are checked, which
-# takes 4 % of the time.
+# Members of the first batch: where they suffice, 1 % are checked, in 4 % of the time.
 BATCH = 32
 # One in so many of the others is checked.
 OTHERS = 4
 # Their largest difference from finer runs, in units of the accuracy.  In 20,000 members of case A
-# the share of differences above x fell as x^-4: of a million members, some ten are above the
-# accuracy if one in a thousand is above this.
+# the share above x fell as x^-4: of a million, ten miss if one in a thousand is above this.
 ROOM = 0.3
 # Part of a level to which it is lowered at most, since errors need not be proportional to it.
 LOWERED = 0.1
@@ -103,29 +92,24 @@ class CheckedPlan(NamedTuple):
 
     method: str
     level: float
-    # members that take more are checked; -1 where members have numbers of their own
-    most_evaluations: int
-    scales: tuple[float, ...]  # fields of tribo.accuracy.levels.ToleranceScales
+    most_evaluations: int  # members that take more are checked; -1 with numbers of their own
+    scales: ToleranceScales
 
     @property
     def attributes(self) -> dict[str, str | float]:
         """The plan as attributes of a data set."""
-        return self._asdict() | {"scales": json.dumps(self.scales)}
+        return self._asdict() | {"scales": json.dumps([*vars(self.scales).values()])}
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
         """The plan in the attributes of a data set."""
         method, level, evaluations, scales = (attributes[name] for name in cls._fields)
-        return cls(str(method), float(level), int(evaluations), tuple(json.loads(str(scales))))
+        found = ToleranceScales(*json.loads(str(scales)))
+        return cls(str(method), float(level), int(evaluations), found)
 
 
 class CheckedRuns(BatchRuns):
-    """Runs members in batches, by a `plan` that has to be set.
-
-    The simulation has an adaptive method and an accuracy.  The first of the `steppers`, `exact`, is
-    that of single runs.  `pilot` is the number of members by which it is found whom to check,
-    `finest` the finest level that is tried.
-    """
+    """Runs members in batches by an adaptive method, with a `plan` that has to be set."""
 
     plan: CheckedPlan
 
@@ -135,24 +119,20 @@ class CheckedRuns(BatchRuns):
         asked = simulation.accuracy
         self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
         self.strictest = strictest(self._accuracy)
-        self.exact = simulation.method.name
+        self.exact = simulation.method.name  # that of single runs, and of the first stepper
         self.steppers = _steppers(simulation, bool(own_numbers))
         self._checks = simulation.integrator.batch(bool(own_numbers), rounded=True)
         pair = simulation.integrator.pair is not None
-        self.pilot = PILOT if pair else PILOT_OF_LARGE
-        self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)
+        self.pilot = PILOT if pair else PILOT_OF_LARGE  # members that tell whom to check
+        self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)  # level
 
     @cached_property
     def chunk(self) -> int:  # type: ignore[override]
-        """Members that are run in one call."""
         pair = self.simulation.integrator.pair is not None
         return chunk_of(self.simulation, None if pair else self.simulation.finest.evaluations)
 
     def compute(self, members: Members) -> KeptValues:
-        """Run some members, check and refine them.
-
-        Those that need a search for their own settings have the status UNKNOWN.
-        """
+        """Run members, check and refine them; those that need a search of their own are UNKNOWN."""
         starts = self.begin(members)
         runs = self.run(self.plan, starts)
         found = delivered(self.kept, runs, self.plan.level)
@@ -189,14 +169,10 @@ class CheckedRuns(BatchRuns):
 
     def _setting(self, plan: CheckedPlan, near: float) -> Setting:
         layout, method = self.simulation.layout, self.simulation.method
-        return setting_at(layout, method, ToleranceScales(*plan.scales), plan.level, near)
+        return setting_at(layout, method, plan.scales, plan.level, near)
 
     def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[Scales, np.ndarray]:
-        """Finer runs with the scales of their errors, and the difference of each member from its.
-
-        That is the largest difference, in units of the accuracy; infinite where either run did not
-        complete.
-        """
+        """Scales, and largest differences in units of the accuracy; infinite if a run stopped."""
         scales, excess = compare_members(*_few_times(fine), _few_times(runs)[1], self._accuracy)
         complete = runs.complete & fine.complete & np.isfinite(excess)
         return scales, np.where(complete, excess, np.inf)
@@ -262,7 +238,7 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     """The plan of an ensemble of `count` members; the own plan of `runs` is not used."""
     simulation = runs.simulation
     scales = tolerance_scales(simulation.layout, simulation.finest.samples)
-    chosen = _cheapest(runs, variation, count, tuple(vars(scales).values()))
+    chosen = _cheapest(runs, variation, count, scales)
     if runs.own_numbers:  # each member is compared with a run at the level that is chosen
         return chosen._replace(level=max(FLOOR, chosen.level / ROUGHER))
     pilot = Pilot(runs, runs.begin(variation.sample(count, runs.pilot)), threads)
@@ -274,7 +250,7 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
 
 
 def _cheapest(
-    runs: CheckedRuns, variation: Variation, count: int, scales: tuple[float, ...]
+    runs: CheckedRuns, variation: Variation, count: int, scales: ToleranceScales
 ) -> CheckedPlan:
     """The cheapest setting that keeps the accuracy of the sample."""
     starts = runs.begin(variation.sample(count, SAMPLE))
@@ -304,10 +280,7 @@ class Pilot:
         self._piece = min(PIECE, runs.chunk)
 
     def with_most_evaluations(self, plan: CheckedPlan) -> tuple[CheckedPlan, float]:
-        """The plan with the evaluations above which members are checked; -1 for all.
-
-        Also returns the largest difference of others from finer runs, in units of the accuracy.
-        """
+        """The plan with the evaluations above which to check, and the largest error of others."""
         runs = self._runs
         counts = np.concatenate(self._each(lambda some: runs.run(plan, some).counts, self._starts))
         evaluations = counts[:, EVALUATIONS]

@@ -13,8 +13,7 @@ Engine = Any
 
 # Tasks under way for each thread: one more than it computes, so that it never waits.
 AHEAD = 2
-# Tasks under way on an engine, which is the largest number of workers that it keeps busy.  Their
-# results wait in memory for their turn, some 1 MB each.
+# Tasks under way on an engine, which keep as many workers busy; their results of 1 MB wait.
 UNDER_WAY = 256
 
 

@@ -45,9 +45,8 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
     else:
         raise InputError("name", f"needs two members that completed, got {len(complete)}")
     opacity = min(1.0, max(FAINTEST, OPACITY / len(shown)))
-    faint: Any = {"color": MEMBER_COLOUR, "linewidth": 0.5, "alpha": opacity}
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
-        lines = ax.plot(time, shown.T, **faint)
+        lines = ax.plot(time, shown.T, color=MEMBER_COLOUR, linewidth=0.5, alpha=opacity)
         filled: Any = {"color": INTERVAL_COLOUR, "alpha": 0.45, "linewidth": 0.0}
         band = ax.fill_between(time, mean - half, mean + half, **filled)
         (middle,) = ax.plot(time, mean, color=INK, linewidth=1.0)

@@ -36,8 +36,7 @@ INTERVAL = "_time_half_width"
 FRICTION, SHARE = "friction_force", "time_without_contact"
 # What is added to the name of a quantity for the bounds on its errors.
 ERROR = "_error"
-# Counts of members beside those of statuses: run again with finer settings, in need of these, and
-# with a note on works that are lost in rounding.
+# Counts beside those of statuses: run again, in need of it, and with works lost in rounding.
 CHECKED, REFINED, WEAK = "checked", "refined", "weak"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
@@ -73,10 +72,8 @@ class Kept:
 
     shapes: Mapping[str, tuple[int, ...]]  # "upper.w1" -> its shape in one member
     at_samples: bool  # at all times of the scene, or at the end alone
-    # each value has an error estimate; values that miss the accuracy are kept too
-    with_errors: bool = False
-    # asperites of each surface, over which quantities are summed; else empty
-    counts: Mapping[str, int] = field(default_factory=dict)
+    with_errors: bool = False  # of each value, which is kept also where it misses the accuracy
+    counts: Mapping[str, int] = field(default_factory=dict)  # of asperites, if they are summed
 
     @classmethod
     def sums(cls, layout: Layout) -> Self:
@@ -119,7 +116,6 @@ class Kept:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all quantities."""
         return tuple(self.shapes)
 
     @property

@@ -38,22 +38,18 @@ HALF_WIDTH = "half-width of the 95 % interval of the "
 def mean_dataset(
     runs: Runs, store: MemberStore, half_width: dict[str, float] | None, most: int, began: float
 ) -> xarray.Dataset:
-    """The data set of means; without a half-width that is wanted, of `most` members.
-
-    Raises InputError if fewer than two members reach their end, or `most` are too few.
-    """
+    """The means of `most` members, or of as many as a half-width takes.  Raises InputError."""
     first_stage, needed = None, 0.0
-    if half_width is None:
-        found, interrupted = _up_to(runs, store, most)
-    else:
-        found, interrupted = _up_to(runs, store, max(store.done, min(FIRST_STAGE, most)))
+    first = most if half_width is None else max(store.done, min(FIRST_STAGE, most))
+    found, interrupted = _up_to(runs, store, first)
+    if half_width is not None:
         first_stage = int(np.count_nonzero(kept_values.completed(found)[:FIRST_STAGE]))
-        if not interrupted:
-            needed = _needed(runs.policy.kept, found, half_width, most)
+        needed = 0.0 if interrupted else _needed(runs.policy.kept, found, half_width, most)
+    while not interrupted and store.done < most:
         missing = int(needed - np.count_nonzero(kept_values.completed(found)))
-        while not interrupted and missing > 0 and store.done < most:
-            found, interrupted = _up_to(runs, store, min(store.done + missing, most))
-            missing = int(needed - np.count_nonzero(kept_values.completed(found)))
+        if missing <= 0:
+            break
+        found, interrupted = _up_to(runs, store, min(store.done + missing, most))
     numbers = np.flatnonzero(kept_values.completed(found))[:FIRST_STAGE]
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)

@@ -1,15 +1,15 @@
 """The members of an ensemble: initial values, velocities and seeds.
 
-A member is determined by its number and the seed of the ensemble.  Quantities and seeds are drawn
-for whole blocks of members, each quantity and block with a seed that is a child of the ensemble's.
-So neither the number of members nor the order of their runs changes any.
-The children are those of numpy.random.SeedSequence, after M. E. O'Neill's seed_seq.
+A member is determined by its number and the seed of the ensemble, neither by how many there are nor
+by the order of their runs: quantities and seeds are drawn for whole blocks of members, each with a
+child of that seed, as of numpy.random.SeedSequence, after M. E. O'Neill's seed_seq.
 """
 
 import copy
 import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -84,16 +84,13 @@ def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 class DistributionDraw:
-    """Values of one key from a distribution; of a velocity, its x component alone is drawn.
-
-    A member draws `dimensions` numbers, and `block` members are drawn at once.
-    """
+    """Values of one key from a distribution; of a velocity, its x component alone is drawn."""
 
     def __init__(self, key: str, source: Distribution, size: int) -> None:
         self.name = key
         self.keys: tuple[str, ...] = (key,)
-        self.dimensions = 1 if key.endswith(f".{VELOCITY}") else size
-        self.block = max(1, BLOCK // size)
+        self.dimensions = 1 if key.endswith(f".{VELOCITY}") else size  # numbers of a member
+        self.block = max(1, BLOCK // size)  # members that are drawn at once
         self._source, self._size = source, size
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
@@ -119,11 +116,11 @@ class SeedDraw:
     name, block = "", BLOCK
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
-        """Seeds (block,)."""
         raw = rng.bit_generator.random_raw(BLOCK)  # type: ignore[attr-defined]
         return {self.name: raw >> np.uint64(1)}  # integers in files are signed
 
 
+SEEDS = SeedDraw()
 Draw = DistributionDraw | JointStart
 
 
@@ -139,21 +136,17 @@ def draws_of(scene: Scene, vary: Mapping[str, Source]) -> dict[str, Draw]:
 
 
 class Variation:
-    """The differences between the members of an ensemble.
+    """The differences between the members of an ensemble, as `vary` says.  Raises InputError.
 
-    `vary` maps "surface.theta" (or another initial value), "surface.velocity" or a number of the
-    scene to an array with a row for each member, or to a distribution; "surface.swing_state" to one
-    of swings and rates together.  The seeds of the members' scenes, (members,), are drawn if they
-    are not given.  `sizes` has the length of each quantity's rows, `own_numbers` the keys of what
-    members differ in beside initial angles and rates, and seeds.  Raises InputError if a name, an
-    array or a distribution cannot be used.
+    The seeds of the members' scenes, (members,), are drawn if they are not given.  `sizes` has the
+    length of each quantity's rows, `own_numbers` the keys of what members differ in beside initial
+    angles and rates, and seeds.
     """
 
     def __init__(
         self, scene: Scene, vary: Mapping[str, Source], seed: int, seeds: np.ndarray | None = None
     ) -> None:
-        self.seed = seed
-        self._seeds = seeds
+        self.vary, self.seed, self._seeds = vary, seed, seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
         with inside("vary"):
             draws = draws_of(scene, vary)
@@ -166,7 +159,7 @@ class Variation:
                 for key, size in self.sizes.items()
                 if key not in self._draws
             }
-        self._last: dict[str, tuple[int, dict[str, np.ndarray]]] = {}
+        self._block = lru_cache(2 + 2 * len(draws))(self._new_block)
         self.own_numbers = tuple(key for key in self.sizes if not is_start(key))
 
     @property
@@ -188,13 +181,11 @@ class Variation:
             for key, size in self.sizes.items()
         }
         given = self._seeds
-        seeds = self._drawn(SeedDraw(), "", numbers) if given is None else given[numbers]
+        seeds = self._drawn(SEEDS, "", numbers) if given is None else given[numbers]
         return Members(numbers, seeds, values)
 
     def sample(self, count: int, size: int) -> Members:
-        """So many of `count` members, or all if they are fewer: the first, or with arrays, which
-        may be in order, at equal distances.
-        """
+        """Some of `count` members: the first, or with arrays, possibly in order, evenly spaced."""
         size = min(size, count)
         numbers = np.arange(size)
         return self.members(numbers * count // size if self._arrays else numbers)
@@ -225,56 +216,43 @@ class Variation:
         pairs = zip(blocks.tolist(), parts, strict=True)
         return np.concatenate([self._block(draw, block)[key][part] for block, part in pairs])
 
-    def _block(self, draw: Draw | SeedDraw, block: int) -> dict[str, np.ndarray]:
-        """The random values of a block of members, of which the last one is remembered."""
-        last = self._last.get(draw.name)
-        if last is None or last[0] != block:
-            sequence = np.random.SeedSequence(self.seed, spawn_key=(block, *draw.name.encode()))
-            with inside("vary"):
-                last = block, draw.random(np.random.default_rng(sequence))
-            self._last[draw.name] = last
-        return last[1]
+    def _new_block(self, draw: Draw | SeedDraw, block: int) -> dict[str, np.ndarray]:
+        """The random values of a block of members."""
+        sequence = np.random.SeedSequence(self.seed, spawn_key=(block, *draw.name.encode()))
+        with inside("vary"):
+            return draw.random(np.random.default_rng(sequence))
 
 
-def of_surfaces(scene: Scene, vary: object) -> dict[str, Source]:
+def sources_of(
+    scene: Scene, vary: object, sampler: Sampler | None, members: int | None
+) -> dict[str, Source]:
     """What members differ in, with a key of each surface in place of "*".  Raises InputError.
 
-    States of swings keep their "*": they are drawn for all surfaces together.
+    States of swings keep their "*": they are drawn for all surfaces together.  With a sampler, each
+    distribution becomes an array (members, numbers of a member): its inverse cumulative function
+    ``ppf`` of as many coordinates of the sampler's points, in the order of `vary`.
     """
-    if vary is None:
-        return {}
-    if not isinstance(vary, Mapping):
+    if not isinstance(vary, Mapping | None):
         raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
     found: dict[str, Source] = {}
-    for key, source in vary.items():
+    for key, source in (vary or {}).items():
         joint = isinstance(source, SwingStates)
         found |= {key: source} if joint else of_each_surface(scene, {key: source})
-    return found
-
-
-def sampled(
-    sampler: Sampler | None, members: int | None, scene: Scene, vary: Mapping[str, Source]
-) -> dict[str, Source]:
-    """`vary` with the points of a sampler, if there is one, in place of random numbers.
-
-    Each distribution becomes an array (members, numbers of a member): its inverse cumulative
-    function ``ppf`` of as many coordinates of the points, in the order of `vary`.  The sampler is
-    copied, so that it draws the same points in a later call.  Raises InputError.
-    """
     if sampler is None:
-        return dict(vary)
+        return found
     if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
         raise must_be("sampler", "one of scipy.stats.qmc", sampler)
     if members is None:
         raise InputError("members", "is missing; a sampler needs the number of members")
     with inside("vary"):
-        draws = draws_of(scene, vary)
+        draws = draws_of(scene, found)
     numbers = sum(draw.dimensions for draw in draws.values())
     if sampler.d != numbers:
         raise InputError(
             "sampler", f"has {sampler.d} dimensions, and members have {numbers} numbers to draw"
         )
-    found = {key: source for key, source in vary.items() if key not in draws}
+    found = {key: source for key, source in found.items() if key not in draws}
+    # A copy, so that the sampler draws the same points in a later call.
     points, first = copy.deepcopy(sampler).random(members), 0
     for draw in draws.values():
         found |= draw.at_points(points[:, first : first + draw.dimensions])

@@ -29,8 +29,7 @@ END, SAMPLES = "end", "samples"
 class Request(NamedTuple):
     """What is asked of each member; it can be pickled."""
 
-    # names of quantities; without them, the series of all sums over asperites
-    keep: tuple[str, ...] | None
+    keep: tuple[str, ...] | None  # names of quantities; None for series of sums over asperites
     at: str
     with_errors: bool  # each value has an error estimate
     accuracy: Accuracy | None
@@ -61,10 +60,7 @@ class Request(NamedTuple):
         return replace(scene, numerics=numerics, output=output)
 
     def prepare(self, scene: Scene) -> Simulation:
-        """The scene with the method and settings of all members.  Raises InputError.
-
-        Where each value has an error estimate, these may exceed the accuracy.
-        """
+        """The scene with all members' settings.  Raises InputError if these miss the accuracy."""
         simulation = prepare(
             self.recorded(scene), self.accuracy, self.method, self._step(scene), False, threads=1
         )
@@ -104,10 +100,7 @@ class Request(NamedTuple):
         return identity_of(self.recorded(scene), settings, version())
 
     def _step(self, scene: Scene) -> float | None:
-        """The step of members with noise: as in a run that records all times of the scene.
-
-        Equal steps end at the sample times, and a member's path depends on its steps.
-        """
+        """The step; with noise it divides the times between samples, as paths depend on steps."""
         intervals, given = np.diff(scene.times), scene.numerics
         equal, step = np.ptp(intervals) <= 1e-9 * intervals[0], self.step
         if self.keep is None or self.at != END or not (noisy(scene) and equal):

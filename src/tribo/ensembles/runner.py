@@ -1,8 +1,7 @@
 """Runs of the members of an ensemble: by one policy, in threads of this process or by an engine.
 
-A policy says how members of a scene are run and checked: all with the step of the plan
-(:class:`StepRuns`), with one setting in batches and finer ones where they are needed
-(:class:`CheckedRuns`), or each as a run of its own (:class:`SingleRuns`).
+A policy says how members are run and checked: all with the step of the plan (StepRuns), with one
+setting in batches and finer ones where needed (CheckedRuns), or each on its own (SingleRuns).
 """
 
 from __future__ import annotations
@@ -30,9 +29,8 @@ from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
 from tribo.validation import integer, must_be
 
-# Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, which
-# a result takes too.  Of longer runs, those by which the setting is chosen would take longer than
-# what batches save.
+# Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, as a
+# result takes.  Of longer runs, those that choose the setting take longer than what batches save.
 MOST_WORK = 3e4
 # Ensembles that a process of an engine has ready at the same time.
 MOST_READY = 4
@@ -43,8 +41,7 @@ class Execution(NamedTuple):
 
     engine: Engine | None = None  # runs them in other processes
     threads: int = 1  # of this process, without an engine
-    # called with the number of members that have been run
-    progress: Callable[[int], None] | None = None
+    progress: Callable[[int], None] | None = None  # takes the number of members so far
 
     @classmethod
     def checked(cls, engine: Engine | None, threads: int | None) -> Execution:
@@ -55,10 +52,7 @@ class Execution(NamedTuple):
         return cls(engine, threads)
 
     def collect(self, chunks: Iterable[KeptValues], store: Store) -> bool:
-        """Take in the next members, in order, and tell how many the store has.
-
-        Returns whether an interrupt ended that; the store then has the members that are complete.
-        """
+        """Take in the next members, in order, and tell how many there are; whether interrupted."""
         try:
             for found in chunks:
                 store.add(found)
@@ -113,10 +107,7 @@ def planned(
 def policy_of(
     simulation: Simulation, kept: Kept, own_numbers: Sequence[str], plan: CheckedPlan | None = None
 ) -> Policy:
-    """The fastest way to run members of a scene, with the plan of all if that is known.
-
-    They differ in starts and seeds, and in numbers with the keys `own_numbers`.
-    """
+    """The fastest way to run members of a scene, with the plan of all if that is known."""
     if plan is None and not in_batches(simulation, own_numbers):
         return SingleRuns(simulation, kept, own_numbers)
     if simulation.accuracy is None:

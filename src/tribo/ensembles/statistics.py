@@ -37,13 +37,11 @@ PROBABILITIES = np.array([0.0, 1e-3, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.
 
 @dataclass(eq=False)
 class Moments:
-    """Sums over the complete members, of columns at each time.
+    """Sums over the complete members, of columns at each time: of a quantity, or of one asperite's.
 
-    A column is a quantity of the system, of a surface, or of one asperite.  Arrays are (times,
-    columns); `products` are sums of products of deviations from the means, (times, columns,
-    columns).  `keys` and `counts` are the occupied bins, ascending, and the members in each: the
-    key is the index of the time and column times `BINS`, plus that of the bin, which begins at
-    -BINS / 2.
+    Arrays are (times, columns), `products` of deviations (times, columns, columns).  `keys` and
+    `counts` are the occupied bins, ascending, and their members: a key is the index of the time and
+    column times `BINS`, plus that of the bin, which begins at -BINS / 2.
     """
 
     count: np.ndarray
@@ -113,10 +111,7 @@ class Moments:
         return self.keys[first:last] - BINS * column, self.counts[first:last]
 
     def quantiles(self) -> np.ndarray:
-        """Values at the PROBABILITIES, (probabilities, times, columns).
-
-        They are in the bin of the exact ones.
-        """
+        """Values at the PROBABILITIES, (probabilities, times, columns), in the exact ones' bins."""
         found = np.empty((PROBABILITIES.size, self.mean.size))
         ranks = PROBABILITIES * (self.count - 1)
         for column in range(self.mean.size):

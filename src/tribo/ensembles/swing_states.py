@@ -95,7 +95,6 @@ class Microcanonical(_TotalEnergy):
         return count - 1
 
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
-        """Shares of the energy."""
         return self.energy * _shares(uniforms)
 
 
@@ -116,7 +115,6 @@ class EnergyBall(_TotalEnergy):
     """
 
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
-        """Shares of a sum."""
         return self.energy * uniforms[:, :1] ** (1.0 / count) * _shares(uniforms[:, 1:])
 
 
@@ -129,12 +127,7 @@ def _shares(uniforms: np.ndarray) -> np.ndarray:
 
 
 class JointStart:
-    """The starts of all pendulums of some surfaces, drawn together.
-
-    `name` is their key, "surface.swing_state" or "*.swing_state", `keys` are "surface.swing" and
-    "surface.omega" of each.  A member draws `dimensions` numbers, and `block` members are drawn at
-    once.
-    """
+    """The starts of all pendulums of some surfaces, drawn together, for the key `name`."""
 
     def __init__(self, name: str, states: SwingStates, surfaces: list[Surface]) -> None:
         self.name = name
@@ -145,8 +138,8 @@ class JointStart:
         phi = [(s.initial.for_each(s.count)["phi"], np.zeros(s.count)) for s in surfaces]
         self._phi = np.concatenate([zero if given is None else given for given, zero in phi])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
-        self.dimensions = states.uniforms(self._phi.size) + self._phi.size
-        self.block = max(1, BLOCK // self.dimensions)
+        self.dimensions = states.uniforms(self._phi.size) + self._phi.size  # numbers of a member
+        self.block = max(1, BLOCK // self.dimensions)  # members that are drawn at once
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
         """Key -> (block, asperites), random."""

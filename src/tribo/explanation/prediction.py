@@ -13,8 +13,7 @@ import numpy as np
 
 from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import strictest
-from tribo.accuracy.cost_model import counted, evaluation_time, rate_of
-from tribo.accuracy.encounter_estimate import steps_towards
+from tribo.accuracy.cost_model import counted, evaluation_time, rate_of, steps_towards
 from tribo.accuracy.extremes import BYTES, PORTION
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import make_plan

@@ -50,8 +50,7 @@ WIDENING = 0.032
 # Part of the half-width by which the average with equal weights may differ from that with smooth
 # ends; beyond it, the ends are incomplete periods.  And its interval, relative to the other.
 SIMILAR, NARROWER = 0.5, 0.9
-# A difference from the line between its neighbours is a slip within an interval between samples,
-# if it is so many times the median.
+# A slip between two samples differs from its neighbours' line by so many times the median.
 UNRESOLVED = 5.0
 # Probability with which a trend is not one of chance, and the same of one by unresolved slips: 3.3
 # standard errors, that of a slope being the square root of 12 times that of the mean.
@@ -238,10 +237,7 @@ def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) ->
 
 
 def _unresolved(s: np.ndarray, rest: np.ndarray, weights: np.ndarray) -> float:
-    """The standard error that slips within an interval between samples leave in the mean.
-
-    Such a slip is at an unknown place, uniformly distributed, in its interval.
-    """
+    """The standard error of the mean by slips that are anywhere between two samples."""
     part = (s[1:-1] - s[:-2]) / (s[2:] - s[:-2])
     bend = np.abs(rest[1:-1] - rest[:-2] - part * (rest[2:] - rest[:-2]))
     slips = bend > UNRESOLVED * np.median(bend)
@@ -270,11 +266,7 @@ class Interval(NamedTuple):
 
 
 def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:
-    """The mean over independent members, from (members, ...), and its interval.
-
-    With `first_stage`, the members whose spread determined the number of all, the interval is
-    Stein's; without it, Student's.
-    """
+    """The mean over independent members, (members, ...), with Student's interval or Stein's."""
     sample = values[:first_stage]
     degrees = len(sample) - 1
     spread = np.std(sample, axis=0, ddof=1)

@@ -153,10 +153,7 @@ def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
 
 
 def load(path: Path) -> xarray.Dataset:
-    """The data set in a file that `save` wrote, or that another program has written again.
-
-    Raises InputError if the file cannot be read, or if any value of it has changed.
-    """
+    """The data set that `save` wrote, or another program again.  Raises InputError if damaged."""
     import xarray
 
     try:
@@ -204,7 +201,6 @@ def _is_intact(image: bytes) -> bool:
 
 
 def state_in(data: xarray.Dataset, scene: Scene) -> State:
-    """The state in a data set."""
     arrays = {
         str(name).removeprefix(STATE): variable.values
         for name, variable in data.data_vars.items()

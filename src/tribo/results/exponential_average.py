@@ -22,8 +22,7 @@ from tribo.validation import POSITIVE, InputError, number, vector
 
 # Of a normal deviate: 95 % are below it in magnitude.
 NORMAL = 1.959964
-# Fewest values that can carry half of the mean of an interval that is trusted: with so many, sums
-# are nearly normal.
+# Fewest values that carry half of the mean in a trusted interval: so many have nearly normal sums.
 FEWEST_CARRIERS = 100
 # Smallest tail index of an interval that is trusted.  The variance is finite above 2; nearer to it,
 # samples that happen to lack their tail look as if it were finite.

@@ -12,8 +12,7 @@ from tribo.validation import InputError, choice
 
 # The parts of a friction force.
 PARTS = ("contact", "field")
-# Part of the pull above which the drag of a reservoir on the bars is noted: below it, the pull is
-# the friction force to its first digit.
+# Part of the pull above which the drag of a reservoir is noted: less leaves its first digit.
 NOTED_DRAG = 0.1
 
 
@@ -31,10 +30,7 @@ def friction_force(
 
 
 def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:
-    """The average of a force on a surface, as "upper.pull_force", and where the run stopped.
-
-    By default it begins at the scene's ``output.run_in``.
-    """
+    """The average of "upper.pull_force", by default from ``output.run_in`` on; it notes a stop."""
     surface, _, name = full.rpartition(".")
     series = result[surface]
     if name not in series and not result.ledger.kept:
@@ -92,7 +88,7 @@ def shares_without_contact(result: RunResult) -> dict[str, float]:
 def has_mean_friction(scene: Scene) -> bool:
     """Whether sliding goes on, so that a mean friction force says something.
 
-    Asperites that pass others meet each once; where their forces are not even recorded, or two
+    Asperites that pass others meet each once: where their forces are not even recorded, or two
     asperites meet alone, the mean depends on how long the run lasts.
     """
     drives = [surface.drive for surface in scene.surfaces]

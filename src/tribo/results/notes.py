@@ -24,18 +24,15 @@ from tribo.potentials.tables import as_table
 from tribo.results.averages import interval
 from tribo.validation import short_repr
 
-# Phase of the fastest pendulum between two kicks above which a step is noted [rad]: static
-# deflections are 2 % too small there.
+# Noted phase of the fastest pendulum between two kicks [rad]: static deflections are 2 % too small.
 NOTED_TURN = 0.5
 # Longest step that is taken, in units of the given one, below which it is noted.  Above it, errors
 # are those of the given step within 10 % for a method of order 2, and a third for order 8: less
 # than what a step of half the length changes at any order.
 NOTED_CUT = 0.95
-# Part of the work of the other drives that a surface at rest may receive without a note: below it,
-# the work of the other drives is the dissipated energy to its first digit.
+# Noted part of the other drives' work: below it, that is the dissipated energy to one digit.
 NOTED_WORK = 0.1
-# Blocks of equal length whose rates give the interval of a pumped heat: with fewer, Student's
-# interval is wide.
+# Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
 MOST_LOOKS = 256
@@ -50,11 +47,7 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
 
 
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
-    """A note where the energy budget does not close with potentials or fields of the user's own.
-
-    The change of the total energy is then not the work applied, within the bounds on their errors:
-    a force is not minus the gradient of its energy.
-    """
+    """A note where the energy budget does not close with potentials or fields of the user's own."""
     scene, system = layout.scene, ledger.system
     potentials = [each.potential for each in scene.interactions]
     potentials += [each.potential for each in scene.fields]
@@ -118,8 +111,8 @@ def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
     With f2 = -f1 the work of contact at the bobs, about the centres of mass, is the part lambda =
     m2 / (m1 + m2) of the energy A that an asperite receives, and the drive's work is the rest:
 
-        work of the drives = sum of A + change of U
-        friction times distance = sum of lambda A + change of U
+    work of the drives = sum of A + change of U
+    friction times distance = sum of lambda A + change of U
 
     Where every A is positive the first is at most the second over the smallest lambda, apart from
     U.  At a temperature, with unlike lambda, A may be negative on average, without bound: the
@@ -146,10 +139,7 @@ def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
 
 
 def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
-    """Where a run stopped: the time, the last step, and the closest bobs that interact.
-
-    Of a run without progress also what the whole run would take.
-    """
+    """Where a run stopped, the closest bobs, and, without progress, what the whole would take."""
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return ()
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))

@@ -14,11 +14,10 @@ from tribo.ensembles import ensemble
 from tribo.ensembles.dataset import common_attributes
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
-from tribo.ensembles.members import Sampler, Source, Variation, of_surfaces, sampled
+from tribo.ensembles.members import Sampler, Source, Variation, sources_of
 from tribo.ensembles.request import END, SAMPLES, Request, checked_names
 from tribo.ensembles.runner import Execution
-from tribo.ensembles.stores import MemberStore
-from tribo.ensembles.target import Target, in_file
+from tribo.ensembles.stores import MemberStore, Target, in_file
 from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
 from tribo.model.scene import Scene, checked_scene
@@ -26,7 +25,7 @@ from tribo.progress import Shown
 from tribo.sweeps.dataset import Table
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
-from tribo.sweeps.point_sets import PointMembers, point_sets, runs_of
+from tribo.sweeps.point_sets import point_sets, runs_of
 from tribo.validation import InputError, boolean, choice, integer
 
 if TYPE_CHECKING:
@@ -98,18 +97,16 @@ def sweep(
     """
     began = time.perf_counter()
     grid = Grid(checked_scene(scene), values)
-    sources = of_surfaces(scene, vary)
-    if members is None and (sources or sampler is not None) and half_width is None:
+    if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)
-    sources = sampled(sampler, members, scene, sources)
+    sources = sources_of(scene, vary, sampler, members)
     variation = Variation(scene, sources, integer("seed", seed, 0))
     if number is not None:
         variation.check_lengths(number)
     for key in of_each_surface(scene, dict.fromkeys(grid.keys)):
         if key in sources:
             raise InputError(f"vary.{key}", "is swept too; give it once")
-    each = PointMembers(number, sources, seed)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else checked_names(keep)
     at = choice("at", at, (END, SAMPLES))
@@ -130,7 +127,7 @@ def sweep(
             data = point_by_point(grid, ensemble_at, target.frames, progress, began)
         else:
             by, store = how._replace(progress=progress), MemberStore(target.frames)
-            data = _together(grid, request, each, store, by, began)
+            data = _together(grid, request, variation, number, store, by, began)
         return target.saved(data)
 
     others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
@@ -141,28 +138,22 @@ def sweep(
 def _together(
     grid: Grid,
     request: Request,
-    each: PointMembers,
+    variation: Variation,
+    number: int | None,
     store: MemberStore,
     how: Execution,
     began: float,
 ) -> xarray.Dataset:
-    """All points by one engine, those that one plan serves side by side.
-
-    Raises KeyboardInterrupt if no run is complete.
-    """
+    """All points by one engine, those that one plan serves side by side."""
     import xarray
 
     kept = request.kept(lay_out(request.recorded(grid.scene.with_heights())))
-    sets, order, simulation = point_sets(grid, request, each)
+    sets, order, simulation = point_sets(grid, request, variation, number)
     report = how.progress
     if report is not None:
-        how = how._replace(progress=lambda done: report(done // (each.number or 1)))
+        how = how._replace(progress=lambda done: report(done // (number or 1)))
     interrupted = how.collect(runs_of(sets, store.done, how, simulation), store)
-    table = Table(grid, order, kept, store.values(), each)
-    table.check_any_ran()
-    return xarray.Dataset(
-        table.variables(),
-        table.coordinates(None if each.number is None else sets[0]),
-        {"keep": json.dumps(kept.names)}
-        | common_attributes(grid.scene, interrupted, table.notes(), began),
-    )
+    table = Table(grid, order, kept, store.values(), None if number is None else sets[0])
+    attributes = common_attributes(grid.scene, interrupted, table.notes(), began)
+    attributes["keep"] = json.dumps(kept.names)
+    return xarray.Dataset(table.variables(), table.coordinates, attributes)

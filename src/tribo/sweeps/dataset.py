@@ -1,5 +1,6 @@
 """A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,28 +13,29 @@ from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.results.averages import interval
 from tribo.results.dataset import Variable
 from tribo.sweeps.grid import Axis, Grid
-from tribo.sweeps.point_sets import PointMembers, PointSet
+from tribo.sweeps.point_sets import PointSet
 from tribo.validation import InputError, inside
 
 
 class Table:
-    """The runs of a sweep in the order of its grid, from those so far in the order of some axes."""
+    """The runs of a sweep in the order of its grid.  Raises InputError if no point can be run."""
 
     def __init__(
-        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, each: PointMembers
+        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, members: PointSet | None
     ) -> None:
-        members = each.number
-        missing = grid.size * (members or 1) - found["status"].size
-        if missing:
+        self._members = () if members is None else (members.seeds.size,)
+        if missing := grid.size * math.prod(self._members) - found["status"].size:
             found = joined([found, kept.without_runs(missing, NOT_RUN)])
         self._grid, self._kept, self._found = grid, kept, found
         self._ran = tuple(len(axis.rows) for axis in order)
         self._to_grid = [order.index(axis) for axis in grid.axes]
-        self._taken = {*grid.keys, *each.vary}  # names of coordinates
-        self._members = () if members is None else (members,)
+        self.coordinates = _coordinates(grid, kept, members)
         self.dimensions = (*grid.names, *("member",) * len(self._members))
         self.status = self.placed(found["status"])
         self.note = self.placed(found["note"])
+        if np.all(self.status == REFUSED):
+            with inside(grid.label(0)):
+                raise InputError("", str(self.note.flat[0]))
 
     def placed(self, rows: np.ndarray) -> np.ndarray:
         """Values of all runs, (keys..., [members], ...)."""
@@ -58,7 +60,7 @@ class Table:
         kind = name.rpartition(".")[2]
         if kind in SUMMED_QUANTITIES and not (own or kept.at_samples):
             about["long_name"] = f"{SUMMED_QUANTITIES[kind].long_name}, at the end"
-        label = f"{name}_end" if name in self._taken else name
+        label = f"{name}_end" if name in self.coordinates else name
         variables: dict[str, Variable] = {label: ((*self.dimensions, *own), values, about)}
         if self._members:
             rest = values.shape[len(self.dimensions) :]
@@ -88,24 +90,19 @@ class Table:
             if note:
                 yield f"{self._grid.label(index)}: {note}"
 
-    def coordinates(self, members: PointSet | None) -> dict[str, Variable]:
-        """The values of the keys, the times, and of members their seeds and varied values."""
-        coordinates = key_coordinates(self._grid)
-        if self._kept.at_samples:
-            coordinates |= times_of(self._kept, self._grid.scene)
-        if members is not None:
-            numbers, each = np.arange(members.seeds.size), ("member",)
-            coordinates["member"] = each, numbers, {"long_name": "member"}
-            name = "member_seed" if "seed" in self._grid.keys else "seed"
-            coordinates[name] = each, members.seeds, {"long_name": "seed of the member"}
-            coordinates |= varied_coordinates(members.vary)
-        return coordinates
 
-    def check_any_ran(self) -> None:
-        """Raise InputError if no point can be run."""
-        if np.all(self.status == REFUSED):
-            with inside(self._grid.label(0)):
-                raise InputError("", str(self.note.flat[0]))
+def _coordinates(grid: Grid, kept: Kept, members: PointSet | None) -> dict[str, Variable]:
+    """The values of the keys, the times, and of members their seeds and varied values."""
+    coordinates = key_coordinates(grid)
+    if kept.at_samples:
+        coordinates |= times_of(kept, grid.scene)
+    if members is not None:
+        numbers, each = np.arange(members.seeds.size), ("member",)
+        coordinates["member"] = each, numbers, {"long_name": "member"}
+        name = "member_seed" if "seed" in grid.keys else "seed"
+        coordinates[name] = each, members.seeds, {"long_name": "seed of the member"}
+        coordinates |= varied_coordinates(members.vary)
+    return coordinates
 
 
 def key_coordinates(grid: Grid) -> dict[str, Variable]:

@@ -101,14 +101,9 @@ def keys_of(data: xarray.Dataset) -> list[str]:
 def quantities(data: xarray.Dataset) -> list[str]:
     """The quantities that have one value at each point, or a mean over its members."""
     keys = tuple(keys_of(data))
-    means = [str(name)[:-5] for name in data.data_vars if str(name).endswith("_mean")]
-    of_points = [
-        str(name)
-        for name in data.data_vars
-        if data[name].dims == keys and "." in str(name) and not str(name).endswith(tuple(BARS))
-    ]
-    whole = [name for name in means if data[f"{name}_mean"].dims == keys]
-    return whole or [name for name in of_points if not name.endswith("_mean")]
+    names = [str(name) for name in data.data_vars if data[name].dims == keys]
+    means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
+    return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
 
 
 def _places(data: xarray.Dataset, key: str) -> np.ndarray:

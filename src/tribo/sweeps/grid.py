@@ -35,11 +35,7 @@ def values_at(axes: Sequence[Axis], places: Iterable[SupportsIndex]) -> dict[str
 
 
 class Grid:
-    """The points of a sweep, numbered from 0; the last key varies fastest.
-
-    Raises InputError if a key or a value cannot be used, alone or beside the first value of every
-    other key.
-    """
+    """The points of a sweep, from 0; the last key varies fastest.  Raises InputError."""
 
     def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:
         if not isinstance(values, Mapping) or not values:

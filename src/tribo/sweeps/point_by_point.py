@@ -33,9 +33,8 @@ def point_by_point(
     """An ensemble at each point, side by side.  Raises KeyboardInterrupt if none is complete."""
     import xarray
 
-    points: list[Arrays] = []  # "data" of the data set, or a "note" on why there is none
-    for _, arrays in () if frames is None else frames.read():
-        points.append(arrays)
+    # "data" of the data set, or a "note" on why there is none
+    points: list[Arrays] = [] if frames is None else [arrays for _, arrays in frames.read()]
     interrupted = False
     try:
         for index in range(len(points), grid.size):
@@ -77,10 +76,7 @@ def point_by_point(
 def _side_by_side(
     grid: Grid, found: Mapping[int, xarray.Dataset]
 ) -> tuple[dict[str, Variable], dict[str, Variable]]:
-    """Variables and coordinates of data sets of points, whose sizes may differ.
-
-    What a point does not have is NaN, or zero members of a histogram's bin.
-    """
+    """All variables and coordinates; NaN, or 0 in a histogram, where a point has no value."""
     first = next(iter(found.values()))
     variables: dict[str, Variable] = {}
     for name in map(str, [*first.data_vars, *({"status"} & {*first.coords})]):

@@ -1,20 +1,20 @@
 """Points of a sweep that one plan serves, since their scenes differ in numbers of members alone.
 
-Numbers in which members of one layout may differ are swept by one ensemble, side by side in lanes.
-All else, as words, durations, or an automatic step's stiffness, takes a scene and a plan for each
-value, and these are run one after another, or by an engine at the same time.
+These are swept by one ensemble, side by side in lanes.  All else, as words, durations, or an
+automatic step's stiffness, takes a scene and a plan for each value, one after another or by an
+engine at the same time.
 """
 
 import pickle
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.ensembles.engines import run_tasks
 from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
-from tribo.ensembles.members import Source, Variation, is_start, size_of
+from tribo.ensembles.members import Variation, is_start, size_of
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
@@ -25,14 +25,6 @@ from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.sweeps.grid import Axis, Grid, values_at
 from tribo.validation import InputError
-
-
-class PointMembers(NamedTuple):
-    """The members of each point."""
-
-    number: int | None  # None for one run of the scene itself
-    vary: Mapping[str, Source]  # what differs between them
-    seed: int  # from which they are drawn
 
 
 class PointSet(NamedTuple):
@@ -74,26 +66,28 @@ def _unpickled(scene: str, *rest: Any) -> PointSet:
 
 
 def point_sets(
-    grid: Grid, request: Request, members: PointMembers
+    grid: Grid, request: Request, variation: Variation, members: int | None
 ) -> tuple[list[PointSet], list[Axis], Simulation | None]:
     """The sets of a grid, and the axes in whose order their points are, the last fastest.
 
-    Also returns the first set as it is prepared, if it was, to see which axes one plan serves.
-
-    Raises InputError if members cannot be drawn, or values do not go together.
+    Each point has so many members of a variation; None for one run of its scene.  Also returns the
+    first set as it is prepared, if it was, to see which axes one plan serves.  Raises InputError.
     """
-    inner, simulation = _served_by_one_plan(grid, request, members)
+    inner, simulation = _served_by_one_plan(grid, request, variation)
     outer = [axis for axis in grid.axes if axis not in inner]
     sets = []
     for places in np.ndindex(*(len(axis.rows) for axis in outer)):
         # Together with the first values of the others.
         own = values_at(outer, places) | values_at(inner, [0] * len(inner))
         scene = with_values(grid.scene, own).with_heights()
-        sets.append(_set_of(scene, request, inner, members))
+        of_scene = Variation(scene, variation.vary, variation.seed)
+        sets.append(_set_of(scene, request, inner, of_scene, members))
     return sets, outer + inner, simulation
 
 
-def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMembers) -> PointSet:
+def _set_of(
+    scene: Scene, request: Request, inner: list[Axis], variation: Variation, members: int | None
+) -> PointSet:
     """The points of a scene whose other values are those of some axes."""
     places = np.array(list(np.ndindex(*(len(axis.rows) for axis in inner)))).T
     swept = {
@@ -102,13 +96,13 @@ def _set_of(scene: Scene, request: Request, inner: list[Axis], members: PointMem
         for k, name in enumerate(axis.keys)
         for key in _of_surfaces(scene, [name])
     }
-    drawn = Variation(scene, members.vary, members.seed).members(np.arange(members.number or 1))
-    seeds = np.array([scene.seed]) if members.number is None else drawn.seeds
-    return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, members.seed)
+    drawn = variation.members(np.arange(members or 1))
+    seeds = np.array([scene.seed]) if members is None else drawn.seeds
+    return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, variation.seed)
 
 
 def _served_by_one_plan(
-    grid: Grid, request: Request, members: PointMembers
+    grid: Grid, request: Request, variation: Variation
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
     candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
@@ -131,9 +125,8 @@ def _served_by_one_plan(
         return not numbers or (not plan.automatic and can_differ(simulation.layout, numbers, pair))
 
     inner = [axis for axis in candidates if differ(axis)]
-    varied = Variation(scene, members.vary, members.seed).own_numbers
     keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
-    numbers = [*varied, *(key for key in keys if not is_start(key))]
+    numbers = [*variation.own_numbers, *(key for key in keys if not is_start(key))]
     if not inner or not in_batches(simulation, numbers):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
@@ -157,10 +150,7 @@ def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
 def runs_of(
     sets: list[PointSet], done: int, how: Execution, simulation: Simulation | None
 ) -> Iterator[KeptValues]:
-    """What is kept of all runs of some sets but the first `done`, in order.
-
-    Points that cannot be run have the status "Refused".
-    """
+    """What is kept of all runs but the first `done`, in order; "Refused" where none is possible."""
     left = []
     for each in sets:
         if done < each.runs:
