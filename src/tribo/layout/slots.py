@@ -168,7 +168,7 @@ class Places:
 def spatial_order(bobs: np.ndarray) -> np.ndarray:
     """Places for resting bobs (n, 3) of a surface, so that each block is compact in space.
 
-    They follow one another along strips in x, each as wide as a square with eight bobs, to and fro.
+    They follow strips in x, each as wide as a square with eight bobs, in alternating directions.
     """
     x, z = bobs[:, 0], bobs[:, 2]
     area = float(np.ptp(x) * np.ptp(z))
