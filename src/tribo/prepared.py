@@ -252,10 +252,12 @@ class Simulation:
     ) -> comparison.Errors:
         """Bounds on the last run's errors, which the search knows if it made the runs."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        grown, known = self.plan.tuned.amplification, None if search is None else search.errors
-        if known is not None and known.amplification == grown:
+        tuned, known = self.plan.tuned, None if search is None else search.errors
+        if known is not None and known.amplification == tuned.amplification:
             return known
-        return comparison.error_bounds(self.layout, runs[-1], runs[:-1], grown, self.accuracy)
+        return comparison.error_bounds(
+            self.layout, runs[-1], runs[:-1], tuned.amplification, self.accuracy, tuned.rough
+        )
 
     def _missed(self, excess: float) -> str:
         """By how much the request was missed, and why."""

@@ -52,6 +52,7 @@ class Round:
     fine: Setting = 0.0
     runs: list[Integration] = field(default_factory=list)
     errors: Errors | None = None  # of the fine run
+    rough: bool = False  # whether its tolerances are below the rounding of forces
 
 
 @dataclass

@@ -62,6 +62,10 @@ class ToleranceScales:
     lost_speed: float = 0.0
     lost_energy: float = 0.0
 
+    def below_rounding(self, level: float) -> bool:
+        """Whether the tolerances of a level are below the effect of the rounding of forces."""
+        return level * self.energy < self.lost_energy
+
 
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""

@@ -64,7 +64,7 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     """
     samples, span = motion.samples, layout.accounted
     # The magnitudes of the terms of all accounts, summed: (times, asperites, sums).
-    terms_of_works = np.abs(samples.linear("terms", lambda s: _terms(s.of(span))))
+    terms_of_works = np.abs(samples.linear("terms", lambda s: _terms(s[span])))
     sums = np.asarray(terms_of_works @ MEMBERS)
     if layout.model.sums is not None:  # over lanes, of each surface
         whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]

@@ -56,6 +56,7 @@ class FoundSettings:
     costly: bool  # whether a further round would have cost too much
     stopped: Status | None  # of runs with finer settings, if these stopped
     errors: comparison.Errors | None  # of the run to deliver; None if it was compared with no other
+    rough: bool  # whether its tolerances are below the rounding of forces
 
 
 def find_settings(
@@ -211,6 +212,7 @@ class _Search:
             costly=self.costly,
             stopped=stopped,
             errors=chosen.errors,
+            rough=chosen.rough,
         )
 
     def _affords(self, further: float) -> bool:
@@ -231,7 +233,11 @@ class _Search:
         """The largest estimate of the fine run relative to the request."""
         *coarser, fine = last.runs
         grown = self.limits.amplification
-        last.errors = comparison.error_bounds(self.layout, fine, coarser, grown, self.accuracy)
+        finer = levels.fine_level(self.method) * last.level
+        last.rough = self.method.adaptive and self.scales.below_rounding(finer)
+        last.errors = comparison.error_bounds(
+            self.layout, fine, coarser, grown, self.accuracy, last.rough
+        )
         return last.errors.excess
 
 

@@ -35,8 +35,7 @@ def lay_out_contacts(
     """
     between: list[Contact] = []
     within: list[Contact] = []
-    rows = 0
-    longest = 0.0
+    rows, longest = 0, 0.0
     for interaction in scene.interactions:
         reach = interaction.potential.range()
         pairs = scene.pairs(interaction)
@@ -48,18 +47,12 @@ def lay_out_contacts(
             if listed:
                 rows += count
                 longest = max(longest, reach)
-        inner = any(one == other for one, other in pairs)
-        potential = interaction.potential
+        inner, potential = any(one == other for one, other in pairs), interaction.potential
         if isinstance(potential, Live):
             potential = ZeroForce(potential.length, potential.reach)
-        (within if inner else between).append(
-            Contact(
-                potential,
-                np.array(pairs, dtype=np.int64).reshape(-1, 2),
-                np.array(first, dtype=np.int64),
-                _kinds(scene, interaction),
-            )
-        )
+        both, kinds = np.array(pairs, np.int64).reshape(-1, 2), _kinds(scene, interaction)
+        contact = Contact(potential, both, np.array(first, np.int64), kinds)
+        (within if inner else between).append(contact)
     if not between:  # kernels cannot iterate over an empty tuple: a contact without pairs
         nothing = np.empty(0, dtype=np.int64)
         between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
@@ -67,25 +60,19 @@ def lay_out_contacts(
 
 
 def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:
-    """An empty neighbour list of so many rows, which the first evaluation of forces fills.
-
-    It reaches by `skin` farther than the cutoff [length].
-    """
-    contacts = (*model.contacts, *(model.within or ()))
-    all_species = (-1, -1)
-    blocks = model.each.shape[1] // LANES
+    """An empty list of so many rows, which reaches by `skin` farther than the cutoff [length]."""
     listed = [
-        (one, other, row, contact.potential.range() + skin, contact.species)
-        for contact in contacts
-        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True)
+        ((one, other, row), contact)
+        for contact in (*model.contacts, *(model.within or ()))
+        for (one, other), row in zip(contact.pairs, contact.rows, strict=True)
         if row >= 0
     ]
+    kinds = [(-1, -1) if each.species is None else each.species for _, each in listed]
+    blocks = model.each.shape[1] // LANES
     return Neighbours(
-        pairs=np.array([pair[:3] for pair in listed], dtype=np.int64),
-        species=np.array(
-            [all_species if pair[4] is None else pair[4] for pair in listed], np.int64
-        ),
-        reach=np.array([pair[3] for pair in listed]),
+        pairs=np.array([pair for pair, _ in listed], dtype=np.int64),
+        species=np.array(kinds, np.int64),
+        reach=np.array([contact.potential.range() + skin for _, contact in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
         place=nowhere(model.each.shape[1]),
@@ -137,14 +124,8 @@ def empty_boxes(count: int) -> Boxes:
 
 def empty_cells(count: int) -> Cells:
     """Room for the cells of so many points."""
-    return Cells(
-        np.zeros(2),
-        np.zeros(2),
-        np.zeros(2, np.int64),
-        np.empty(2 * count + 17, np.int64),
-        np.empty(count, np.int64),
-        np.empty(count, np.int64),
-    )
+    starts, cell, order = (np.empty(size, np.int64) for size in (2 * count + 17, count, count))
+    return Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), starts, cell, order)
 
 
 def nowhere(count: int) -> np.ndarray:
@@ -158,19 +139,14 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
     """The same list, or an empty one with more room if it had too little."""
     if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
         return neighbours
-    space = int(EXTRA_ROOM * neighbours.start[-1])
-    return neighbours._replace(
-        index=np.zeros(space, np.int32), place=nowhere(neighbours.place.shape[1])
-    )
+    index = np.zeros(int(EXTRA_ROOM * neighbours.start[-1]), np.int32)
+    return neighbours._replace(index=index, place=nowhere(neighbours.place.shape[1]))
 
 
 def calculators(
     scene: Scene, depths: list[np.ndarray]
 ) -> tuple[tuple[Calculator, ...] | None, tuple[Call, ...]]:
-    """ASE calculators as kernels read them, None without any, and what compiled code calls.
-
-    `depths` are z of the bobs of each surface.
-    """
+    """ASE calculators for bobs at `depths`, surface by surface, or None; and what kernels call."""
     found: list[Calculator] = []
     calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):
@@ -179,13 +155,9 @@ def calculators(
             surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
                 symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
-            call = Call(
-                interaction.potential.calculator,
-                symbols,
-                np.concatenate([depths[k] for k in indices]),
-                [s.count for s in surfaces],
-                (scene.periodic.x or 0.0, scene.periodic.z or 0.0),
-            )
+            z, counts = np.concatenate([depths[k] for k in indices]), [s.count for s in surfaces]
+            lengths = scene.periodic.x or 0.0, scene.periodic.z or 0.0
+            call = Call(interaction.potential.calculator, symbols, z, counts, lengths)
             calls.append(call)
             arrays = call.place, call.force, call.energy
             found.append(Calculator(call.address, np.array(indices), *arrays))
@@ -193,10 +165,7 @@ def calculators(
 
 
 def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:
-    """(count,) index of each bob's species; None where no interaction depends on species.
-
-    The bobs have the columns (n, members).
-    """
+    """(count,) index of the species of each bob, in columns (n, members); None if none matters."""
     if all(interaction.species is None for interaction in scene.interactions):
         return None
     names = np.concatenate([surface.species_of_each for surface in scene.surfaces])

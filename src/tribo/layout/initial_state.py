@@ -55,10 +55,9 @@ class InitialState:
         return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
-        """The states of many members, (members, 2 coordinates).
+        """The states of many members, (members, 2 coordinates), drawn from `seeds` if thermal.
 
-        `values` are (members, 1) or (members, asperites); thermal starts are drawn from `seeds`
-        (members,).  Raises InputError if a name cannot be used.
+        `values` are (members, 1) or (members, asperites).  Raises InputError about a name.
         """
         y = np.tile(self._layout.start, (seeds.size, 1))
         if self._is_drawn:

@@ -35,11 +35,7 @@ class Interleaved(NamedTuple):
 
 
 def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
-    """Lay out eight members, each with arrays of its own for what changes.
-
-    All are alike, or have constants, velocities and numbers of a potential of their own.  The scene
-    has neither calculators that are not compiled, nor sums over surfaces as accounts.
-    """
+    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`."""
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
     shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
@@ -62,8 +58,8 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     model = with_scratch(old, theirs.columns)._replace(
         **{name: getattr(tables, name) for name in OF_COLUMNS},
         contacts=tuple(map(_unlisted, old.contacts)),
-        within=None if old.within is None else tuple(map(_unlisted, old.within)),
-        fields=_fields(old.fields),
+        within=tuple(map(_unlisted, old.within or ())) or None,
+        fields=tuple(map(_with_accounts_of_lanes, old.fields or ())) or None,
         members=room((theirs.columns,)),
         team=None,
     )
@@ -130,8 +126,6 @@ def _unlisted(contact: Contact) -> Contact:
     return contact._replace(rows=np.full_like(contact.rows, -1))
 
 
-def _fields(fields: tuple[records.FieldOn, ...] | None) -> tuple[records.FieldOn, ...] | None:
-    """External fields whose accounts have a lane for each member."""
-    if fields is None:
-        return None
-    return tuple(f._replace(account=LANES * f.account if f.account >= 0 else -1) for f in fields)
+def _with_accounts_of_lanes(field: records.FieldOn) -> records.FieldOn:
+    """An external field whose account, if it has one, has a lane for each member."""
+    return field._replace(account=LANES * field.account if field.account >= 0 else -1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -80,10 +81,8 @@ class Layout:
         series = self.scene.output.series
         if not (series and bathed):
             return 0, 0
-        rows = BATH_ROWS
-        if "oscillators" in series:
-            rows += 2 * max(self.oscillators.values())
-        return rows, self.model.each.shape[1]
+        more = 2 * max(self.oscillators.values()) if "oscillators" in series else 0
+        return BATH_ROWS + more, self.model.each.shape[1]
 
     @cached_property
     def oscillators(self) -> dict[str, int]:
@@ -93,41 +92,37 @@ class Layout:
     @property
     def anchors(self) -> np.ndarray:
         """Displacement of each pulling stage and each field at t = 0, (surfaces + fields, 2)."""
-        stages = np.column_stack([self.model.surfaces.anchor, np.zeros(len(self.scene.surfaces))])
-        return np.concatenate([stages, *(f.anchor[None] for f in self.model.fields or ())])
+        stages = [(x, 0.0) for x in self.model.surfaces.anchor]
+        return np.array([*stages, *(field.anchor for field in self.model.fields or ())])
 
     @property
     def drifts(self) -> np.ndarray:
         """Velocity of each pulling stage and each field, (surfaces + fields, 2)."""
-        stages = np.column_stack([self.model.surfaces.speed, np.zeros(len(self.scene.surfaces))])
-        return np.concatenate([stages, *(f.drift[None] for f in self.model.fields or ())])
+        stages = [(speed, 0.0) for speed in self.model.surfaces.speed]
+        return np.array([*stages, *(field.drift for field in self.model.fields or ())])
 
     def anchored(self, anchors: np.ndarray) -> Layout:
         """The same layout with other places of pulling stages and fields at t = 0."""
-        model = self.model
-        count = len(self.scene.surfaces)
+        model, count = self.model, len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
-        moved = [
+        moved = tuple(
             field._replace(origin=field.origin - anchor, anchor=anchor)
             for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
-        ]
-        model = model._replace(surfaces=surfaces, fields=tuple(moved) or None)
-        return replace(self, model=model)
+        )
+        return replace(self, model=model._replace(surfaces=surfaces, fields=moved or None))
 
     @property
     def constants(self) -> np.ndarray:
         """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
-        columns = columns_of_constants(
-            self.model.surfaces, self.asperites.surface, self.places.columns
-        )
+        surfaces, owners = self.model.surfaces, self.asperites.surface
+        columns = columns_of_constants(surfaces, owners, self.places.columns)
         return np.asarray(self.model.constants[:, columns])
 
     @property
     def depths(self) -> np.ndarray:
         """z of every bob [length], (n,)."""
-        depths: np.ndarray = self.model.each[records.Z, self.places.columns]
-        return depths
+        return np.asarray(self.model.each[records.Z, self.places.columns])
 
     @property
     def plugins(self) -> list[Any]:
@@ -247,32 +242,16 @@ class Layout:
         return replace(self, asperites=asperites, model=self.model._replace(each=each))
 
     def neighbours(self, splits: bool = False) -> Neighbours | None:
-        """An empty neighbour list, which the first evaluation of the forces fills.
-
-        Splitting methods, for which `splits` is true, leave inactive blocks out.
-        """
+        """An empty list, which the first evaluation fills; `splits` leaves inactive blocks out."""
         if self.rows == 0:
             return None
         return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 
-def _orders(scene: Scene, bobs: list[np.ndarray], listed: bool) -> list[np.ndarray]:
-    """Place of each asperite in the kernels' numbering of its surface.
-
-    Lists of neighbours name blocks, so they are shorter where blocks are compact.  Lattice springs
-    are faster where the bars of a row follow one another.
-    """
-    return [
-        slots.spatial_order(own) if listed and not surface.springs else np.arange(len(own))
-        for surface, own in zip(scene.surfaces, bobs, strict=True)
-    ]
-
-
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
-    counts = [surface.count for surface in scene.surfaces]
-    stops = np.cumsum(counts).tolist()
+    stops = itertools.accumulate(surface.count for surface in scene.surfaces)
     parts = {
         surface.name: slice(stop - surface.count, stop)
         for surface, stop in zip(scene.surfaces, stops, strict=True)
@@ -293,9 +272,15 @@ def lay_out(scene: Scene) -> Layout:
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     calculators, calls = contacts.calculators(scene, [own[:, 2] for own in bobs])
     between, within, rows, skin = contacts.lay_out_contacts(scene)
-    orders = _orders(scene, bobs, rows > 0 and not calls)
+    # Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
+    # are faster where the bars of a row follow one another.
+    compact = rows > 0 and not calls
+    orders = [
+        slots.spatial_order(own) if compact and not surface.springs else np.arange(len(own))
+        for surface, own in zip(scene.surfaces, bobs, strict=True)
+    ]
     places = slots.places(mine, theirs, np.arange(shared), orders)
-    model = model_tables(scene, asperites, theirs, places.columns[:, None])._replace(
+    model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
         contacts=between,
         within=within,
         inner=True if within else None,

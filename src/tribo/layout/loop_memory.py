@@ -40,10 +40,7 @@ def loop_of(layout: Layout, function: Any) -> Any:
 def entry_point(
     layout: Layout, function: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]
 ) -> EntryPoint:
-    """A time loop for a scene, compiled or loaded for arguments `fixed` and like `examples`.
-
-    Raises InputError if a plug-in does not compile.
-    """
+    """A loop compiled or loaded for arguments `fixed` and like `examples`.  Raises InputError."""
     loop = loop_of(layout, function)
     with compiling(loop, layout.named_plugins):
         return EntryPoint(loop, fixed, examples)
@@ -109,10 +106,7 @@ class Probe:
         self._kernel = loop_of(layout, kernel)
 
     def __call__(self, count: int, *arguments: Any) -> None:
-        """Compute so many arrangements with further arguments.
-
-        Raises InputError if a plug-in does not compile, or a calculator fails.
-        """
+        """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
         done = 0
         with compiling(self._kernel, self._layout.named_plugins):
             while done < count:

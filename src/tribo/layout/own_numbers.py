@@ -18,6 +18,7 @@ from tribo.model.surface import Surface
 from tribo.validation import inside
 
 VELOCITY, ASPERITE_PART = "velocity", "asperite"
+Values = Mapping[str, np.ndarray]  # of a key: (members, 1), or (members, 2) of velocities
 
 
 def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
@@ -41,10 +42,7 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
 
 
 def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
-    """Keys of a surface's drive and reservoir -> their numbers among `OF_MEMBERS`.
-
-    None has a meaning in the loop of a pair.
-    """
+    """Keys of a surface's drive and reservoir, which pairs do not have -> names in `OF_MEMBERS`."""
     surface = layout.scene.surfaces[index]
     found: dict[str, str] = {}
     if isinstance(surface.drive, Pulled):
@@ -81,11 +79,8 @@ def _names_of_potential(layout: Layout) -> tuple[str, ...]:
     return tuple(potential._fields) if has_plain_numbers(potential) else ()
 
 
-def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> MemberNumbers:
-    """The numbers of members, from their values (members, 1), or (members, 2) of velocities.
-
-    Raises InputError if a number cannot be used.
-    """
+def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumbers:
+    """The numbers of members.  Raises InputError if one cannot be used."""
     scene = layout.scene
     asperites = np.tile(np.asarray(layout.asperites).view(ASPERITE), (members, 1))
     charges = np.empty(asperites.shape)
@@ -101,14 +96,11 @@ def member_numbers(layout: Layout, members: int, values: Mapping[str, np.ndarray
         velocity[:, index] = values.get(f"{surface.name}.{VELOCITY}", surface.velocity)
     own_velocity = velocity[:, layout.asperites.surface] - velocity[:, :1]
     asperites["vx"], asperites["vy"] = own_velocity[..., 0], own_velocity[..., 1]
-    of_surfaces = _of_surfaces(layout, velocity, values)
-    potential = _potentials(layout, members, values)
-    return MemberNumbers(asperites, charges, velocity, of_surfaces, potential)
+    others = _of_surfaces(layout, velocity, values), _potentials(layout, members, values)
+    return MemberNumbers(asperites, charges, velocity, *others)
 
 
-def _of_surfaces(
-    layout: Layout, velocity: np.ndarray, values: Mapping[str, np.ndarray]
-) -> np.ndarray:
+def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.ndarray:
     """The numbers of drives and reservoirs, (members, surfaces, numbers)."""
     table = np.empty((*velocity.shape[:2], len(OF_MEMBERS)))
     for row, name in enumerate(OF_MEMBERS):
@@ -136,9 +128,7 @@ def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
     return rows[:, 0]
 
 
-def _parameters(
-    surface: Surface, members: int, values: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def _parameters(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
     """Every parameter of the asperites of a surface, (members x count,)."""
     before, count = f"{surface.name}.{ASPERITE_PART}.", surface.count
     own = {
@@ -152,7 +142,7 @@ def _parameters(
         return replace(common, **own).for_each(members * count)
 
 
-def _potentials(layout: Layout, members: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+def _potentials(layout: Layout, members: int, values: Values) -> np.ndarray:
     """The numbers of the potential, (members, fields)."""
     names = _names_of_potential(layout)
     numbers = numbers_of(layout.model.contacts[0].potential) if names else ()

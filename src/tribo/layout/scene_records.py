@@ -79,10 +79,7 @@ def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
 def fill_parameters(
     asperites: np.ndarray, surface: Surface, each: dict[str, np.ndarray], bobs: np.ndarray
 ) -> None:
-    """Fill in what follows from the parameters of asperites, as `Asperite.for_each` gives them.
-
-    Their resting bobs are `bobs` (n, 3).
-    """
+    """Fill in what follows from the parameters `each` of asperites and from their `bobs` (n, 3)."""
     for name in ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length"):
         asperites[name] = each[name]
     if surface.asperite.is_rigid:
@@ -102,11 +99,10 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
-    # A rigid body of one asperite is a free asperite.
-    free = records.RIGID if surface.moves_as_one else records.FREE
     kinds = {
         Forced: records.FORCED,
-        Free: free,
+        # A rigid body of one asperite is a free asperite.
+        Free: records.RIGID if surface.moves_as_one else records.FREE,
         DrivenBars: records.BARS,
         Pulled: records.PULLED,
         Pushed: records.PUSHED,
@@ -134,28 +130,26 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
 def fields_on_surfaces(
     scene: Scene, origin: np.ndarray, accounts: int | None
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
-    """The external fields; each moving field has an account for the work of moving it.
+    """The external fields, and how many accounts there are with one for each that moves.
 
-    The first is that with number `accounts`; their number with these is returned too.  None: there
-    are no accounts.
+    There are so many `accounts` before these; with None, fields have none.
     """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
     fields, count = [], accounts or 0
     for item in scene.fields:
-        drift = np.array(item.velocity)
+        drift, on = np.array(item.velocity), np.array([names.index(name) for name in item.on])
         moves = accounts is not None and bool(np.any(drift != 0.0))
-        fields.append(
-            FieldOn(
-                potential=item.potential,
-                surfaces=np.array([names.index(name) for name in item.on]),
-                origin=_in_frame_of(item, origin),
-                velocity=velocity - drift,
-                drift=drift,
-                anchor=np.zeros(2),
-                account=count if moves else -1,
-            )
+        field = FieldOn(
+            potential=item.potential,
+            surfaces=on,
+            origin=_in_frame_of(item, origin),
+            velocity=velocity - drift,
+            drift=drift,
+            anchor=np.zeros(2),
+            account=count if moves else -1,
         )
+        fields.append(field)
         count += moves
     return tuple(fields) or None, count
 
@@ -163,8 +157,7 @@ def fields_on_surfaces(
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     """The scene's origin in the field's own frame at t = 0 (2,).
 
-    In a corrugation whole periods are left out, so that its phase keeps all digits far from x = 0;
-    fmod is exact.
+    A corrugation needs the phase alone: fmod is exact, and keeps all digits far from x = 0.
     """
     if type(field.potential) is Corrugation:
         x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))
@@ -175,8 +168,7 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
     """All lattice springs between bars with the columns (n, members); None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables, chains = [], []
-    count = 0
+    tables, chains, count = [], [], 0
     for k, surface in enumerate(scene.surfaces):
         ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
         i, j = (count + ends).T
@@ -186,10 +178,8 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
         turned = surface.springs.turned
         if turned != 0.0:
             # The distance of the resting bars, minus the same distance turned.
-            bars = np.array(
-                [asperites["x"], asperites["y"] + asperites["facing"] * asperites["l2"]]
-            )
-            x, y = bars[:, i] - bars[:, j]
+            heights = asperites["y"] + asperites["facing"] * asperites["l2"]
+            x, y = (bars[i] - bars[j] for bars in (asperites["x"], heights))
             less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
             table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
         tables.append(np.repeat(table, columns.shape[1], axis=1))
@@ -202,12 +192,9 @@ def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
     """The springs of chains, each of which begins with a block and fills its last one."""
     whole = -(-chains["count"] // LANES) * LANES
     chains["first"] = np.cumsum(whole) - whole
-    table = room((springs.shape[0], int(np.sum(whole))))
-    first = 0
-    for chain in chains:
-        place = slice(chain["first"], chain["first"] + chain["count"])
-        table[:, place] = springs[:, first : first + chain["count"]]
-        first += chain["count"]
+    table, within = room((springs.shape[0], int(np.sum(whole)))), np.arange(springs.shape[1])
+    before = np.cumsum(chains["count"]) - chains["count"]  # springs of the chains before each
+    table[:, within + np.repeat(chains["first"] - before, chains["count"])] = springs
     return Springs(chains.view(np.recarray), table)
 
 

@@ -40,7 +40,7 @@ class Numbering:
 def number(
     scene: Scene, surfaces: np.ndarray, shared: int, width: int, members: int = 1
 ) -> Numbering:
-    """Number everything in blocks of `width`; the first `shared` accounts are of no asperite.
+    """Number everything in blocks of `width`, behind `shared` accounts that are of no asperite.
 
     `surfaces` has all but the slots; it is copied.  Each asperite stands for so many `members`.
     """
@@ -74,10 +74,7 @@ def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
 def _slots(
     wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int
 ) -> tuple[np.ndarray, int]:
-    """First slot of each surface, -1 where none is wanted, and the first slot after them.
-
-    A surface where they are wanted has as many slots as `sizes` say.
-    """
+    """First slot of each surface, with so many `sizes`, or -1; and the first slot after all."""
     sizes = np.where(wanted, sizes, 0)
     stops = first + np.cumsum(sizes)
     return np.where(wanted, stops - sizes, -1), int(stops[-1])
@@ -169,10 +166,9 @@ class Places:
 
 
 def spatial_order(bobs: np.ndarray) -> np.ndarray:
-    """Places for the bobs of a surface, (n,), so that each block of eight is compact in space.
+    """Places for resting bobs (n, 3) of a surface, so that each block is compact in space.
 
-    `bobs` are the positions of the resting bobs, (n, 3).  They follow one another along strips in
-    x that are as wide as a square with eight bobs, and go back along the next strip.
+    They follow one another along strips in x, each as wide as a square with eight bobs, to and fro.
     """
     x, z = bobs[:, 0], bobs[:, 2]
     area = float(np.ptp(x) * np.ptp(z))
@@ -187,8 +183,7 @@ def places(
 ) -> Places:
     """Where the kernels have what samples have.
 
-    `shared` has the places of the accounts that are of no asperite, and `orders` the place of each
-    asperite in the kernels' numbering of its surface.
+    `shared` has the places of accounts of no asperite, `orders` that of each in its surface.
     """
     q = np.empty(samples.coordinates, np.int64)
     s = np.empty(samples.accounts, np.int64)

@@ -1,6 +1,7 @@
 """The asperites of each surface as a ledger reads them, span by span."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,23 +25,34 @@ class Span:
     # (asperites,) 1 if the drive opposes all of f1_x, 0 if it leaves the surface free to slide.
     held: np.ndarray
     reservoir: np.ndarray  # (2, asperites) velocity of the reservoir in the surface's first frame
-    # Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has.
-    present: frozenset[str]
-    _consecutive: dict[str, bool] = field(default_factory=dict, init=False, repr=False)
 
-    def are_consecutive(self, group: str) -> bool:
-        """Whether the slots of a group follow one another, and one stride holds for all of them."""
-        if group not in self._consecutive:
-            slots, stride = getattr(self.asperites, group), self.asperites.stride
-            follow = slots.ndim == 1 and slots[0] >= 0 and bool(np.all(np.diff(slots) == 1))
-            self._consecutive[group] = follow and bool(np.all(stride == stride[0]))
-        return self._consecutive[group]
+    @cached_property
+    def present(self) -> frozenset[str]:
+        """Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has."""
+        groups = ((k, v) for k, v in vars(self.asperites).items() if k[:4] in ("acc_", "dof_"))
+        return frozenset(name for name, slots in groups if slots.max() >= 0)
+
+    @cached_property
+    def consecutive(self) -> frozenset[str]:
+        """Groups whose slots follow one another, with one stride for all of them."""
+        if np.any(self.asperites.stride != self.asperites.stride[0]):
+            return frozenset()
+        groups = ((name, getattr(self.asperites, name)) for name in self.present)
+        return frozenset(
+            name for name, slots in groups if slots[0] >= 0 and np.all(np.diff(slots) == 1)
+        )
 
 
 def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
     """Consecutive asperites among all, at most SPAN_SIZE at a time."""
     starts = range(part.start, part.stop, SPAN_SIZE)
     return tuple(_some(whole, slice(k, min(k + SPAN_SIZE, part.stop))) for k in starts)
+
+
+def _some(whole: Span, place: slice) -> Span:
+    own = Asperites(**{name: each[..., place] for name, each in vars(whole.asperites).items()})
+    parts = whole.velocity[..., place], whole.held[place], whole.reservoir[:, place]
+    return Span(place, own, *parts)
 
 
 def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:
@@ -54,38 +66,14 @@ def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:
         velocity=velocity.T.copy(),
         held=(surfaces["drive"] == FORCED).astype(float)[mine],
         reservoir=np.array([surfaces["reservoir_x"], surfaces["reservoir_y"]])[:, mine],
-        present=_present(asperites),
     )
-
-
-def _some(whole: Span, place: slice) -> Span:
-    parts = {name: each[..., place] for name, each in vars(whole.asperites).items()}
-    asperites = Asperites(**parts)
-    return Span(
-        place,
-        asperites,
-        whole.velocity[..., place],
-        whole.held[place],
-        whole.reservoir[:, place],
-        _present(asperites),
-    )
-
-
-def _present(asperites: Asperites) -> frozenset[str]:
-    """The groups of slots that any of the asperites has."""
-    groups = (item for item in vars(asperites).items() if item[0].startswith(("acc_", "dof_")))
-    return frozenset(name for name, slots in groups if slots.max() >= 0)
 
 
 def columns(slots: np.ndarray, table: np.ndarray, absent: np.ndarray | float = 0.0) -> np.ndarray:
     """Columns of a table by slot; `absent` where the slot is -1."""
-    shape = (table.shape[0], slots.size)
     present = slots >= 0
     if present.all():
         return table[:, slots]
-    if not present.any():
-        return np.broadcast_to(np.asarray(absent), shape)
-    values = np.empty(shape)
-    values[:] = absent
+    values = np.array(np.broadcast_to(absent, (table.shape[0], slots.size)), float)
     values[:, present] = table[:, slots[present]]
     return values

@@ -12,10 +12,7 @@ Parts = dict[str, slice]  # surface -> its asperites
 
 
 class Draws:
-    """Normal deviates of several runs, each from a generator of its own.
-
-    `of` says what is drawn for a surface: 1 for oscillators, 3 for a start.
-    """
+    """Normal deviates of several runs; `of` is 1 for oscillators of a surface, 3 for its start."""
 
     def __init__(self, seeds: Sequence[int], surface: int, of: int) -> None:
         self._generators = [np.random.default_rng([seed, surface, of]) for seed in seeds]
@@ -51,10 +48,9 @@ def start_of(asperites: np.ndarray, scene: Scene, parts: Parts, numbering: Numbe
 def draw_starts(
     asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
 ) -> None:
-    """Draw swings and rates of surfaces that start at a temperature, for runs with some seeds.
+    """Draw swings and rates of surfaces that start at a temperature, in y (runs, 2 coordinates).
 
-    Energies of torsion springs and of motion have Boltzmann's distribution.  `y` is
-    (runs, 2 coordinates).
+    Energies of torsion springs and of motion have Boltzmann's distribution.
     """
     q, v = np.split(y, 2, axis=1)
     for index, surface in enumerate(scene.surfaces):
@@ -87,44 +83,30 @@ def start_baths(
     q, v = np.split(y, 2, axis=1)
     hang_baths(asperites, scene, parts, q)
     for index, surface in enumerate(scene.surfaces):
-        if surface.bath.temperature > 0.0:
-            draws = Draws(seeds, index, 1)
-            _draw_baths(asperites[parts[surface.name]], surface.bath, q, v, draws)
+        bath, own = surface.bath, asperites[parts[surface.name]]
+        if bath.temperature > 0.0:
+            draws, slots = Draws(seeds, index, 1), np.concatenate(_bath_slots(own, bath), axis=1)
+            dx, dy, vx, vy = thermal_start(bath, draws, own.size)
+            turn, rate = thermal_torsional_start(bath, draws, own.size)
+            q[:, slots] += np.concatenate([dx, dy, turn], axis=2)
+            v[:, slots] = np.concatenate([vx, vy, rate], axis=2)
 
 
-def _draw_baths(
-    asperites: np.ndarray, bath: Bath, q: np.ndarray, v: np.ndarray, draws: Draws
-) -> None:
-    """Draw the oscillators of one surface, which are at their bars."""
-    n, first = bath.masses.size, asperites["dof_bath"]
-    if n:
-        dx, dy, vx, vy = thermal_start(bath, draws, asperites.size)
-        slots = first[:, None] + np.arange(n)
-        q[:, slots] += dx
-        q[:, slots + n] += dy
-        v[:, slots], v[:, slots + n] = vx, vy
-    if bath.inertias.size:
-        turn, rate = thermal_torsional_start(bath, draws, asperites.size)
-        slots = first[:, None] + 2 * n + np.arange(bath.inertias.size)
-        q[:, slots] += turn
-        v[:, slots] = rate
+def _bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
+    """Slots of the oscillators on each bar: along x, along y, and torsional, (asperites, ...)."""
+    n = bath.masses.size
+    slots = asperites["dof_bath"][:, None] + np.arange(2 * n + bath.inertias.size)
+    return np.split(slots, [n, 2 * n], axis=1)
 
 
 def hang_baths(asperites: np.ndarray, scene: Scene, parts: Parts, q: np.ndarray) -> None:
-    """Put all oscillators where they exert no force: at their bars.
-
-    q is (coordinates,), or (runs, coordinates) of several runs.
-    """
+    """Put all oscillators of q, (..., coordinates), at their bars, where they exert no force."""
     for surface in scene.surfaces:
         own, part = asperites[parts[surface.name]], parts[surface.name]
-        n, torsionals = surface.bath.masses.size, surface.bath.inertias.size
-        if n:
-            slots = own["dof_bath"][:, None] + np.arange(n)
-            x, y = displaced_bars(own, part, q)
-            q[..., slots], q[..., slots + n] = x[..., None], y[..., None]
-        if torsionals:
-            slots = own["dof_bath"][:, None] + 2 * n + np.arange(torsionals)
-            q[..., slots] = q[..., own["dof_phi"], None]
+        along_x, along_y, torsional = _bath_slots(own, surface.bath)
+        x, y = displaced_bars(own, part, q)
+        q[..., along_x], q[..., along_y] = x[..., None], y[..., None]
+        q[..., torsional] = q[..., own["dof_phi"], None]
 
 
 def displaced_bars(

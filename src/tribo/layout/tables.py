@@ -6,8 +6,9 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Box, Model
-from tribo.layout import contacts, slots
+from tribo.layout import contacts
 from tribo.layout.scene_records import resting_bobs, springs
+from tribo.layout.slots import Numbering
 from tribo.model.scene import Scene
 
 # Fields of an asperite from which all other constants follow.
@@ -20,11 +21,7 @@ OF_FILLING = np.array(
 
 
 def model_tables(
-    scene: Scene,
-    asperites: np.ndarray,
-    numbering: slots.Numbering,
-    columns: np.ndarray,
-    apart: bool = False,
+    scene: Scene, asperites: np.ndarray, numbering: Numbering, columns: np.ndarray, apart: bool
 ) -> Model:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent.
 
@@ -33,10 +30,9 @@ def model_tables(
     n = numbering.columns
     _place_constants(numbering.surfaces, asperites, apart)
     shared = columns_of_constants(numbering.surfaces, asperites["surface"][:, None], columns)
-    bath = _oscillators(numbering, [(s.bath.masses, s.bath.frequencies) for s in scene.surfaces])
-    torsional = _oscillators(
-        numbering, [(s.bath.inertias, s.bath.torsional_frequencies) for s in scene.surfaces]
-    )
+    baths = [surface.bath for surface in scene.surfaces]
+    bath = _oscillators([(each.masses, each.frequencies) for each in baths])
+    torsional = _oscillators([(each.inertias, each.torsional_frequencies) for each in baths])
     lattice = springs(scene, asperites, columns)
     pulls, pivots = lattice is not None or bath is not None, asperites["pivot"][None]
     on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
@@ -68,7 +64,7 @@ def model_tables(
 
 
 def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
-    """Whether the asperites of a surface share their constants.
+    """Whether a surface's asperites share their constants.
 
     Those that fill its last block would turn if the angles of bars were not zero.
     """
@@ -112,10 +108,9 @@ def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) 
 def _table(
     values: np.ndarray, surfaces: np.ndarray, columns: np.ndarray, others: np.ndarray | float
 ) -> np.ndarray:
-    """A table like that of constants, of values (rows, asperites) that have some columns.
+    """A table like that of constants, with values (rows, asperites) in some columns.
 
-    Others fill up blocks of asperites that are not alike, and feel no force.  Of asperites that are
-    alike, the first gives its column to the whole block that they share.
+    Others fill up blocks, and feel no force.  Asperites that are alike share a block of the first.
     """
     last = surfaces[-1]
     size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
@@ -157,9 +152,7 @@ def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
     table[records.L2, driven] = 0.0
 
 
-def _oscillators(
-    numbering: slots.Numbering, baths: list[tuple[np.ndarray, np.ndarray]]
-) -> np.ndarray | None:
+def _oscillators(baths: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:
     """Masses and frequencies of all oscillators; those that fill the last block have none."""
     whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
     if sum(whole) == 0:

@@ -101,10 +101,9 @@ def new_team(scene: Scene, model: Model) -> Team:
 
 
 def tiles_of(model: Model) -> np.ndarray:
-    """Surface, place in it, and number of its tiles, for each tile.
+    """Surface, place in it, and number of its tiles, for each tile, in the order of their places.
 
-    They are in the order of their places, so that a part of them has the same part of each surface.
-    Works that are summed over a surface are summed by one thread.
+    So a part of them has the same part of each surface.  Works that are summed have one thread.
     """
     size = LANES * max(1, model.each.shape[1] // (TILES * LANES))
     tiles = []
@@ -116,10 +115,7 @@ def tiles_of(model: Model) -> np.ndarray:
 
 @contextmanager
 def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterator[None]:
-    """Let so many more threads share the work of a time loop in this block.
-
-    They end with the block, however it ends; an interrupt is raised behind it.
-    """
+    """Let so many more threads share a time loop in this block; interrupts are raised after it."""
     if team is None or count == 0:
         yield
         return

@@ -38,10 +38,7 @@ class Account:
 
 
 class Accounts(dict[str, Account]):
-    """The accounts of the forces on a span of one surface, by the names of their works.
-
-    Each is made when it is needed, from the integrals that the kernels record, (times, accounts).
-    """
+    """The accounts of the forces on a span of one surface by their works, made when needed."""
 
     def __init__(self, span: Span, s: np.ndarray) -> None:
         super().__init__()
@@ -65,18 +62,16 @@ class Accounts(dict[str, Account]):
         return np.full(shape, part)
 
 
-class Integrals:
-    """The integrals that the kernels record, (times, accounts), by span and force."""
+class Integrals(dict[Span, Accounts]):
+    """The integrals `s` that the kernels record, (times, accounts), by span and force."""
 
     def __init__(self, s: np.ndarray) -> None:
+        super().__init__()
         self.s = s
-        self._known: dict[Span, Accounts] = {}
 
-    def of(self, span: Span) -> Accounts:
-        """The accounts of a span."""
-        if span not in self._known:
-            self._known[span] = Accounts(span, self.s)
-        return self._known[span]
+    def __missing__(self, span: Span) -> Accounts:
+        accounts = self[span] = Accounts(span, self.s)
+        return accounts
 
 
 def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
@@ -84,7 +79,7 @@ def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> li
     if group not in span.present:
         return [0.0 for _ in places]
     slots, stride = getattr(span.asperites, group), span.asperites.stride
-    if span.are_consecutive(group):  # a part of the table, ten times faster than its columns
+    if group in span.consecutive:  # a part of the table, ten times faster than its columns
         firsts = [int(slots[0] + k * stride[0]) for k in places]
         return [s[:, first : first + slots.size] for first in firsts]
     return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]

@@ -40,7 +40,7 @@ class Force(NamedTuple):
     acts: Has = always  # on the asperites of a surface
 
     def is_known(self, scene: Scene, surface: Surface) -> bool:
-        """Whether it acts, and has a series.
+        """Whether it acts and has a series.
 
         A force with noise is known by the impulses of each asperite, which only their ledger has.
         """

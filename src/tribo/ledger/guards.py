@@ -23,10 +23,7 @@ MOST = 0.5
 
 
 def lost_sample(layout: Layout, samples: Samples) -> int | None:
-    """The index of the first sample at which the energy has run away, if there is one.
-
-    Without a ledger it is not known.
-    """
+    """The index of the first sample at which the energy has run away; None without a ledger."""
     if layout.model.ledger is None or not np.any(grows(layout, samples)):
         return None
     return first_lost(layout, samples, assemble(layout, samples).system)[0]
@@ -35,12 +32,11 @@ def lost_sample(layout: Layout, samples: Samples) -> int | None:
 def first_lost(
     layout: Layout, samples: Samples, system: Table, known: float = 0.0
 ) -> tuple[int | None, float]:
-    """The index of the first sample at which the energy has run away, if there is one.
+    """The first sample at which the energy has run away, if any, and the largest energy so far.
 
-    That is where the energy exceeds RUNAWAY times that at the start, and its change differs from
-    the applied work by more than any applied work and any energy of contact or of fields so far.
-    `system` is the ledger of the system at these samples of a run, the first of which is its start.
-    `known` is the largest of those works and energies before; the largest so far is returned too.
+    There the energy exceeds RUNAWAY times that at the start, and its change differs from applied
+    work by more than any applied work and any energy of contact or of fields so far.  `known` is
+    the largest of these before the samples, the first of which is the start of the run.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # an energy may exceed all numbers
         excess = np.abs(system["total_energy_change"] - system["applied_work"])
@@ -105,7 +101,7 @@ def _facing(layout: Layout) -> list[tuple[int, int]]:
 
 
 def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndarray:
-    """Whether bars of one surface are beyond all bobs of the other, but not at the start.
+    """Whether bars are beyond all bobs of another surface, but not at the start.
 
     (times, asperites).  Beyond is below for a surface that faces down, and above for the other.
     """

@@ -57,9 +57,7 @@ class Series(Mapping[str, np.ndarray]):
         compute: Callable[[str], np.ndarray],
         kept: tuple[str, ...] = (),
     ) -> None:
-        self._names = names
-        self._compute = compute
-        self._kept = kept
+        self._names, self._compute, self._kept = names, compute, kept
         self._known: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -194,11 +192,7 @@ class Ledger:
 
     @classmethod
     def of_flat(
-        cls,
-        t: np.ndarray,
-        series: Mapping[str, np.ndarray],
-        surfaces: Iterable[str],
-        kept: tuple[str, ...] = (),
+        cls, t: np.ndarray, series: Table, surfaces: Iterable[str], kept: tuple[str, ...] = ()
     ) -> Ledger:
         """The ledger of series by their full names, and of the names of all surfaces."""
         # Of each surface those of asperites and those of the surface as a whole.
@@ -222,18 +216,14 @@ class Ledger:
 
 
 def assemble(layout: Layout, samples: Samples) -> Ledger:
-    """The ledger of raw samples, the first of which is the start of the run.
-
-    Each series is computed when it is first asked for.
-    """
+    """The ledger of raw samples from the start of a run on; series are computed when needed."""
     forces, kept = Forces(layout, samples), layout.scene.output.ledger
     wholes, surfaces, blocks = [], {}, {}
     for index, surface in enumerate(layout.scene.surfaces):
-        whole = SurfaceSeries(layout, samples, index, forces=forces)
+        wholes.append(whole := SurfaceSeries(layout, samples, index, forces=forces))
         found = reported(kept, present_names(layout.scene, surface))
         surfaces[surface.name] = _series(found.asperites, whole)
         blocks[surface.name] = _series(found.blocks, whole)
-        wholes.append(whole)
     system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
     ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
     ledger.last = partial(_last, layout, samples)

@@ -17,7 +17,7 @@ from tribo.layout.span import Asperites, Span, columns
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.samples import Samples
 
-Position = tuple[np.ndarray, np.ndarray]  # x and y
+Position = tuple[np.ndarray, np.ndarray]  # x and y, or a velocity
 
 
 def _of_centre(group: str, table: str, place: int) -> cached_property[np.ndarray]:
@@ -37,9 +37,8 @@ class Motion:
     """
 
     def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
-        self.span = span
-        self.samples = samples
-        self._layout = layout
+        self.span, self.samples, self._layout = span, samples, layout
+        self._q, self._v = samples.y[:, : layout.core], samples.y[:, layout.core :]
 
     def part(self, span: Span) -> Motion:
         """The same of some of the asperites, with the arrays from which totals are summed."""
@@ -172,14 +171,6 @@ class Motion:
             return columns(getattr(self.span.asperites, group), table, absent())
         return np.full((len(table), self.span.asperites.stride.size), absent())
 
-    @property
-    def _q(self) -> np.ndarray:
-        return self.samples.y[:, : self._layout.core]
-
-    @property
-    def _v(self) -> np.ndarray:
-        return self.samples.y[:, self._layout.core :]
-
 
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
     """The motion of surface `index`, span by span."""
@@ -190,17 +181,14 @@ def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span
 def about_pivots(
     asperites: Asperites, swing: np.ndarray, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Displacements x, y and velocities of the centres of mass about the centres of driven bars.
-
-    The coordinates x and y of such asperites are those of the bars.
-    """
+    """Displacements x, y and velocities of centres of mass about the centres of driven bars."""
     pivot, facing = asperites.pivot, asperites.facing
     tx, ty = swing_direction(facing, swing)
     lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
     return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
 
 
-def swing_direction(facing: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def swing_direction(facing: np.ndarray, swing: np.ndarray) -> Position:
     """The unit vector (t_x, t_y) along which a growing theta moves the bob; see `kinematics`."""
     return facing * np.cos(swing), facing * np.sin(swing)
 

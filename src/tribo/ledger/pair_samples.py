@@ -58,11 +58,10 @@ class PairSamples(Samples):
     def __init__(
         self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
     ) -> None:
-        self.t, self.contact, self.baths = t, record[:, ENERGY], np.empty((t.size, 0, 0))
-        self._record = record
-        self._first = first
-        self._factors = factors
-        self.runs = len(first)
+        self.t, self.contact, self.runs = t, record[:, ENERGY], len(first)
+        self.field, self.stored = np.zeros(t.size), np.zeros((t.size, 2, STORED))
+        self.baths = np.empty((t.size, 0, 0))
+        self._record, self._first, self._factors = record, first, factors
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
@@ -79,20 +78,9 @@ class PairSamples(Samples):
         s = self._columns @ self._factors.accounts.T
         if self._factors.driven is not None:
             start = self._first[:, self._factors.columns] * self._factors.multiples
-            add_reactions(
-                self._factors.driven, self.y, s, np.tile(start, (self.t.size // self.runs, 1))
-            )
+            starts = np.tile(start, (self.t.size // self.runs, 1))
+            add_reactions(self._factors.driven, self.y, s, starts)
         return s
-
-    @cached_property
-    def field(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times,)."""
-        return np.zeros(self.t.size)
-
-    @cached_property
-    def stored(self) -> np.ndarray:  # type: ignore[override]
-        """Zeros, (times, 2, STORED)."""
-        return np.zeros((self.t.size, 2, STORED))
 
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of `s`, from the record's columns that it depends on."""
@@ -120,18 +108,14 @@ class PairSamples(Samples):
         return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
 
     def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> Samples:
-        """The samples as they are where each run has factors of its own.
-
-        They are those of :func:`tribo.loops.pair.factors_of`, (runs, ..., columns).
-        """
+        """The samples where each run has factors of its own, (runs, ..., columns)."""
         columns = self._columns.reshape(-1, self.runs, state.shape[2]).swapaxes(0, 1)
         y, s = (
             (columns @ factors.swapaxes(1, 2)).swapaxes(0, 1).reshape(-1, factors.shape[1])
             for factors in (state, accounts)
         )
-        return Samples.of_runs(
-            self.runs, self.t, y, s, self.contact, self.field, self.stored, self.baths
-        )
+        others = self.contact, self.field, self.stored, self.baths
+        return Samples.of_runs(self.runs, self.t, y, s, *others)
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""

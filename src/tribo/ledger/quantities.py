@@ -227,33 +227,21 @@ FURTHER_OF_SYSTEM = {
         lambda scene, surface: bool(scene.fields),
     )
 }
+ON_REQUEST = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
+EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
-    "forces": {
-        name: each
-        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES).items()
-        if each.kind in ("force", "share")
-    },
-    "energies": {
-        name: each
-        for name, each in (FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM).items()
-        if each.kind == "energy"
-    },
+    group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
+    for group, kinds in (("forces", ("force", "share")), ("energies", ("energy",)))
 }
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
-    """The names of what the scene reports of a surface, and of the system, beside all scenes'.
-
-    The optional quantities, and the series that the scene's output asks for.
-    """
+    """The optional quantities that a scene reports, and the series that its output asks for."""
     groups = (OPTIONAL_QUANTITIES, *(FURTHER.get(name, {}) for name in scene.output.series))
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)
     )
-
-
-EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
 
 
 # The sums over the asperites of a surface, by the names of what is summed.
@@ -275,10 +263,7 @@ class Reported:
 
 @cache
 def reported(ledger: str, present: frozenset[str]) -> Reported:
-    """The quantities that are reported, with others whose names are `present`.
-
-    `ledger` says of what works are kept: "asperites", "surfaces" or "none".
-    """
+    """The quantities with works kept as `ledger` says, and others whose names are `present`."""
     own = ASPERITE_QUANTITIES | _those_of(OPTIONAL_QUANTITIES, present)
     tables = [own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES]
     if ledger == "surfaces":
@@ -286,8 +271,7 @@ def reported(ledger: str, present: frozenset[str]) -> Reported:
         tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
     elif ledger == "none":
         tables = list(map(_without_accounts, tables))
-    on_request = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
-    asked = (_those_of(table, present) for table in on_request)
+    asked = (_those_of(table, present) for table in ON_REQUEST)
     return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
 
 

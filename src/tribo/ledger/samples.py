@@ -41,10 +41,14 @@ class Samples:
         """One sample at t = 0, of which all values are zero."""
         return cls(np.zeros(1), *map(np.zeros_like, sample_columns(layout, 1)))
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All arrays by the names of the fields."""
+        return {each.name: getattr(self, each.name) for each in fields(Samples)}
+
     @property
     def columns(self) -> tuple[np.ndarray, ...]:
         """All arrays, in the order of the fields."""
-        return tuple(getattr(self, each.name) for each in fields(Samples))
+        return tuple(self.arrays().values())
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
@@ -95,15 +99,10 @@ class Samples:
         return samples
 
     def at_start(self, series: np.ndarray) -> np.ndarray:
-        """The value of a series of these samples at the start of each run.
-
-        It has a row for each sample, or one for all samples of a single run.
-        """
+        """A series at the start of each run: a row for each sample, or one for a single run."""
         if self.runs == 1:
             return np.asarray(series[:1])
-        return np.tile(
-            series[: self.runs], (self.t.size // self.runs, *np.ones(series.ndim - 1, int))
-        )
+        return np.concatenate([series[: self.runs]] * (self.t.size // self.runs))
 
     def change(self, series: np.ndarray) -> np.ndarray:
         """A series of these samples less its value at the start of the run."""

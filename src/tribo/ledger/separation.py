@@ -46,10 +46,7 @@ class Closest(NamedTuple):
 
 
 def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
-    """The closest of all bobs that interact, in one sample of a run.
-
-    None where no bobs interact, or where a position is not finite.
-    """
+    """The closest bobs that interact in a sample; None without any, or without finite places."""
     return min((found for found, _ in closest_of_contacts(layout, sample)), default=None)
 
 
@@ -135,10 +132,7 @@ def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
 def touching(
     layout: Layout, samples: Samples, counts: Callable[[tuple[int, int]], bool] = lambda pair: True
 ) -> np.ndarray:
-    """Whether any bobs of each two surfaces whose contact has a range touch, (times, pairs).
-
-    `counts` says which pairs of surfaces are looked at.
-    """
+    """Whether any bobs of two surfaces with a range that `counts` selects touch, (times, pairs)."""
     pairs = [item for item in _reaches(layout.scene).items() if counts(item[0])]
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
@@ -147,10 +141,7 @@ def touching(
 
 
 def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[str, ...]:
-    """Notes on surfaces that never come within the range of their contact, or part for good.
-
-    `contact` is that of :func:`touching` at some times of a run.
-    """
+    """Notes on surfaces that never touch, or part for good; `contact` is of :func:`touching`."""
     notes = []
     for (pair, reach), touches in zip(_reaches(scene).items(), contact.T, strict=True):
         one, other = (scene.surfaces[k] for k in pair)

@@ -45,8 +45,7 @@ class SeriesTable(NamedTuple):
 def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
     """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
-    Those that are linear in the integrals of the kernels are computed together; their last bits may
-    differ from those of a series that is computed alone.
+    What is linear in the integrals is computed together: its last bits may differ from one alone.
     """
     items = sorted(_items(layout, group), key=lambda item: not isinstance(item.of, Linear))
 

@@ -1,7 +1,4 @@
-"""What is kept of a run whose samples are too many to hold: its ledger, portion by portion.
-
-Also what notes need of all samples of a run, which a streamed run collects from its portions.
-"""
+"""The ledger of a run that is too large to hold, portion by portion, and what notes need of it."""
 
 import math
 from dataclasses import replace
@@ -93,7 +90,7 @@ def _works(layout: Layout, samples: Samples) -> np.ndarray:
     work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
     integrals = Integrals(samples.s)
     for span in (span for spans in layout.accounted_spans for span in spans):
-        accounts = integrals.of(span)
+        accounts = integrals[span]
         work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
         friction -= np.sum(along, axis=1)

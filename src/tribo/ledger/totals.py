@@ -41,14 +41,13 @@ class AsperiteSeries:
 
     def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals.of(span), name) for span in self.spans])
+        return _side_by_side([accounted(integrals[span], name) for span in self.spans])
 
 
 class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
-    `among` is the motion of all asperites, if it is known, and `forces` has the forces on them,
-    where they are reported.
+    `among` is the motion of all asperites, if it is known; `forces` are those that are reported.
     """
 
     def __init__(
@@ -75,7 +74,7 @@ class SurfaceSeries(AsperiteSeries):
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        return _sum(accounted(integrals.of(span), name) for span in self._accounted)
+        return _sum(accounted(integrals[span], name) for span in self._accounted)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
@@ -130,10 +129,7 @@ class SurfaceSeries(AsperiteSeries):
     @property
     @_with_infinities
     def heat_of_bath(self) -> np.ndarray:
-        """The change of the bath's energy in the surface's own motion.
-
-        That is the motion with V; on driven bars, which do not excite a bath, that of the bars.
-        """
+        """The change of the bath's energy in the motion with V, or with driven bars."""
         energy = self._bath_energy
         if self._record.drive != BARS:
             (x, y), stored = self._lag, self.stored
@@ -198,7 +194,7 @@ class SurfaceSeries(AsperiteSeries):
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
         """A part of the accounts of some forces."""
-        every = (integrals.of(span) for span in self._accounted)
+        every = (integrals[span] for span in self._accounted)
         return _sum(
             each.whole(sum(part(each[name], each.span.velocity) for name in names))
             for each in every
@@ -233,10 +229,7 @@ class SystemSeries:
 
 
 class Linear:
-    """A quantity that is linear in the integrals of the kernels.
-
-    `value` gives its series, from its surface or the system, and the integrals.
-    """
+    """A quantity that is linear in the integrals; `value` takes its surface or system and these."""
 
     def __init__(self, value: Callable[..., np.ndarray]) -> None:
         self.value = value
@@ -253,8 +246,5 @@ def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
 
 
 def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
-    """The sum of all, over their asperites.
-
-    Sums, unlike products of matrices, have the same bits for any number of times.
-    """
+    """The sum over asperites, with the same bits for any number of times, unlike products."""
     return np.asarray(sum(np.sum(value, axis=1) for value in values))

@@ -1,7 +1,4 @@
-"""Many runs of one scene: what they begin from, what they give, and the loops that run them.
-
-Also the loop for members of any scene, one after another with the arrays of one loop.
-"""
+"""Many runs of one scene: what they begin from and give, and the loop that takes one by one."""
 
 from __future__ import annotations
 
@@ -26,6 +23,7 @@ from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop, in_blocks, unit_setting
+from tribo.loops.integrate import Columns, Setting
 
 T = TypeVar("T")
 # Steps of a call of the loop, at most, since an interrupt waits for its end; no more than the guard
@@ -82,7 +80,7 @@ class MemberRuns(NamedTuple):
 class MemberLoop(Protocol):
     """A compiled loop over members, with memory of its own."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances."""
 
 
@@ -106,20 +104,15 @@ class RecordingLoop(ABC):
             array[...] = fresh
 
     @abstractmethod
-    def fill(
-        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
-    ) -> np.ndarray:
+    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         """Run members, fill in their samples (members, times, ...), and return their counts."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with a step or tolerances, and return their samples."""
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
         counts = self.fill(setting, starts, columns)
-        each_time = (
-            np.swapaxes(each[:members], 0, 1).reshape(times.size * members, *each.shape[2:])
-            for each in columns
-        )
+        each_time = (np.concatenate(np.swapaxes(each[:members], 0, 1)) for each in columns)
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
             layout = replace(layout, numbers=starts.numbers, member_times=times.size)
@@ -153,11 +146,8 @@ class Pool(Generic[T]):
 class Batch(Pool[MemberLoop]):
     """Runs members of a scene, in any number of threads."""
 
-    def run(self, setting: integrate.Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with a step or tolerances, in this thread.
-
-        What a member gives depends on that member alone.
-        """
+    def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+        """Run members in this thread; what a member gives depends on that member alone."""
         loop = self.take()
         runs = loop.run(setting, starts)
         self.give_back(loop)
@@ -165,20 +155,14 @@ class Batch(Pool[MemberLoop]):
 
 
 def has_batches(layout: Layout) -> bool:
-    """Whether members of a scene can be run without a result for each.
-
-    Forces as series and calculators of ASE need one.
-    """
+    """Whether members need no results of their own, as force series and ASE calculators do."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     alone = layout.calculator_calls or layout.scene.output.series
     return compiled and not (alone or exceeds_memory(layout, layout.times.size))
 
 
 class GeneralMembers(GeneralLoop, RecordingLoop):
-    """A time loop that runs one member after another of a scene for which `has_batches` is true.
-
-    `first_step` is the longest one of an adaptive method [time].
-    """
+    """A loop for members of a scene with `has_batches`; `first_step` [time] is the longest one."""
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
         setting = unit_setting(layout, method)
@@ -192,13 +176,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (self.model,), examples)
 
-    def fill(
-        self, setting: integrate.Setting, starts: MemberStarts, columns: integrate.Columns
-    ) -> np.ndarray:
-        """Run members, fill in their samples, and return their counts.
-
-        Seeds matter where there is noise.  The samples of members that did not complete are zeros.
-        """
+    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
+        """Run members from their seeds; the samples of those that did not complete are zeros."""
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
             clock = self._fresh[1]
@@ -220,23 +199,18 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def advance(self, times: np.ndarray, columns: integrate.Columns, budget: int) -> int:
+    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         code: int = self._entry(*self._arguments(times, columns, budget))
         return code
 
-    def _to_end(self, columns: integrate.Columns) -> int:
-        """Run the member through the times of the scene.
-
-        Returns a code of a status; PAUSED of a member that makes no progress.
-        """
+    def _to_end(self, columns: Columns) -> int:
+        """Run the member through the times of the scene; PAUSED if it makes no progress."""
         times = self.layout.times
         code = self.advance(times, columns, MOST_STEPS)
         if code != PAUSED:  # nearly always
             return code
-        scene, ends = self.layout.scene, (times[0], times[-1])
-        guard = integrate.ProgressGuard(
-            self.clocks, *ends, scene.count, integrate.most_evaluations(scene)
-        )
+        scene, most = self.layout.scene, integrate.most_evaluations(self.layout.scene)
+        guard = integrate.ProgressGuard(self.clocks, times[0], times[-1], scene.count, most)
         while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
             code = self.advance(times, columns, guard.within(MOST_STEPS))
         return code

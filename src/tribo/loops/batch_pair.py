@@ -13,7 +13,6 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.layout.loop_memory import entry_point
-from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
@@ -29,10 +28,7 @@ MOST_STEPS = 2048
 
 
 class PairMembers:
-    """The loop of single runs for many members, without Python between them.
-
-    Raises InputError if the potential does not compile.
-    """
+    """The loop of single runs for many members.  Raises InputError if the potential fails."""
 
     def __init__(self, pair: Pair) -> None:
         self._pair = pair
@@ -55,40 +51,24 @@ class PairMembers:
         arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
         samples, counts = arguments[-3:-1]
-        return pair_runs(self._pair, self._times, samples, counts, numbers)
+        return pair_runs(self._pair, self._times, samples, counts, starts)
 
     def _arguments(
         self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the potential; samples and counts before the last."""
-        members, times = len(starts), self._times.size
-        return (
-            record,
-            potential,
-            self._rows,
-            self._clocks,
-            starts,
-            np.empty(self._size),
-            self._times,
-            np.empty((times + 1, COLUMNS)),
-            np.empty((times, members, COLUMNS)),
-            np.empty((members, COUNTS), np.int64),
-            MOST_STEPS,
-        )
+        members, times = len(starts), self._times
+        room = np.empty(self._size), times, np.empty((times.size + 1, COLUMNS))
+        results = np.empty((times.size, members, COLUMNS)), np.empty((members, COUNTS), np.int64)
+        memory = self._rows, self._clocks, starts, *room
+        return record, potential, *memory, *results, MOST_STEPS
 
 
 def pair_runs(
-    pair: Pair,
-    times: np.ndarray,
-    samples: np.ndarray,
-    counts: np.ndarray,
-    numbers: MemberNumbers | None,
+    pair: Pair, times: np.ndarray, samples: np.ndarray, counts: np.ndarray, starts: MemberStarts
 ) -> MemberRuns:
-    """Runs of a pair's members from rows of the loop's record, (times, members, COLUMNS).
-
-    With numbers of their own, or those of the scene.
-    """
-    layout, each_time = pair.layout, np.repeat(times, len(counts))
+    """Runs of a pair's members from rows of its record, (times, members, COLUMNS)."""
+    layout, each_time, numbers = pair.layout, np.repeat(times, len(counts)), starts.numbers
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
@@ -129,7 +109,7 @@ class PairLanes:
         (record,), potential = pair.scene_arguments
         numbers = len(PairScene._fields) + len(numbers_of(potential))
         scenes = np.zeros((1, numbers)) if own_numbers else None
-        self._rows = GROUPS * (lanes.F + 3 * self._stages + (numbers if own_numbers else 0))
+        self._rows = GROUPS * (lanes.F + 3 * self._stages + own_numbers * numbers)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros((1, LANES)), starts)
         fixed = PairScene(*record.item()), potential
@@ -148,7 +128,7 @@ class PairLanes:
         self._loop(*arguments)
         samples, queue = arguments[-3:-1]
         queue.counts[others, CODE] = PAUSED
-        return pair_runs(self._pair, self._times, samples, queue.counts, numbers)
+        return pair_runs(self._pair, self._times, samples, queue.counts, starts)
 
     def _bounds(self, tolerance: Tolerance) -> np.ndarray:
         """The bounds on steps, (1, 8)."""

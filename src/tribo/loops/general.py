@@ -2,7 +2,6 @@
 
 import json
 import time
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import loop_of, own_model
+from tribo.layout.loop_memory import arrays_in, loop_of, own_model
 from tribo.layout.threads import assisted
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
@@ -92,17 +91,9 @@ class GeneralLoop(TimeLoop):
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         self._neighbours = with_room(self._neighbours)
-        return (
-            self._neighbours,
-            *self._constants,
-            self.clocks,
-            self.state,
-            times,
-            Record(*columns, *self._recorded),  # type: ignore[call-arg]
-            budget,
-            *self._noise,
-            *self._scratch,
-        )
+        record = Record(*columns, *self._recorded)  # type: ignore[call-arg]
+        run = self.clocks, self.state, times, record, budget
+        return self._neighbours, *self._constants, *run, *self._noise, *self._scratch
 
     def forget_neighbours(self) -> None:
         if self._neighbours is not None:
@@ -119,8 +110,8 @@ class GeneralLoop(TimeLoop):
     @property
     def bytes(self) -> int:
         """Bytes of all arrays of the loop and of its layout."""
-        arrays = _arrays((vars(self), self.layout.asperites, self.layout.surfaces))
-        return sum({id(array): array.nbytes for array in arrays}.values())
+        own = tuple(vars(self).values()), self.layout.asperites, self.layout.surfaces
+        return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
     def memory(self) -> Memory:
         memory = {"clock": numbers_of(self.clocks)}
@@ -137,23 +128,21 @@ class GeneralLoop(TimeLoop):
         return memory
 
     def restore(self, memory: Memory) -> None:
-        set_numbers(self.clocks, memory["clock"])
+        self.clocks[0] = tuple(memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         if self._neighbours is not None:
-            lists: dict[str, Any]
-            lists = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
+            lists: dict[str, Any] = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
             lists["place"] = with_spare_lanes(lists["place"])
             self._neighbours = self._neighbours._replace(**lists)
             if self._neighbours.active is not None:
                 for name in SELECTION:
                     getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
-        if self._noise:
-            self.restore_noise(memory["noise"])
+        self.restore_noise(memory)
 
-    def restore_noise(self, noise: np.ndarray) -> None:
-        """Draw the random numbers that follow those drawn before, if any are drawn."""
-        for generator in self._noise:
-            generator.bit_generator.state = json.loads(noise.tobytes())
+    def restore_noise(self, memory: Memory) -> None:
+        """Draw the random numbers that follow those drawn before, if any were and are drawn."""
+        for generator in self._noise if "noise" in memory else ():
+            generator.bit_generator.state = json.loads(memory["noise"].tobytes())
 
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
         return Samples(times, *(column[: times.size] for column in columns))
@@ -193,18 +182,3 @@ def in_blocks(setting: Setting, layout: Layout) -> Setting:
 def numbers_of(clocks: np.ndarray) -> np.ndarray:
     """The fields of a clock as numbers; counts below 2^53 are exact."""
     return np.array(clocks[0].tolist(), float)
-
-
-def set_numbers(clocks: np.ndarray, numbers: np.ndarray) -> None:
-    """Set the fields of a clock from :func:`numbers_of`."""
-    for name, value in zip(CLOCK.names or (), numbers, strict=True):
-        clocks[name] = value
-
-
-def _arrays(item: Any) -> Iterator[np.ndarray]:
-    """All arrays in nested tuples and dictionaries."""
-    if isinstance(item, np.ndarray):
-        yield item
-    elif isinstance(item, (dict, tuple)):
-        for part in item.values() if isinstance(item, dict) else item:
-            yield from _arrays(part)

@@ -1,7 +1,4 @@
-"""One integration of a scene: a time loop, called in chunks, and its samples.
-
-A guard stops runs with adaptive steps that make no progress.
-"""
+"""One integration of a scene: a time loop in chunks, its samples, and a guard of its progress."""
 
 from __future__ import annotations
 
@@ -65,10 +62,7 @@ def most_evaluations(scene: Scene) -> float:
 
 
 def reach_of(scene: Scene, whole: float, begin: float) -> str:
-    """What a run would take and may take, and how far it may come, as a part of a sentence.
-
-    At its mean rate the whole run from `begin` would take `whole` evaluations.
-    """
+    """What a run takes at its mean rate from `begin`, and may take, as a part of a sentence."""
     most = most_evaluations(scene)
     reach = begin + (scene.duration - begin) * min(1.0, most / whole)
     return (
@@ -78,10 +72,9 @@ def reach_of(scene: Scene, whole: float, begin: float) -> str:
 
 
 class ProgressGuard:
-    """Predicts the evaluations of a run from its mean progress, after every so many trials.
+    """Predicts the evaluations of a run, of which it may take `most`, from its mean progress.
 
-    No clock decides: the trials and the prediction are the same on every machine, and do not depend
-    on the chunks of steps in which a run is made.  The run may take `most` evaluations.
+    No clock decides: the prediction is the same on every machine, for any chunks of steps.
     """
 
     def __init__(
@@ -89,8 +82,7 @@ class ProgressGuard:
     ) -> None:
         self._clock = clocks[0]
         self._beginning, self._end, self._most = beginning, end, most
-        every = min(2 * TRIALS // asperites, int(most / LOOKS))
-        self._every = max(FEWEST_TRIALS, every)
+        self._every = max(FEWEST_TRIALS, min(2 * TRIALS // asperites, int(most / LOOKS)))
 
     def within(self, budget: int) -> int:
         """At most so many steps, and no more than until the next look."""
@@ -170,7 +162,7 @@ class Checkpoints(Protocol):
 class Integration:
     """One integration of the equations of motion."""
 
-    recorded: Callable[[], Samples]  # returns the raw samples
+    samples: Samples  # raw
     status: Status
     counts: np.ndarray  # (COUNTS,) steps, and evaluations of all forces
     seconds: float  # wall time
@@ -180,15 +172,6 @@ class Integration:
     passages: tuple[int, ...] = (0, 0, 0)
     failures: tuple[str, ...] = ()  # errors that ASE calculators raised
     cut: bool = False  # whether the samples end before the memory
-    # Not a cached_property, whose lock takes a part of the time of a short run.
-    _samples: Samples | None = None
-
-    @property
-    def samples(self) -> Samples:
-        """The raw samples, built when they are first needed."""
-        if self._samples is None:
-            self._samples = self.recorded()
-        return self._samples
 
     @cached_property
     def memory(self) -> Memory:
@@ -197,13 +180,12 @@ class Integration:
 
     def without_samples(self) -> Integration:
         """The same with the first sample and the last two alone."""
-        few = self.samples.last_interval()
-        return replace(self, recorded=lambda: few, _samples=few)
+        return replace(self, samples=self.samples.last_interval())
 
     def up_to(self, last: int, status: Status) -> Integration:
         """The part of the run up to a sample, with another status."""
         kept = self.samples.at(self.samples.t[: last + 1])
-        return replace(self, recorded=lambda: kept, _samples=kept, status=status, cut=True)
+        return replace(self, samples=kept, status=status, cut=True)
 
     @property
     def steps(self) -> int:
@@ -217,7 +199,7 @@ class Integration:
 
 
 def first_step_at(tolerance: Tolerance, longest: float, order: int) -> float:
-    """The first step of a run: shorter with finer tolerances.
+    """The first step of a run, shorter with finer tolerances.
 
     Two runs that began with the same step would share its error, which no step control has seen.
     """
@@ -234,13 +216,11 @@ def integrate(
     before: Samples | None = None,
     most: float | None = None,
 ) -> Integration:
-    """Integrate through `times`.
+    """Integrate through `times`; where something stops it, the state reached is the last sample.
 
-    Ends at the last time, or where something stops it; then the state reached is the last sample.
-    `streamed` takes in the samples, of which only the first and the last two are kept then;
-    `checkpoints` keep what is reached.  `columns` are those of a loop that has begun, `before` is
-    the first sample of a run that is continued, and adaptive steps may take `most` force
-    evaluations, those of the scene without it.
+    `streamed` takes in the samples, of which only the first and the last two are kept then.
+    `columns` are those of a loop that has begun, `before` is the first sample of a run that is
+    continued, and adaptive steps may take `most` force evaluations, those of the scene without it.
     """
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
@@ -282,13 +262,10 @@ def integrate(
             break
         if not ended:
             loop.clocks["sample"] = 0
-    whole = held
-    assert whole is not None
+    assert held is not None
     seconds = time.perf_counter() - began
     failures = tuple(call.failure for call in loop.calls if call.error is not None)
-    return Integration(
-        lambda: whole, status, counts, seconds, lambda: memory, passages, failures, cut
-    )
+    return Integration(held, status, counts, seconds, lambda: memory, passages, failures, cut)
 
 
 def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[int, ...]]:
@@ -304,8 +281,7 @@ def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[
 
 def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Status) -> Samples:
     """The samples of a run, and the state in which it stopped as one more."""
-    done = int(loop.clocks["sample"][0])
-    t = float(loop.clocks["t"][0])
+    done, t = int(loop.clocks["sample"][0]), float(loop.clocks["t"][0])
     if status == Status.COMPLETED or (done and times[done - 1] == t):
         return loop.samples(times[:done], columns)
     # The loop records a sample that is due before it takes a step.
@@ -328,9 +304,7 @@ def run_in_chunks(
 
     The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
     """
-    budget = FIRST_CHUNK
-    code = PAUSED
-    layout = loop.layout
+    budget, code, layout = FIRST_CHUNK, PAUSED, loop.layout
     most = most_evaluations(layout.scene) if most is None else most
     guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
     for item in loop.calls:

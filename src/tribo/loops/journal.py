@@ -8,7 +8,6 @@ integrations from the journal and continues the last one.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +27,8 @@ __all__ = ["PART", "Journal", "key_of"]
 
 
 class Journal(Frames):
-    """The journal of a run; a context manager.
+    """The journal of a run; with `resume`, else the first integration replaces the file.
 
-    With `resume` it continues what the file has; else the first integration replaces the file.
     Raises InputError if the file is of another run, cannot be read, or is in use.
     """
 
@@ -42,10 +40,7 @@ class Journal(Frames):
             self._known.setdefault(number, {})[name] = arrays
 
     def integration(self, key: bytes) -> JournaledIntegration:
-        """The next integration of the run; `key` identifies its settings.
-
-        Raises InputError if the one in the journal has other settings.
-        """
+        """The next integration.  Raises InputError if the journal has it with another `key`."""
         number, known = self._number, self._known.pop(self._number, {})
         self._number += 1
         if "memory" in known and known["memory"]["key"].tobytes() != key:
@@ -88,9 +83,8 @@ class JournaledIntegration:
             self._parts, self._samples = self._parts + 1, stop
         loop.restore(below("loop_", memory))
         held, status = below("held_", memory), known["memory"]["status"].tobytes().decode()
-        return Reached(
-            self._portions, Samples(**held) if held else None, Status(status) if status else None
-        )
+        samples = Samples(**held) if held else None
+        return Reached(self._portions, samples, Status(status) if status else None)
 
     def keep(
         self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None, reached: Reached
@@ -110,8 +104,7 @@ class JournaledIntegration:
             self._parts, self._samples = self._parts + 1, done
         memory = under("loop_", loop.memory()) | {"portions": np.array(reached.portions)}
         if reached.held is not None:
-            held = {f.name: getattr(reached.held, f.name) for f in fields(Samples)}
-            memory |= under("held_", held)
+            memory |= under("held_", reached.held.arrays())
         about = {"status": as_bytes(str(reached.status or "")), "key": as_bytes(self._key)}
         self.write("memory", under("memory_", memory) | about)
         self._journal.forget((name, self._number) for name in done_with)

@@ -1,5 +1,6 @@
 """Members of an ensemble, eight side by side in the lanes of registers."""
 
+import math
 from abc import abstractmethod
 from typing import Any
 
@@ -68,9 +69,8 @@ class LaneLoop(RecordingLoop):
         own_numbers: bool,
         alone: Pool[GeneralMembers],
     ) -> None:
-        self.layout = layout
-        self._longest, self._order, self._alone = first_step, method.order, alone
-        self._own_numbers = own_numbers
+        self.layout, self._alone = layout, alone
+        self._longest, self._order = first_step, method.order
         self.eight = eight = interleaved(layout, own_numbers)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
@@ -80,17 +80,17 @@ class LaneLoop(RecordingLoop):
         core = eight.q[0, : layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), eight.s
         self._places = np.concatenate([eight.q, coordinates + eight.q], axis=1)
-        self.prepare(layout, method)
+        self.prepare(unit_setting(layout, method))
 
     @abstractmethod
-    def prepare(self, layout: Layout, method: Method) -> None:
+    def prepare(self, setting: Setting) -> None:
         """Make clocks and scratch, and compile the loop."""
 
     @abstractmethod
     def fill_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
-        """Run members side by side, and record their samples, (members x times, ...).
+        """Run members side by side, and record (members x times, ...).
 
         Returns their counts, with PAUSED of those that need a loop of their own.
         """
@@ -98,12 +98,10 @@ class LaneLoop(RecordingLoop):
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         members = len(starts.y)
         numbers = np.empty((members, 0))
-        if self._own_numbers:
-            assert starts.numbers is not None
+        assert starts.numbers is not None or self.eight.memory.size == 0
+        if starts.numbers is not None:
             numbers = rows_of_numbers(self.layout.scene, starts.numbers)
-        rows = tuple(
-            each.reshape(each.shape[0] * each.shape[1], *each.shape[2:]) for each in columns
-        )
+        rows = tuple(each.reshape(math.prod(each.shape[:2]), *each.shape[2:]) for each in columns)
         counts = self.fill_lanes(setting, starts, numbers, rows)
         whole = counts[:, CODE] == COMPLETED
         for each in columns:
@@ -130,18 +128,17 @@ class LaneLoop(RecordingLoop):
 class NystromLanes(LaneLoop):
     """The loop of a Nystrom method."""
 
-    def prepare(self, layout: Layout, method: Method) -> None:
+    def prepare(self, setting: Setting) -> None:
+        assert isinstance(setting, Tolerance)
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
-        speeds = room((3, self.eight.model.each.shape[1]))
+        speeds, layout = room((3, self.eight.model.each.shape[1])), self.layout
         tried, new = room((TRIED, LANES)), empty_state(self._state)
         self._state, *self._scratch = self.keep(
             (self._state, tried, self._work, speeds, new), [self._clocks]
         )
-        tolerance = unit_setting(layout, method)
-        assert isinstance(tolerance, Tolerance)
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
-        examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
+        examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
         self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
 
     def fill_lanes(
@@ -172,33 +169,25 @@ class NystromLanes(LaneLoop):
         s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
         first_step = first_step_at(tolerance, self._longest, self._order)
         places = self._places, numbers, self.eight.numbers
-        return (
-            self.coefficients,
-            tolerance._replace(y=y, s=s),
-            self._clocks,
-            self._state,
-            self.layout.times,
-            self.record(columns),
-            budget,
-            queue,
-            Starts(starts, *places, self.eight.memory, first_step),
-            *self._scratch,
-        )
+        begin = Starts(starts, *places, self.eight.memory, first_step)
+        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
+        return self.coefficients, tolerance._replace(y=y, s=s), *run, queue, begin, *self._scratch
 
 
 class SplittingLanes(LaneLoop):
     """The loop of a splitting method."""
 
-    def prepare(self, layout: Layout, method: Method) -> None:
+    def prepare(self, setting: Setting) -> None:
+        assert isinstance(setting, float)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
             (self._state, self._work, watch), [self._clocks]
         )
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
-        columns = sample_columns(layout, LANES)
-        examples = self._arguments(1.0, columns, 0, np.empty((0, LANES)))
-        self._entry = entry_point(layout, splitting_members, (self.eight.model,), examples)
+        columns = sample_columns(self.layout, LANES)
+        examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
+        self._entry = entry_point(self.layout, splitting_members, (self.eight.model,), examples)
 
     def fill_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
@@ -235,31 +224,20 @@ class SplittingLanes(LaneLoop):
                 deviates[:, lane] = generator.standard_normal(len(deviates))
             code = self._entry(*self._arguments(step, columns, budget, deviates))
             left -= budget
-        lost: np.ndarray = (self._watch[LOST] > 0.0) | (code != COMPLETED)
-        return lost
+        return np.asarray((self._watch[LOST] > 0.0) | (code != COMPLETED))
 
     def _arguments(
         self, step: float, columns: Columns, budget: int, deviates: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
-        return (
-            self.coefficients,
-            step,
-            self._clocks,
-            self._state,
-            self.layout.times,
-            self.record(columns),
-            budget,
-            self._watch,
-            Deviates(deviates, np.zeros(1, np.int64)),
-            self._work,
-        )
+        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
+        noise = Deviates(deviates, np.zeros(1, np.int64))
+        return self.coefficients, step, *run, self._watch, noise, self._work
 
 
 def deviates_of_substep(layout: Layout) -> int:
     """Normal deviates that a member takes for a substep of its reservoirs."""
-    noisy = [s for s in layout.surfaces if max(s["temperature"], s["swing_temperature"]) > 0.0]
-    return sum(
-        int(s["end"] - s["start"]) * (4 * (s["gamma"] > 0.0) + 2 * (s["swing_gamma"] > 0.0))
-        for s in noisy
-    )
+    s = layout.surfaces
+    noisy = np.maximum(s["temperature"], s["swing_temperature"]) > 0.0
+    each = 4 * (s["gamma"] > 0.0) + 2 * (s["swing_gamma"] > 0.0)
+    return int(np.sum(noisy * (s["end"] - s["start"]) * each))

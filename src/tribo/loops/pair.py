@@ -23,7 +23,7 @@ from tribo.layout.layout import Layout
 from tribo.layout.loop_memory import entry_point
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
-from tribo.loops.general import numbers_of, set_numbers
+from tribo.loops.general import numbers_of
 from tribo.loops.integrate import (
     Checkpoints,
     Columns,
@@ -45,7 +45,10 @@ ARC1, ARC2 = ENERGY, ENERGY + 1
 
 FIRST_ACCOUNT = step_rows.J + 1
 # Effects of scenes that the loop of a pair knows.
-KNOWN = {Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF}
+KNOWN = {
+    *(Effect.CONTACT, Effect.SWING, Effect.SLIDING),
+    *(Effect.CLAMPED_ENDS, Effect.CUTOFF, Effect.DRIVEN_BARS),
+}
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
@@ -56,8 +59,7 @@ UNINTERRUPTED_STEPS = 2048
 def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
 
-    `asperites` are (..., 2), with the slots of the layout.  For the meaning of the accounts see
-    :mod:`tribo.kernels.powers`.
+    Asperites (..., 2) have the slots of the layout.  Accounts: see :mod:`tribo.kernels.powers`.
     """
     n, shape, mobility = layout.coordinates, asperites.shape[:-1], _mobility_of(layout, asperites)
     to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
@@ -125,9 +127,6 @@ def record_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> np.
     return record
 
 
-KNOWN |= {Effect.DRIVEN_BARS}
-
-
 def has_pair_loop(layout: Layout, method: Method) -> bool:
     """Whether the pair's loop serves a scene and a method; it exists in compiled form only."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
@@ -158,10 +157,9 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene for which `has_pair_loop` is true, and its compiled loops.
+    """A scene with `has_pair_loop`, and its compiled loops, which threads can run at the same time.
 
-    Threads can run it at the same time: each takes a loop of its own.  Raises InputError if the
-    potential does not compile.
+    Raises InputError if the potential does not compile.
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
@@ -193,10 +191,7 @@ class Pair:
         checkpoints: Checkpoints | None = None,
         most: float | None = None,
     ) -> Integration:
-        """Integrate from `start`, y of the scene's layout, through `times`.
-
-        With `most` force evaluations, or those of the scene without it.
-        """
+        """Integrate from `start`, y, with `most` evaluations, or those of the scene without it."""
         loop = self.loops.take()
         loop.begin(tolerance, start)
         if progress is not None or checkpoints is not None:
@@ -219,16 +214,10 @@ class Pair:
         with np.errstate(divide="ignore"):
             own = np.min(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
-        rates = {
-            step_rows.OF_V1: own[step_rows.V1],
-            step_rows.OF_V2: own[step_rows.V2],
-            step_rows.OF_J: own[step_rows.J],
-        }
-        first = first_step_at(tolerance, self._first_step, self._order)
-        for place, value in (
-            rates | {step_rows.LEVEL: tolerance.level, step_rows.FIRST: first}
-        ).items():
-            both[0, place] = value
+        rates = [step_rows.OF_V1, step_rows.OF_V2, step_rows.OF_J]
+        both[0, rates] = own[[step_rows.V1, step_rows.V2, step_rows.J]]
+        both[0, step_rows.LEVEL] = tolerance.level
+        both[0, step_rows.FIRST] = first_step_at(tolerance, self._first_step, self._order)
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
 
@@ -276,8 +265,9 @@ class PairLoop(TimeLoop):
             return integrate(self, times, columns=(record,), most=most)
         seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
         rows, factors = self._rows[step_rows.STATE :].copy(), self._pair.factors
+        samples = PairSamples(times, record[:-1], record[:1], factors)
         return Integration(
-            lambda: PairSamples(times, record[:-1], record[:1], factors),
+            samples,
             Status.COMPLETED,
             record[-1],
             seconds,
@@ -295,7 +285,7 @@ class PairLoop(TimeLoop):
         return _memory(self.clocks, self._rows[step_rows.STATE :].copy())
 
     def restore(self, memory: Memory) -> None:
-        set_numbers(self.clocks, memory["clock"])
+        self.clocks[0] = tuple(memory["clock"])
         self._rows[step_rows.STATE :] = memory["pair"]
 
     def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:

@@ -94,8 +94,7 @@ def unit_step(layout: Layout) -> float:
 def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The longest step of a splitting method with which reservoirs leave swings their temperature.
 
-    Infinite where no reservoir acts on pendulums that can swing [time].  With the numbers of the
-    reservoirs of members, it is that of all of them.
+    Infinite where no reservoir acts on pendulums that can swing [time].
     """
     a, table = layout.asperites, layout.constants
     gamma, swing_gamma, temperature, other = (
@@ -114,9 +113,9 @@ def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) ->
 
 
 def user_frequency(layout: Layout) -> float:
-    """The largest rate at which a user's forces change a motion at the start [rad / time].
+    """The largest rate at which a user's forces change a motion at the start [rad / time], or 0.
 
-    Measured by differences at one asperite of each surface; 0 where they cannot be taken.
+    Measured by differences at one asperite of each surface.
     """
     with np.errstate(all="ignore"):
         rates = [rate for rate in _user_rates(layout) if np.isfinite(rate)]
@@ -129,10 +128,7 @@ def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) 
 
 
 def longest_step(layout: Layout, step: float) -> float:
-    """The longest step that equal steps of at most `step` take [time].
-
-    They are equal parts of the time between two samples.
-    """
+    """The longest of equal parts of the times between samples, of at most `step` [time]."""
     intervals = np.diff(layout.times)
     return float(np.max(intervals / count_of_steps(intervals, step)))
 

@@ -74,8 +74,7 @@ class Integrator:
     def batch(self, own_numbers: bool = False, rounded: bool = False) -> Batch:
         """The fastest kind of batch that runs members of the scene: in lanes or not, as a pair.
 
-        A scene that is no pair has `has_batches`, and `fit_lanes` too if members have numbers of
-        their own.  `rounded` gives the bobs' places other roundings.
+        A scene that is no pair has `has_batches`, and `fit_lanes` too for numbers of their own.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
         method, first_step = self.method, self.first_step
@@ -107,9 +106,8 @@ class Integrator:
         if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
             setting = stricter(setting, OTHER_STEPS)
         start = self.layout.start if start is None else start
-        entry = None
-        if self._journal is not None:
-            entry = self._journal.integration(key_of(setting, times, start))
+        journal = self._journal
+        entry = None if journal is None else journal.integration(key_of(setting, times, start))
         if pair is not None:
             assert isinstance(setting, Tolerance)
             return pair.integrate(setting, start, times, self._progress, entry, most)

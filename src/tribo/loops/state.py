@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -97,8 +97,7 @@ class State:
         """Everything as arrays by name, for files."""
         found = {"t": np.array(self.t), "cut": np.array(self.cut)}
         found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases")}
-        found |= {f"first_{f.name}": getattr(self.first, f.name) for f in fields(Samples)}
-        found |= under("memory_", self.memory)
+        found |= under("first_", self.first.arrays()) | under("memory_", self.memory)
         for surface, table in self.surfaces.items():
             found |= {f"surface_{name}_{surface}": array for name, array in table.items()}
         return found
@@ -149,8 +148,7 @@ class Origin:
         loop.clocks["t"] = state.t
         if self.same_scene:
             loop.state.s[loop.layout.places.s] = state.s
-        if "noise" in state.memory:
-            loop.restore_noise(state.memory["noise"])
+        loop.restore_noise(state.memory)
 
 
 def digest_of(origin: Origin | None) -> str | None:
@@ -203,8 +201,7 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     a, n = layout.asperites[part], layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
     for name, rate, slots in (("phi", "nu", a.dof_phi), ("x", "vx", a.dof_x), ("y", "vy", a.dof_y)):
-        table[name] = columns(slots, y[None, :n])[0]
-        table[rate] = columns(slots, y[None, n:])[0]
+        table[name], table[rate] = columns(slots, y.reshape(2, n))
     if np.any(a.pivot > 0.0):
         about = about_pivots(a, table["swing"], table["omega"])
         for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
@@ -240,8 +237,7 @@ def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
     ledgers = state.scene.output.ledger, layout.scene.output.ledger
     same_scene = first_difference(before, now) is None and ledgers[0] == ledgers[1]
     places, others = ({"surface": list(map(_places_of, t["surface"]))} for t in (old, new))
-    other = first_difference(places, others)
-    if other is not None:
+    if (other := first_difference(places, others)) is not None:
         raise InputError("start", f"must be a state of this scene, but {other}")
     if state.y.size != layout.start.size:
         raise InputError("start", "must be a state of this scene, but has other coordinates")
@@ -266,12 +262,9 @@ def _check_arrays(layout: Layout, state: State, same_scene: bool) -> None:
     wanted: dict[str, tuple[int, ...]] = dict.fromkeys(("anchors", "phases"), (moved, 2))
     if same_scene:
         wanted["s"] = (layout.accounts,)
-        first = Samples.at_zero(layout)
-        wanted |= {
-            f"first_{each.name}": getattr(first, each.name).shape
-            for each in fields(Samples)
-            if each.name != "baths"  # which depends on the series that are asked for
-        }
+        first = Samples.at_zero(layout).arrays()
+        del first["baths"]  # which depends on the series that are asked for
+        wanted |= {f"first_{name}": array.shape for name, array in first.items()}
     _check_shapes("", state.arrays(), {"y": layout.start.shape, **wanted})
 
 
