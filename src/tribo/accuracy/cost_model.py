@@ -1,9 +1,9 @@
 """The model of what each method costs on a scene.
 
-seconds = evaluations x (seconds of an evaluation)
-evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
-but at least those of a step for each sample, and of the steps towards the encounters ahead
-seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
+    seconds = evaluations x (seconds of an evaluation)
+    evaluations = evaluations(1e-6) (accuracy / 1e-6)^(-1/slope), for each radian of the pendulums,
+                  but at least those of a step for each sample, and of those towards encounters
+    seconds of an evaluation = (for each run) + (for each asperite) + (for each bath oscillator)
 
 The numbers were measured by benchmarks/calibrate.py and are part of the source: no clock decides
 which method is chosen.  Only their ratios enter, which differ little between machines.  Methods

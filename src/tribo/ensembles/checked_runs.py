@@ -36,8 +36,7 @@ from tribo.prepared import Simulation
 
 # The first members, by which the setting is chosen; all are checked: few of a million.
 SAMPLE = 64
-# Members of the pilot: 2 % of the runs of 200,000 members of a pair.  Those of larger scenes are
-# fewer, and fewer are checked before them.
+# Members of the pilot: 2 % of the runs of 200,000 members of a pair, and fewer of larger scenes.
 PILOT, PILOT_OF_LARGE = 4096, 512
 # Finest level that is tried in larger scenes, relative to the accuracy.  Pairs can afford FLOOR.
 FINEST_OF_LARGE = 1e-4

@@ -24,8 +24,7 @@ from tribo.validation import POSITIVE, InputError, number, vector
 NORMAL = 1.959964
 # Fewest values that carry half of the mean in a trusted interval: so many have nearly normal sums.
 FEWEST_CARRIERS = 100
-# Smallest tail index of an interval that is trusted.  The variance is finite above 2; nearer to it,
-# samples that happen to lack their tail look as if it were finite.
+# Smallest trusted tail index: near 2, where variances become finite, samples may lack their tail.
 SMALLEST_INDEX = 2.5
 # Fewest values that can be judged.
 FEWEST = 100

@@ -26,9 +26,8 @@ from tribo.validation import short_repr
 
 # Noted phase of the fastest pendulum between two kicks [rad]: static deflections are 2 % too small.
 NOTED_TURN = 0.5
-# Longest step that is taken, in units of the given one, below which it is noted.  Above it, errors
-# are those of the given step within 10 % for a method of order 2, and a third for order 8: less
-# than what a step of half the length changes at any order.
+# Noted part of the given step that is taken.  Above it, errors are those of the given step within
+# 10 % for a method of order 2, and a third for order 8: half the step changes more at any order.
 NOTED_CUT = 0.95
 # Noted part of the other drives' work: below it, that is the dissipated energy to one digit.
 NOTED_WORK = 0.1
@@ -111,8 +110,8 @@ def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
     With f2 = -f1 the work of contact at the bobs, about the centres of mass, is the part lambda =
     m2 / (m1 + m2) of the energy A that an asperite receives, and the drive's work is the rest:
 
-    work of the drives = sum of A + change of U
-    friction times distance = sum of lambda A + change of U
+        work of the drives = sum of A + change of U
+        friction times distance = sum of lambda A + change of U
 
     Where every A is positive the first is at most the second over the smallest lambda, apart from
     U.  At a temperature, with unlike lambda, A may be negative on average, without bound: the
