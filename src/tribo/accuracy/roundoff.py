@@ -21,9 +21,10 @@ from tribo.potentials.cutoff import ForceShifted, Shifted
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
-# Effect of the rounding of a run, in units of sqrt(steps) roundings: twice the standard deviation
-# of a random walk.  At one, an error of 1000 random scenes was 1.2 times its estimate.
-WALK = 2.0
+# Effect of the rounding of a run, in units of sqrt(steps) roundings: three times the standard
+# deviation of a random walk.  At one, one of 1000 random scenes had an error of 1.2 times its
+# estimate; at two, one of 1500 had an error of 1.001 times.
+WALK = 3.0
 # Bobs of a surface of which the distances are looked at.
 MOST_BOBS = 64
 # Terms of a force: work about the centre of mass, pseudowork, and the impulse's at velocities x, y.
