@@ -10,6 +10,7 @@ from typing import Any
 from numba import TypingError, config, njit, types
 from numba.extending import overload
 
+import tribo.compiler.lanes_functions  # noqa: F401  # exp and others of Lanes, for formulas
 from tribo.compiler.jit import OVERLOAD, OWNING_KERNEL
 from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, with_lane
 from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
