@@ -510,7 +510,7 @@ TABLES = {
 
 
 def markdown(rows: list[dict[str, Any]]) -> str:
-    """The tables of docs/explanation/pairs.md."""
+    """The tables of docs/developers/pairs.md."""
     return "\n\n".join(f"{text}\n\n{_table(rows, key)}" for key, text in TABLES.items())
 
 
