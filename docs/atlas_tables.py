@@ -8,11 +8,12 @@ from typing import Any
 
 from tribo import atlas
 from tribo.integrators.methods import METHODS, Method
-from tribo.plotting.style import drawing_on, save
+from tribo.plotting.style import CYCLE, WIDE, drawing_on, save
 
 MEASURED = Path(__file__).resolve().parent / "measured" / "atlas.json"
 # Errors below this are drawn here: log scales have no zero.
 LEAST = 1e-16
+ERROR_COLOUR, BOUND_COLOUR = CYCLE[:2]
 # How the outcomes of runs by a method are shown; a completed run shows its evaluations.
 SHOWN = {
     "completed, accuracy not met": "not met",
@@ -95,16 +96,17 @@ def figure(path: Path) -> None:
     """Errors, estimates and bounds of all scenes that have a reference of their end."""
     rows = [(name, data["row"]) for name, data in measured().items()]
     rows = [(name, row) for name, row in rows if row["error"] is not None]
-    with drawing_on(None, 7.0, 0.14 * len(rows) + 0.8) as ax:
+    with drawing_on(None, WIDE, 0.17 * len(rows) + 0.7) as ax:
         for y, (name, row) in enumerate(reversed(rows)):
             (entry,) = atlas.chosen([name])
             error = max(row["error"], LEAST)
             if row["estimate"] is not None and math.isfinite(row["estimate"]):
                 ax.plot([error, max(row["estimate"], LEAST)], [y, y], color="0.7", linewidth=3)
-            ax.plot(error, y, "o", color="C0", markersize=3.5)
-            ax.plot(entry.bound, y, "|", color="C3", markersize=6)
+            ax.plot(error, y, "o", color=ERROR_COLOUR, markersize=3.5)
+            ax.plot(entry.bound, y, "|", color=BOUND_COLOUR, markersize=6)
         ax.set_xscale("log")
-        ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)], fontsize=6)
+        ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
+        ax.tick_params(axis="y", which="both", length=0)
         ax.set_ylim(-1, len(rows))
         ax.set_xlabel("error (dot), its estimate (end of the line), declared bound (tick)")
         save(ax, path)

@@ -88,7 +88,7 @@ def figure(path: Path) -> None:
         ax.set_yticks(range(len(rows)), [row["effect"] for row in rows])
         ax.tick_params(axis="y", which="both", length=0)
         ax.minorticks_off()
-        ax.set_xlabel("time per asperite and step [ns]")
+        ax.set_xlabel("time per asperite and step (ns)")
         ax.legend(frameon=False)
     save(ax, path)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from tribo import plotting
 from tribo.integrators import methods
 from tribo.kernels.status import Status
-from tribo.plotting.style import INK, WIDE, drawing_on
+from tribo.plotting.style import INK, PAGE, WIDE, drawing_on
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +41,7 @@ RING = 7.5
 # Largest error shown; larger ones are of methods that are unstable at such steps.
 LARGEST_ERROR = 3.0
 # Label of the axis of each cost.
-COSTS = {"seconds": "time [s]", "force_evaluations": "evaluations of all forces"}
+COSTS = {"seconds": "time (s)", "force_evaluations": "evaluations of all forces"}
 
 
 @dataclass(frozen=True)
@@ -280,7 +280,7 @@ class WorkPrecision:
         from matplotlib.figure import Figure
 
         with plotting.style():
-            figure = Figure(figsize=(1.35 * WIDE, 0.62 * WIDE), layout="constrained")
+            figure = Figure(figsize=(PAGE, 0.5 * PAGE), layout="constrained")
             left, right = figure.subplots(1, 2, sharey=True)
             self.plot("seconds", left)
             self.plot("force_evaluations", right).set_ylabel("")
