@@ -1,14 +1,15 @@
 """A chain of atoms on a substrate that does not fit is pinned above a critical strength.
 
-Atoms joined by springs k stand on a corrugation -A cos(2 pi x / a), at a mean distance of g a with
-the golden mean g (Frenkel-Kontorova model).  Up to the critical strength
+Atoms that are connected by springs k lie on a corrugation -A cos(2 pi x / a), at a mean distance of
+g a with the golden mean g (Frenkel-Kontorova model).  Up to the critical strength
 
     K = 4 pi^2 A / (k a^2) = 0.971635
 
 the chain slides without static friction; above it, the substrate pins the chain.  Rings of q atoms
 on p periods approach the golden mean g = (sqrt(5) - 1) / 2 by p/q.  Greene's residue of a ring is
--det(H)/4, with the matrix H of the second derivatives of its energy at the minimum, in units of k.
-As q grows, its magnitude vanishes below the transition and diverges above; the curves cross there.
+-det(H)/4, where H is the matrix of second derivatives of its energy at the minimum, in units of k.
+As q grows, the magnitude of the residue vanishes below the transition and diverges above it; the
+curves cross at the transition.
 
 M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593; J. M. Greene, J. Math. Phys. 20 (1979) 1183.
 """

@@ -1,8 +1,9 @@
 """Static friction per asperite vanishes in a long row that does not fit the row below.
 
-If the rows fit, all asperites climb together, and each adds the friction F_1 of one.  If the ratio
-of the spacings is the golden mean g, some descend while others climb.  The friction of a rigid row
-per asperite is then F_1 |sin(pi N g) / (N sin(pi g))|.  Here stiff springs pull the row slowly.
+If the rows fit, all asperites climb together, and each adds the friction F_1 of a single one.  If
+the ratio of the spacings is the golden mean g, some descend while others climb.  The friction per
+asperite of a rigid row is then F_1 |sin(pi N g) / (N sin(pi g))|.  Here stiff springs pull the row
+slowly.
 
 M. Hirano, K. Shinjo, Phys. Rev. B 41 (1990) 11837.
 """

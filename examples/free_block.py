@@ -1,11 +1,11 @@
 """Vibrations inside a free block slow it on a corrugation.
 
-A block slides over a corrugation -A cos(q x), which shakes it with the frequency q V at the speed
-V.  The oscillators of its bath absorb energy.  To lowest order in A the friction force is
+A block slides at the speed V over a corrugation -A cos(q x), which shakes it at the frequency q V.
+The oscillators of its bath absorb energy.  To lowest order in A, the friction force is
 
     F = (A q)^2 / (2 V) Re Y(q V) ,   Y(w) = 1 / (-i w M + sum_n K_n(w)) ,
 
-with the mobility Y of a block of mass M, and the force per velocity K_n of each oscillator.
+where Y is the mobility of a block of mass M, and K_n is the force per velocity of each oscillator.
 
 J. B. Sokoloff, Phys. Rev. B 42 (1990) 760.
 """

@@ -1,12 +1,12 @@
 """A sphere that interlocks with a row of spheres must climb: friction is load times slope.
 
-A hard sphere rests between two spheres of a row with spacing a.  At a distance d between touching
-centres it must climb a slope alpha with sin(alpha) = a / (2 d).  Under a load N the static friction
-is therefore
+A hard sphere rests between two spheres of a row with spacing a.  If the centres of touching spheres
+are at a distance d, it must climb a slope alpha with sin(alpha) = a / (2 d).  Under a load N, the
+static friction is therefore
 
     F = N tan(alpha) ,
 
-although the contact itself is frictionless.  This interlocking checks the program; it does not
+although the contact itself is frictionless.  This example checks the program; interlocking does not
 explain the friction of surfaces that do not fit.
 
 C. A. Coulomb, Theorie des machines simples (Paris 1821).

@@ -1,10 +1,10 @@
 """Friction of a warm tip grows with its speed as Kramers' rate of escape predicts.
 
-At a temperature T noise takes a pulled tip over a barrier before the barrier vanishes; a slower
+At a temperature T, noise carries a pulled tip over a barrier before the barrier vanishes; a slower
 pull leaves the noise more time.  Kramers' rate of escape at each position of the stage gives the
 mean loss in a slip.  Between successive speeds the friction grows by 0.094, 0.109 and 0.127
-(2 pi A / a) a decade, faster than the logarithm.  The intervals of the simulation are too wide to
-show this.  The reservoir moves with the stage and adds no drag.
+(2 pi A / a) per decade, faster than the logarithm.  The intervals of the simulation are too wide to
+show this.  The reservoir moves with the stage, so it adds no drag.
 
 E. Gnecco et al., Phys. Rev. Lett. 84 (2000) 1172; H. A. Kramers, Physica 7 (1940) 284.
 """

@@ -1,9 +1,9 @@
 """Baths of oscillators on the bars turn the energy of the pendulums into heat.
 
-A continuum of oscillators with Drude's damping kernel gamma w_c exp(-w_c t) acts on a bar by a
-force p with p' = -w_c p - gamma w_c v_bar, so that small swings obey linear equations.  A finite
-bath follows their exact solution for a time, and then returns energy to the swing.  tribo estimates
-this time.
+A continuum of oscillators with Drude's damping kernel gamma w_c exp(-w_c t) exerts on a bar a force
+p with p' = -w_c p - gamma w_c v_bar, so small swings obey linear equations.  A finite bath follows
+their exact solution for some time, and then returns energy to the swing.  tribo estimates this
+time.
 
 R. Zwanzig, J. Stat. Phys. 9 (1973) 215.
 """

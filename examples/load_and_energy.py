@@ -2,7 +2,7 @@
 
 Springs pull the upper bars, each of which bears a load and carries a Drude bath.  The lower bars
 are held, and reservoirs damp their swings.  The power law is a fit to one pair of surfaces, for
-loads per asperite from 0.05 to 0.4 alone.  Most of the work becomes heat.
+loads per asperite from 0.05 to 0.4 only.  Most of the work becomes heat.
 
 B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840.
 """

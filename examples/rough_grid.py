@@ -1,8 +1,9 @@
 """A rough grid carries its load on a few asperites, as Greenwood and Williamson predict.
 
-A flat grid of 64 x 64 asperites moves down onto a rough one, each asperite above one of the other.
-Asperites in contact repel each other as elastic spheres of diameter D do (Hertz).  For heights of
-the normal density phi, and d the distance of the flat from their mean minus D, theory gives
+A flat grid of 64 x 64 asperites moves down onto a rough grid, each asperite above one of the other
+grid.  Asperites in contact repel each other like elastic spheres of diameter D (Hertz).  For
+heights of normal density phi, where d is the distance of the flat grid from their mean minus D,
+theory gives
 
     share in contact = integral over z > d of phi(z) ,
     load per asperite = (5 A / 2 D) integral over z > d of ((z - d) / D)^(3/2) phi(z) .

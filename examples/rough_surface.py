@@ -1,9 +1,10 @@
 """The work of dragging one rough surface over another becomes heat.
 
 Two surfaces of asperites with self-affine heights repel each other where their bobs meet.  Lattice
-springs tie the bars of neighbours.  On every bar a reservoir at T = 0, which moves with its
+springs connect the bars of neighbours.  On every bar a reservoir at T = 0, which moves with its
 surface, damps vibrations.  The drives and the moving reservoirs do work, integrated along the run.
-It equals the change of the kinetic, internal and contact energy plus the heat of the reservoirs.
+This work equals the change of the kinetic, internal and contact energies plus the heat given to the
+reservoirs.
 
 B. N. J. Persson et al., J. Phys.: Condens. Matter 17 (2005) R1.
 """

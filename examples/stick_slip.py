@@ -3,8 +3,8 @@
 A bob moves in a corrugation -A cos(2 pi x / a); a spring k ties its bar to a stage that moves
 slowly.  For a long rod the spring and the pendulum act in series, 1/K = 1/k + length^2/kappa.  The
 bob can rest at several positions if eta = 4 pi^2 A / (K a^2) > 1.  For eta < 1 the work of a slow
-pull vanishes.  For eta > 1 each jump loses the difference in energy of two equilibria.  The
-reservoir moves with the stage, so that it adds no drag to the mean force.
+pull vanishes.  For eta > 1 each jump dissipates the energy difference of two equilibria.  The
+reservoir moves with the stage, so it adds no drag to the mean force.
 
 L. Prandtl, Z. angew. Math. Mech. 8 (1928) 85; G. A. Tomlinson, Phil. Mag. 7 (1929) 905.
 """

@@ -4,8 +4,8 @@ The forces of a substrate of period a on N atoms with spacing s add up to at mos
 
     F_N = F_1 |sin(pi N s / a) / sin(pi s / a)| .
 
-If the spacing fits, F_N is N F_1.  With a misfit s/a - 1 of 1/N as many atoms climb as descend,
-and the static friction vanishes.  Here rows move at constant speed; their static friction is the
+If the spacing fits, F_N is N F_1.  With a misfit s/a - 1 of 1/N, as many atoms climb as descend,
+and the static friction vanishes.  Here rows move at constant speed, and the static friction is the
 largest force of the substrate.
 
 M. Hirano, K. Shinjo, Phys. Rev. B 41 (1990) 11837; M. Dienwiebel et al., Phys. Rev. Lett. 92 (2004)

@@ -1,8 +1,8 @@
 """Friction of a tip decreases with temperature.
 
-At T = 0 a pulled bob sticks until its equilibrium ends, and then jumps.  At a temperature T noise
-takes it over the remaining barrier earlier, and the pull does less work.  The reservoir moves with
-the stage, so that it adds no drag to the mean.
+At T = 0 a pulled bob sticks until its equilibrium vanishes, and then jumps.  At a temperature T,
+noise carries it over the remaining barrier earlier, so the pull does less work.  The reservoir
+moves with the stage, so it adds no drag to the mean.
 
 S. Yu. Krylov et al., Phys. Rev. E 71 (2005) 065101.
 """

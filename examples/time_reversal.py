@@ -1,8 +1,9 @@
 """A run with all velocities reversed returns to its start.
 
 Two asperites pass each other, and their pendulums swing afterwards.  A second run starts from the
-end with all velocities reversed.  In it the pendulums return their energy to the drives and come to
-rest.  Without a reservoir friction is reversible; no experiment can prepare the second start.
+end with all velocities reversed.  In this run the pendulums return their energy to the drives and
+come to rest.  Without a reservoir, friction is reversible, but no experiment can prepare the second
+start.
 
 J. Loschmidt, Sitzungsber. Akad. Wiss. Wien 73 (1876) 128.
 """

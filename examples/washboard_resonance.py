@@ -1,6 +1,6 @@
 """Friction peaks where the corrugation shakes pendulums at their natural frequency.
 
-Bars move at a speed v over a corrugation -A cos(q x), which shakes their bobs with the frequency
+Bars move at a speed v over a corrugation -A cos(q x), which shakes their bobs at the frequency
 w = q v.  Pendulums of stiffness kappa, inertia I and damping g absorb energy.  For small swings of
 a rod of length 1 the friction force is
 

@@ -39,8 +39,8 @@ CAPTIONS = {
     "stick_slip": (
         "pull",
         "Left: force of a slow pull over a corrugation. For $\\eta = 0.7$ the bob "
-        "follows smoothly; for $\\eta = 4$ it sticks, and slips once in a period. Right: "
-        "the work in a period is zero below $\\eta = 1$. At $\\eta = 4$, work / energy of "
+        "follows smoothly; for $\\eta = 4$ it sticks, and slips once per period. Right: "
+        "the work per period is zero below $\\eta = 1$. At $\\eta = 4$, work / energy of "
         "a jump = {1:.3f}.",
     ),
     "depinning": (
@@ -51,8 +51,8 @@ CAPTIONS = {
     ),
     "thermal_friction": (
         "runs",
-        "Work of a pull over three periods at three temperatures. Lines are means of 48 "
-        "runs, and bands are their 95 % intervals. The slope of a line is the friction: "
+        "Work of a pull over three periods at three temperatures. Lines show means of 48 "
+        "runs, and bands show their 95 % intervals. The slope of a line is the friction: "
         "in the last period its mean is {0:.2f} ± {1:.2f} $A/a$ at $T = 0.01\\,A$; at "
         "$0.3\\,A$ it is {4:.2f} ± {5:.2f}.",
     ),
@@ -119,7 +119,7 @@ CAPTIONS = {
     "rough_grid": (
         "pressed",
         "Left: heights of a rough grid of 64 x 64 asperites; orange squares mark those "
-        "in contact with a flat grid when a tenth of them are. Right: share in contact "
+        "that touch a flat grid when a tenth of them are in contact. Right: share in contact "
         "against the load, and the theory of Greenwood and Williamson. Twice the load of "
         "the left map multiplies the share in contact by {1:.2f}.",
     ),
@@ -145,7 +145,7 @@ CAPTIONS = {
     "postcard": (
         "main",
         "Left: energy and force of a user's own potential. Right: work of the drives "
-        "while 64 bobs slide over 64 others that repel them by it, and the change of "
+        "while 64 bobs slide over 64 others that repel them by this potential, and the change of "
         "the total energy (dashed). The work at the end is {0:.4f}.",
     ),
 }
