@@ -2,8 +2,7 @@
 
 A flat grid of 64 x 64 asperites moves down onto a rough grid, each asperite above one of the other
 grid.  Asperites in contact repel each other like elastic spheres of diameter D (Hertz).  For
-heights of normal density phi, where d is the distance of the flat grid from their mean minus D,
-theory gives
+heights of normal density phi, and the flat grid at a distance d + D from their mean, theory gives
 
     share in contact = integral over z > d of phi(z) ,
     load per asperite = (5 A / 2 D) integral over z > d of ((z - d) / D)^(3/2) phi(z) .
