@@ -73,7 +73,7 @@ def hard_scenes() -> dict[str, tribo.Scene]:
 
 def estimates() -> Iterator[list[str]]:
     """Error estimates beside true errors, by the independent solution."""
-    yield ["scene", "asked for", "met", "estimates that hold", "largest error / estimate"]
+    yield ["scene", "requested accuracy", "met", "estimates that hold", "largest error / estimate"]
     groups = {"the paper's five cases": [paper.scene(c) for c in "ABCDE"]}
     groups |= {name: [scene] for name, scene in hard_scenes().items()}
     for name, scenes in groups.items():
@@ -128,7 +128,13 @@ def closure() -> Iterator[list[str]]:
 
 def frames() -> Iterator[list[str]]:
     """The same physics far away and in a fast frame."""
-    yield ["case C", "delta_e_int", "change at any time", "w1_ps", "off the boost's formula by"]
+    yield [
+        "case C",
+        "delta_e_int",
+        "change at any time",
+        "w1_ps",
+        "deviation from the boost's formula",
+    ]
     still = tribo.simulate(case("C"), accuracy=1e-10)
     for name, place, speed in (
         ("as in the paper", 0.0, 0.0),
@@ -173,7 +179,7 @@ def cutoffs() -> Iterator[list[str]]:
 
 def outcomes() -> Iterator[list[str]]:
     """Hard scenes, and how their runs end."""
-    yield ["scene", "how it is run", "status", "accuracy met", "largest error estimate / scale"]
+    yield ["scene", "settings", "status", "accuracy met", "largest error estimate / scale"]
     b = paper.scene("B")
     upper, lower = b.surfaces
     fast = replace(upper, bob=(-3.0, 0.0), velocity=(10.0, 0.0))
@@ -181,7 +187,7 @@ def outcomes() -> Iterator[list[str]]:
     short = replace(b, surfaces=beside, interactions=tribo.Morse(0.5, 40.0, 0.05), duration=1.0)
     rows = replace(next(iter(hard_scenes().values())), duration=30.0)
     for name, scene, how in (
-        ("case B, whose bobs' lines are 0.3 apart", b, {"accuracy": 1e-8}),
+        ("case B, where the bobs' lines are 0.3 apart", b, {"accuracy": 1e-8}),
         ("the same with lines 0.0 apart", _apart(b, 0.0), {"accuracy": 1e-8}),
         ("the same with lines that overlap by 0.0096", _apart(b, -0.0096), {"accuracy": 1e-8}),
         ("the same", _apart(b, -0.0096), {"accuracy": 1e-6}),
