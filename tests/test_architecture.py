@@ -73,6 +73,7 @@ ORDER = [
     "ledger",
     "layout",
     "pair",
+    "lanes",
     "integrators",
     "model",
     "potentials",

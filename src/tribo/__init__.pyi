@@ -66,7 +66,7 @@ from tribo.results.exponential_average import (
 from tribo.analysis.relax import NoEquilibriumError as NoEquilibriumError, relax as relax
 from tribo.result import Result as Result
 from tribo.result import load_result as load_result
-from tribo.loops.state import State as State
+from tribo.loops.saved_state import State as State
 from tribo.simulation import prepare as prepare, simulate as simulate
 from tribo.sliders import play as play
 from tribo.sweeps import sweep as sweep

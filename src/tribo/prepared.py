@@ -23,8 +23,8 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
+from tribo.loops.saved_state import digest_of, state_of
 from tribo.loops.select import Integrator, up_to_passing
-from tribo.loops.state import digest_of, state_of
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on

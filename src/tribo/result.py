@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tribo.files import netcdf_path, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
-from tribo.results import dataset, force_averages, report
+from tribo.results import force_averages, report, result_file
 from tribo.results.averages import Average
 from tribo.results.citations import citations
 from tribo.results.depinning import Depinning, depinning
@@ -204,7 +204,7 @@ class Result(RunResult):
             one is known.  Coordinates ``time``, ``upper_asperite``, and the resting bobs as
             ``upper.x_rest``, ``upper.y_rest`` and ``upper.z_rest``.
         """
-        return dataset.dataset(self)
+        return result_file.dataset(self)
 
     def save(self, path: str | Path) -> None:
         """Write everything to a NetCDF file that :func:`tribo.load_result` reads, or CSV.
@@ -226,7 +226,7 @@ class Result(RunResult):
         if path.suffix.lower() == CSV:
             report.save_csv(self, path)
         else:
-            dataset.save(self, netcdf_path("path", path, " or .csv"))
+            result_file.save(self, netcdf_path("path", path, " or .csv"))
 
     @property
     def plot(self) -> Plots:
@@ -342,7 +342,7 @@ def load_result(path: str | Path) -> Result:
         If there is no such file, or it contains no result.
     """
     path = as_path(path)
-    data = dataset.load(path)
+    data = result_file.load(path)
     settings, stamps = (json.loads(data.attrs[name]) for name in ("settings", "plugins"))
     scene = opened(tomllib.loads(data.attrs["scene"]), stamps, path.parent)
     bounds = json.loads(data.attrs["error_estimate"])
@@ -355,9 +355,9 @@ def load_result(path: str | Path) -> Result:
         met=json.loads(data.attrs["met"]),
         notes=tuple(json.loads(data.attrs["notes"])),
         bounds={name: bound for name, bound in bounds.items() if bound is not None},
-        assemble=partial(itself, dataset.ledger_of(data, scene)),
+        assemble=partial(itself, result_file.ledger_of(data, scene)),
         add_up=partial(itself, Cost(**json.loads(data.attrs["cost"]))),
-        take_state=partial(itself, dataset.state_in(data, scene)),
+        take_state=partial(itself, result_file.state_in(data, scene)),
         settings=settings,
         version=data.attrs["version"],
     )

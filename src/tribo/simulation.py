@@ -18,8 +18,8 @@ from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
+from tribo.loops.saved_state import Origin, State, continued, digest_of
 from tribo.loops.select import Integrator
-from tribo.loops.state import Origin, State, continued, digest_of
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene, checked_scene
 from tribo.prepared import Simulation, with_warning

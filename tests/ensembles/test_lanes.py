@@ -11,7 +11,6 @@ from support.kinds import surfaces_of
 from tribo.compiler.lanes import LANES
 from tribo.ensembles.batches import StepRuns
 from tribo.ensembles.kept_values import Kept
-from tribo.integrators.members import MOST_TRIALS
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import (
@@ -22,6 +21,7 @@ from tribo.kernels.status import (
     EVALUATIONS,
     STEPS,
 )
+from tribo.lanes.steps import MOST_TRIALS
 from tribo.layout.layout import lay_out
 from tribo.loops.batch import Batch, GeneralMembers, MemberStarts
 from tribo.loops.lane_loop import fit_lanes

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from tribo.integrators.lane_queue import leave_member, next_member, queue_of
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import MIN_GROWTH, SAFETY, count_of_steps, growth_factor
+from tribo.lanes.refill import leave_member, next_member, queue_of
 
 
 @pytest.mark.parametrize("step", [0.1, 0.3, 1.0, 7.0])

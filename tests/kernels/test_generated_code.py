@@ -17,7 +17,7 @@ from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS
 from tribo.kernels.contact_forces import contact_forces
 from tribo.layout.layout import lay_out
-from tribo.layout.loop_memory import own_model
+from tribo.layout.writable_memory import own_model
 from tribo.loops.general import GeneralLoop
 from tribo.potentials import as_potential
 

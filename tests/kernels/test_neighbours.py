@@ -15,7 +15,7 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
 from tribo.layout import contacts
 from tribo.layout import layout as layouts
-from tribo.layout.loop_memory import own_model
+from tribo.layout.writable_memory import own_model
 from tribo.loops import general
 
 

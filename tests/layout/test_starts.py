@@ -12,7 +12,7 @@ from tribo.export.lammps import to_lammps
 from tribo.export.lammps_atoms import atoms_of
 from tribo.layout.initial_state import InitialState
 from tribo.layout.layout import lay_out
-from tribo.loops.state import state_at_rest
+from tribo.loops.saved_state import state_at_rest
 
 COUNT, TEMPERATURE = 40_000, 0.3
 

@@ -12,7 +12,7 @@ from support.continued import chain, pair, same_end
 from tribo import Corrugation, Field, InputError
 from tribo.layout import contacts
 from tribo.ledger import sinks
-from tribo.loops import state as states
+from tribo.loops import saved_state as states
 
 
 @pytest.fixture(autouse=True)

@@ -21,7 +21,7 @@ from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.commands.cli import main
 from tribo.layout import contacts
 from tribo.loops import frames, integrate
-from tribo.results import dataset
+from tribo.results import result_file
 
 # The ends of the pair in golden.nc.
 GOLDEN = {"theta": -0.3516559610861557, "W": 0.1245543644459436}
@@ -146,7 +146,7 @@ def test_damaged_result(tmp_path):
         except InputError as error:
             assert re.search(r"cannot be read: .* is damaged, or the file is no result", str(error))
         else:
-            assert same_end(whole, found) and found.notes == (*whole.notes, dataset.REWRITTEN)
+            assert same_end(whole, found) and found.notes == (*whole.notes, result_file.REWRITTEN)
             read += 1
     assert read < 40
     path.write_bytes(content)
@@ -198,7 +198,7 @@ def test_written_again(program, tmp_path):
     assert first.read_bytes() != second.read_bytes()
     found = tribo.load_result(second)
     assert same_end(whole, found) and found.error_estimate == whole.error_estimate
-    assert found.notes == (*whole.notes, dataset.REWRITTEN)
+    assert found.notes == (*whole.notes, result_file.REWRITTEN)
     assert tribo.load_result(first).notes == whole.notes
     for change, name in (
         (lambda file: file["upper.theta"].__setitem__((-1, 0), 0.1), "upper.theta"),
@@ -218,7 +218,7 @@ def test_golden_file():
     """A file that this version has written, for all later ones; its run has the same numbers."""
     result = tribo.load_result(Path(__file__).parent / "golden.nc")
     assert result.status == "completed" and list(result.t) == [0.0, 1.0, 2.0]
-    assert dataset.REWRITTEN not in result.notes
+    assert result_file.REWRITTEN not in result.notes
     assert result["upper"].theta[-1, 0] == pytest.approx(GOLDEN["theta"], abs=1e-12)
     assert result["upper"].W[-1] == pytest.approx(GOLDEN["W"], abs=1e-12)
     again = tribo.simulate(result.scene)

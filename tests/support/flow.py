@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 import tribo
-from tribo.loops.state import state_of
+from tribo.loops.saved_state import state_of
 
 # Step of central differences of fourth order: their errors are 1e-10 in smooth scenes.
 EPSILON = 1e-4

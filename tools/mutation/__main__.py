@@ -28,9 +28,9 @@ PATTERNS = (
     *("layout/tables.py", "ledger/accounts.py", "ledger/ledger.py", "ledger/motion.py"),
     "ledger/totals.py",
 )
-# Coefficients have tests of their own; members side by side need the compiler, and are tested
-# against single runs in tests/ensembles/test_lanes.py.
-WITHOUT = ("__init__", "tableaux", "members")
+# Coefficients have tests of their own.  Members side by side, in `lanes`, need the compiler, and are
+# tested against single runs in tests/ensembles/test_lanes.py.
+WITHOUT = ("__init__", "tableaux")
 # Part of all mutants that the sample has; it depends on the text of the changes alone.
 SAMPLE = 0.003
 

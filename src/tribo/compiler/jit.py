@@ -73,7 +73,7 @@ FILE_NAME = re.compile(r"\w+\.\w+_[0-9a-f]{16}_\w*-\d+\.py.*\.nb[ic]")
 
 # Sources that machine code is made of: those of kernels, methods and potentials, and of the field
 # that is built in.
-COMPILED = ("compiler", "kernels", "integrators", "pair", "potentials", "model/fields.py")
+COMPILED = ("compiler", "kernels", "integrators", "lanes", "pair", "potentials", "model/fields.py")
 
 
 @functools.cache

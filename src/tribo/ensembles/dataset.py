@@ -17,7 +17,7 @@ from tribo.kernels.status import Status
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
 from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene import Scene
-from tribo.results.dataset import Variable
+from tribo.results.result_file import Variable
 
 if TYPE_CHECKING:
     import xarray

@@ -21,8 +21,8 @@ from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
 from tribo.results.averages import CONFIDENCE, interval, members_needed
-from tribo.results.dataset import Variable
 from tribo.results.notes import run_notes
+from tribo.results.result_file import Variable
 from tribo.simulation import from_settings
 from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr
 

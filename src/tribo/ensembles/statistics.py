@@ -23,7 +23,7 @@ import numpy as np
 
 from tribo.ensembles.kept_values import Kept
 from tribo.results.averages import student
-from tribo.results.dataset import Variable
+from tribo.results.result_file import Variable
 
 # Bins for a unit of asinh: a bin near the centre is 1/256 of a standard deviation wide.
 FINE = 256

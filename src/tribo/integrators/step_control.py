@@ -230,20 +230,27 @@ def reject_step(clock, h):
 
 
 @kernel
-def check_arrival(model, neighbours, clock, t, new, speeds, h):
-    """Whether the step h may end in the state `new`; if so, the clock has the encounter rate there.
+def check_error(clock, h, error, growth):
+    """Whether the error of a step h, in units of the tolerance, is at most 1; if not, reject it."""
+    if error <= 1.0:
+        return True
+    reject_step(clock, h * growth)
+    return False
 
-    If not, because it is not finite or because bobs passed an encounter by the speeds they have
-    there, the step is rejected.
+
+@kernel
+def check_arrival(clock, h, encounter_rate, finite):
+    """Whether a step h may end with this encounter rate, which the clock has then.
+
+    If not, because its end is not finite or because bobs passed an encounter by the speeds they
+    have there, reject it.
     """
-    encounter_rate, _ = current_encounter(model, neighbours, t, new.y, speeds)
-    finite = all_finite(new.y) and all_finite(new.acceleration) and all_finite(new.power)
-    if not finite or h * encounter_rate > 1.0:
-        clock.not_finite = 0 if finite else 1
-        reject_step(clock, 0.5 * h)
-        return False
-    clock.encounter_rate = encounter_rate
-    return True
+    if finite and h * encounter_rate <= 1.0:
+        clock.encounter_rate = encounter_rate
+        return True
+    clock.not_finite = 0 if finite else 1
+    reject_step(clock, 0.5 * h)
+    return False
 
 
 @kernel

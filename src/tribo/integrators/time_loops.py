@@ -94,9 +94,15 @@ def adaptive_steps(
         error, finite = method.trial(model, neighbours, clock, h, end, state, new, tolerance, work)
         clock.not_finite = 0 if finite else 1
         growth = control.growth_factor(error, method.order, method.most_growth)
-        if not error <= 1.0:
-            control.reject_step(clock, h * growth)
-        elif control.check_arrival(model, neighbours, clock, end, new, speeds, h):
+        if not control.check_error(clock, h, error, growth):
+            continue
+        rate, _ = control.current_encounter(model, neighbours, end, new.y, speeds)
+        finite = (
+            control.all_finite(new.y)
+            and control.all_finite(new.acceleration)
+            and control.all_finite(new.power)
+        )
+        if control.check_arrival(clock, h, rate, finite):
             control.accept_step(clock, end, h, landing, growth)
             copy_state(new, state)
     return PAUSED

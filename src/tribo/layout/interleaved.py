@@ -11,9 +11,9 @@ from tribo.kernels import records
 from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model
 from tribo.layout import slots
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import together, with_scratch
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, model_tables
+from tribo.layout.writable_memory import together, with_scratch
 from tribo.model.scene import Scene
 
 # Tables with a column for each asperite of each member, and what says where these stand.

@@ -14,8 +14,8 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import probe
 from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import Probe
 from tribo.layout.span import Span
+from tribo.layout.writable_memory import Probe
 from tribo.ledger.accounts import Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples

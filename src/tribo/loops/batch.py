@@ -16,8 +16,8 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import arrays_in, together
 from tribo.layout.scene_records import MemberNumbers
+from tribo.layout.writable_memory import arrays_in, together
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory

@@ -7,12 +7,12 @@ import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import numbers_of
-from tribo.integrators.lane_queue import queue_of
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
-from tribo.layout.loop_memory import entry_point
+from tribo.lanes.refill import queue_of
+from tribo.layout.writable_memory import entry_point
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting

@@ -19,7 +19,7 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.frames import PART, Arrays, Frames, as_bytes
 from tribo.loops.integrate import Columns, Reached, Setting, TimeLoop
-from tribo.loops.state import below, under
+from tribo.loops.saved_state import below, under
 from tribo.model.identity import Identity
 from tribo.validation import InputError
 

@@ -8,15 +8,6 @@ import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
-from tribo.integrators.lane_queue import Queue, queue_of
-from tribo.integrators.members import (
-    LOST,
-    TRIED,
-    WATCHED,
-    Starts,
-    nystrom_members,
-    splitting_members,
-)
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import LARGEST, Tolerance, count_of_steps
@@ -24,9 +15,11 @@ from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
+from tribo.lanes.refill import TRIED, Queue, Starts, queue_of
+from tribo.lanes.steps import LOST, WATCHED, nystrom_members, splitting_members
 from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import entry_point
+from tribo.layout.writable_memory import entry_point
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.general import unit_setting
@@ -87,7 +80,7 @@ class LaneLoop(RecordingLoop):
         """Make clocks and scratch, and compile the loop."""
 
     @abstractmethod
-    def fill_lanes(
+    def run_in_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
         """Run members side by side, and record (members x times, ...).
@@ -102,7 +95,7 @@ class LaneLoop(RecordingLoop):
         if starts.numbers is not None:
             numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(each.reshape(math.prod(each.shape[:2]), *each.shape[2:]) for each in columns)
-        counts = self.fill_lanes(setting, starts, numbers, rows)
+        counts = self.run_in_lanes(setting, starts, numbers, rows)
         whole = counts[:, CODE] == COMPLETED
         for each in columns:
             whole &= np.all(np.abs(each[:members]) <= LARGEST, axis=tuple(range(1, each.ndim)))
@@ -141,7 +134,7 @@ class NystromLanes(LaneLoop):
         examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
         self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
 
-    def fill_lanes(
+    def run_in_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
         """Run members side by side; their motion has no noise, and takes no seeds."""
@@ -189,7 +182,7 @@ class SplittingLanes(LaneLoop):
         examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
         self._entry = entry_point(self.layout, splitting_members, (self.eight.model,), examples)
 
-    def fill_lanes(
+    def run_in_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
         """Run members eight by eight: with equal steps, all of them end together."""

@@ -20,7 +20,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
-from tribo.layout.loop_memory import entry_point
+from tribo.layout.writable_memory import entry_point
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of

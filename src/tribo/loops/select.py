@@ -19,7 +19,7 @@ from tribo.loops.journal import Journal, key_of
 from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
 from tribo.loops.pair import Pair, has_pair_loop
 from tribo.loops.resolution import first_step
-from tribo.loops.state import Origin, State, continued
+from tribo.loops.saved_state import Origin, State, continued
 from tribo.model.scene import Scene
 
 # Factor of tolerances in one of two runs that are compared with a third, where forces are rough:

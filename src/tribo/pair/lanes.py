@@ -27,9 +27,9 @@ from tribo.compiler.lanes import (
 from tribo.compiler.lanes_functions import near_zero, reduced
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
-from tribo.integrators.lane_queue import leave_member, next_member
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.lanes.refill import leave_member, next_member
 from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
 from tribo.pair.loop import ENERGY
 from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S

@@ -10,7 +10,7 @@ import numpy as np
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.ledger import Ledger, Series
 from tribo.ledger.quantities import Table
-from tribo.loops.state import State
+from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
 from tribo.validation import InputError

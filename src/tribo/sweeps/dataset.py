@@ -11,7 +11,7 @@ from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValue
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.results.averages import interval
-from tribo.results.dataset import Variable
+from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
 from tribo.sweeps.point_sets import PointSet
 from tribo.validation import InputError, inside

@@ -14,7 +14,7 @@ from tribo.interrupts import answer
 from tribo.loops.frames import Arrays, Frames, as_bytes
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
-from tribo.results.dataset import Variable
+from tribo.results.result_file import Variable
 from tribo.sweeps.dataset import key_coordinates
 from tribo.sweeps.grid import Grid
 from tribo.validation import InputError, inside

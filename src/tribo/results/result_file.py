@@ -15,7 +15,7 @@ import numpy as np
 from tribo.files import replace_file
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
-from tribo.loops.state import State
+from tribo.loops.saved_state import State
 from tribo.model.identity import plugin_stamps, version
 from tribo.model.scene import Scene
 from tribo.results.run_result import RunResult

@@ -4,16 +4,11 @@ Nystrom steps have lengths of their own, splitting steps one for all members.  W
 member depends on that member alone.
 """
 
-from typing import NamedTuple
-
-import numpy as np
-
-from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.lanes import LANES, where_less
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
-from tribo.integrators.lane_queue import leave_member, next_member
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, begin_works, take_step
 from tribo.kernels.baths import set_bath_momenta
@@ -22,95 +17,25 @@ from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
 from tribo.kernels.status import COMPLETED, PAUSED, STEP_UNDERFLOW
+from tribo.lanes.refill import (
+    BEGIN,
+    END,
+    ERROR,
+    LANDING,
+    LENGTH,
+    TAKEN,
+    leave_member,
+    refill_lanes,
+    take_lanes,
+    write_due,
+)
 
-# Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1
-# where that is at a sample, their error, and 1 where they are taken.
-BEGIN, LENGTH, END, LANDING, ERROR, TAKEN, TRIED = range(7)
 # Steps and rejected steps after which a member is left to a run of its own, which is guarded
 # against no progress.
 MOST_TRIALS = 2048
 # Rows of what is known of the members' encounters: their rate as it was last computed [1 / time],
 # the time since then, and 1 where a step would have jumped one.
 RATE, AGE, LOST, WATCHED = range(4)
-
-
-class Starts(NamedTuple):
-    """Where members begin, and the numbers in which they differ."""
-
-    y: np.ndarray  # (members, 2 coordinates) y at t = 0, in the numbering of samples
-    places: np.ndarray  # (8, 2 coordinates) where each lane has them
-    numbers: np.ndarray  # (members, numbers) in which they differ
-    places_of_numbers: np.ndarray  # (8, numbers) where each lane has them
-    memory: np.ndarray  # (k,) where they are
-    first_step: float  # [time]
-
-
-@kernel
-def clear_lane(x, lane):
-    """Set the numbers of one lane to zero."""
-    for m in range(lane, x.size, LANES):
-        x[m] = 0.0
-
-
-@kernel
-def load_member(clock, state, starts, m, lane):
-    """Put a member into a lane, at its start."""
-    clock.t, clock.t_low, clock.h = 0.0, 0.0, starts.first_step
-    clock.sample, clock.steps, clock.rejected, clock.after_rejection = 0, 0, 0, 0
-    clock.evaluations = 1
-    for j in range(starts.places.shape[1]):
-        state.y[starts.places[lane, j]] = starts.y[m, j]
-    for j in range(starts.numbers.shape[1]):
-        starts.memory[starts.places_of_numbers[lane, j]] = starts.numbers[m, j]
-    clear_lane(state.y_low, lane)
-    clear_lane(state.s, lane)
-    clear_lane(state.s_low, lane)
-
-
-@kernel
-def write_due(model, clock, state, times, record, queue, lane):
-    """Record what is due of a member, bobs in place, and leave it at its end."""
-    while control.time_left(clock, times[clock.sample]) <= 0.0:
-        row = queue.held[lane] * times.size + clock.sample
-        write_row(model, None, clock.t, state, record, row, lane)
-        clock.sample += 1
-        if clock.sample == times.size:
-            leave_member(queue, lane, COMPLETED, clock.steps, clock.evaluations)
-            return
-
-
-@inlined
-def take_lanes(new, old, taken):
-    """Let the numbers of members whose steps are taken be those of `new`."""
-    for m in range(0, old.size, LANES):
-        set_block(old, m, where_less(0.5, taken, block(new, m), block(old, m)))
-
-
-@kernel
-def fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds):
-    """Begin members in the lanes that are free; the others keep their rates."""
-    first = queue.waiting[0]
-    for lane in range(LANES):
-        m = next_member(queue, lane) if queue.held[lane] < 0 else -1
-        if m >= 0:
-            load_member(clocks[lane], state, starts, m, lane)
-        tried[BEGIN, lane] = clocks[lane].t
-        tried[TAKEN, lane] = 1.0 if m >= 0 else 0.0
-    if queue.waiting[0] == first:
-        return
-    t, begun = block(tried[BEGIN], 0), block(tried[TAKEN], 0)
-    control.evaluate_rates(model, None, t, state.y, new.acceleration, new.power)
-    take_lanes(new.acceleration, state.acceleration, begun)
-    take_lanes(new.power, state.power, begun)
-    top_speeds(model, None, t, *halves(state.y), speeds)
-    for lane in range(LANES):
-        if tried[TAKEN, lane] == 1.0:
-            found = next_encounter(model, None, speeds, lane)
-            clocks[lane].encounter_rate = found.rate
-            if found.closest == 0.0:
-                leave_member(queue, lane, PAUSED, clocks[lane].steps, clocks[lane].evaluations)
-            else:
-                write_due(model, clocks[lane], state, times, record, queue, lane)
 
 
 @kernel
@@ -139,14 +64,11 @@ def is_taken(model, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
     h, error = tried[LENGTH, lane], tried[ERROR, lane]
     growth = control.growth_factor(error, method.order, method.most_growth)
-    if not error <= 1.0:
-        control.reject_step(clock, h * growth)
+    if not control.check_error(clock, h, error, growth):
         return False
     found = next_encounter(model, None, speeds, lane)
-    if not h * found.rate <= 1.0:
-        control.reject_step(clock, 0.5 * h)
+    if not control.check_arrival(clock, h, found.rate, True):
         return False
-    clock.encounter_rate = found.rate
     control.accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
     return True
 
@@ -189,7 +111,7 @@ def nystrom_members(
     )
     queue, starts, tried, speeds = pointers((queue, starts, tried, speeds))
     for _ in range(budget):
-        fill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
+        refill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
         if plan_steps(clocks, times, queue, tried) == 0:
             if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED

@@ -1,0 +1,1 @@
+"""Members of an ensemble side by side, one in each lane of a register."""
