@@ -71,6 +71,7 @@ ORDER = [
     "analysis",
     "loops",
     "ledger",
+    "threads",
     "layout",
     "pair",
     "lanes",

@@ -14,7 +14,6 @@ from tribo.files import netcdf_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.layout.threads import threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
@@ -25,6 +24,7 @@ from tribo.model.scene import Scene, checked_scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import ProgressBar, Shown, reported, shown
 from tribo.result import Result, load_result
+from tribo.threads.shared_run import threads_of
 from tribo.validation import TriboWarning, as_path, boolean, inside
 
 

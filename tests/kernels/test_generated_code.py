@@ -17,9 +17,9 @@ from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS
 from tribo.kernels.contact_forces import contact_forces
 from tribo.layout.layout import lay_out
-from tribo.layout.writable_memory import own_model
 from tribo.loops.general import GeneralLoop
 from tribo.potentials import as_potential
+from tribo.threads.writable_memory import own_model
 
 NO_LEDGER = tribo.Output(ledger="none")
 ROW = {"shape": (9, 1), "spacing": (1.0, 0.0)}

@@ -15,8 +15,8 @@ from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
 from tribo.layout import contacts
 from tribo.layout import layout as layouts
-from tribo.layout.writable_memory import own_model
 from tribo.loops import general
+from tribo.threads.writable_memory import own_model
 
 
 def listed_blocks(neighbours, row: int) -> np.ndarray:

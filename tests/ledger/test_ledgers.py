@@ -17,8 +17,8 @@ from tribo import paper
 from tribo.explanation.explanation import Contact, Explanation
 from tribo.explanation.prediction import Predicted
 from tribo.layout.layout import lay_out
-from tribo.layout.threads import Threads
 from tribo.loops.pair import is_pair
+from tribo.threads.shared_run import Threads
 
 TESTS = Path(__file__).parents[1]
 

@@ -13,7 +13,7 @@ import pytest
 import tribo
 from support.laws import tables
 from tribo import paper
-from tribo.layout.writable_memory import arrays_in
+from tribo.threads.writable_memory import arrays_in
 
 RUNS = 60
 STARTS = [{"upper.theta": float(theta)} for theta in np.linspace(-0.2, 0.2, RUNS)]

@@ -13,7 +13,7 @@ from support.sliding import long_slide
 from support.sliding import scene as crowded
 from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
-from tribo.layout import contacts, threads
+from tribo.layout import contacts
 from tribo.layout import layout as layouts
 from tribo.layout.layout import lay_out
 from tribo.loops import general
@@ -26,7 +26,7 @@ STEPS = {"method": "verlet", "step": 0.003}
 def shared(monkeypatch):
     """Let threads share the steps of any scene, with neighbour lists."""
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 0)
-    monkeypatch.setattr(threads, "SHARED_PAIRS", 0)
+    monkeypatch.setattr(contacts, "SHARED_PAIRS", 0)
 
 
 def run(scene, count, **others):
@@ -48,7 +48,7 @@ def test_the_same_bits_for_any_number_of_threads(shared, monkeypatch):
     assert one.status == "completed" and np.max(np.abs(one["lower"].w1)) > 0.0
     assert_same_bits(one, two)
     assert_same_bits(one, three)
-    monkeypatch.setattr(threads, "SHARED_PAIRS", np.inf)
+    monkeypatch.setattr(contacts, "SHARED_PAIRS", np.inf)
     alone = run(scene, 2)
     for quantity in ("theta", "w1", "w2", "W"):
         expected, found = alone["lower"][quantity], one["lower"][quantity]
@@ -149,18 +149,18 @@ def test_threads_end_with_the_run(shared, error):
 def test_how_many_threads(shared, monkeypatch):
     """The argument, else TRIBO_THREADS, else the cores; one where they do not pay."""
     model, verlet = lay_out(long_slide({})).model, METHODS["verlet"]
-    monkeypatch.delenv(threads.VARIABLE, raising=False)
-    assert threads.threads_of(model, verlet, None).number == threads.available_cores()
-    monkeypatch.setenv(threads.VARIABLE, "3")
-    assert threads.threads_of(model, verlet, None) == (3, "by TRIBO_THREADS")
-    assert threads.threads_of(model, verlet, 2).number == 2
-    assert threads.threads_of(model, METHODS["rkn8"], 2).number == 1
-    assert threads.threads_of(model._replace(team=None), verlet, 2).number == 1
-    monkeypatch.setenv(threads.VARIABLE, "many")
+    monkeypatch.delenv(shared_run.VARIABLE, raising=False)
+    assert shared_run.threads_of(model, verlet, None).number == shared_run.available_cores()
+    monkeypatch.setenv(shared_run.VARIABLE, "3")
+    assert shared_run.threads_of(model, verlet, None) == (3, "by TRIBO_THREADS")
+    assert shared_run.threads_of(model, verlet, 2).number == 2
+    assert shared_run.threads_of(model, METHODS["rkn8"], 2).number == 1
+    assert shared_run.threads_of(model._replace(team=None), verlet, 2).number == 1
+    monkeypatch.setenv(shared_run.VARIABLE, "many")
     with pytest.raises(tribo.InputError, match="TRIBO_THREADS: must be a positive integer"):
-        threads.threads_of(model, verlet, None)
+        shared_run.threads_of(model, verlet, None)
     with pytest.raises(tribo.InputError, match="threads: must be"):
-        threads.threads_of(model, verlet, 0)
+        shared_run.threads_of(model, verlet, 0)
 
 
 def test_the_option(tmp_path, capsys):

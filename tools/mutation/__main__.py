@@ -28,8 +28,8 @@ PATTERNS = (
     *("layout/tables.py", "ledger/accounts.py", "ledger/ledger.py", "ledger/motion.py"),
     "ledger/totals.py",
 )
-# Coefficients have tests of their own.  Members side by side, in `lanes`, need the compiler, and are
-# tested against single runs in tests/ensembles/test_lanes.py.
+# Coefficients have tests of their own.  The files of `lanes` are not here, since they need the
+# compiler; tests/ensembles/test_lanes.py compares them with single runs.
 WITHOUT = ("__init__", "tableaux")
 # Part of all mutants that the sample has; it depends on the text of the changes alone.
 SAMPLE = 0.003

@@ -74,9 +74,9 @@ def arguments_of_a_drive() -> str:
     from tribo.kernels.records import FX, FY
     from tribo.kernels.user_forces import custom_drives
     from tribo.layout.layout import lay_out
-    from tribo.layout.writable_memory import own_model
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
+    from tribo.threads.writable_memory import own_model
 
     table, t = SCENES["slid"], 0.7
     scene = scene_from(table)
@@ -157,8 +157,8 @@ def listed_pairs() -> str:
     from tribo.kernels.neighbours import refresh
     from tribo.kernels.records import X, Y
     from tribo.layout import layout as layouts
-    from tribo.layout.writable_memory import own_model
     from tribo.model.scene_file import scene_from
+    from tribo.threads.writable_memory import own_model
 
     rng = np.random.default_rng(3)
     for count, extent, box in (
@@ -534,7 +534,7 @@ def lists_in_chunks() -> str:
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
     from tribo.layout.layout import lay_out
-    from tribo.layout.writable_memory import own_model
+    from tribo.threads.writable_memory import own_model
 
     rng = np.random.default_rng(3)
     upper, lower = (rng.uniform(-6.0, 6.0, (n, 3)) * [1.0, 0.05, 1.0] for n in (70, 90))

@@ -21,7 +21,7 @@ def with_fields(loop):
 
 
 def entry_point(_, loop, fixed, examples):
-    """Uncompiled, in place of tribo.layout.writable_memory.entry_point."""
+    """Uncompiled, in place of tribo.threads.writable_memory.entry_point."""
     return lambda *arguments: with_fields(loop)(*fixed, *arguments)
 
 

@@ -6,9 +6,9 @@ from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.kernels.probe import contact_probe
 from tribo.kernels.records import CHARGE
 from tribo.layout.layout import lay_out
-from tribo.layout.writable_memory import Probe
 from tribo.ledger.separation import nearest_images
 from tribo.model.scene import Scene
+from tribo.threads.writable_memory import Probe
 
 
 class ContactProbe:

@@ -15,12 +15,12 @@ from tribo.kernels.probe import acceleration_probe
 from tribo.kernels.records import ASPERITE, I2, INERTIA, MASS
 from tribo.layout.layout import Layout, lay_out
 from tribo.layout.start import hang_baths
-from tribo.layout.writable_memory import Probe
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import asperite_name, closest_bobs
 from tribo.loops.saved_state import State, state_at_rest
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene, checked_scene
+from tribo.threads.writable_memory import Probe
 
 # Steps until the search is given up: bobs have then moved up to 40 rods.
 MOST_STEPS = 400

@@ -17,11 +17,11 @@ from tribo.explanation.prediction import Predicted, Search, predict, slow_motion
 from tribo.integrators.methods import Method, noisy
 from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
-from tribo.layout.threads import Threads, threads_of
 from tribo.ledger.ledger import check_keep
 from tribo.loops.general import GeneralLoop
 from tribo.model.effects import EFFECTS, Effect, reason_for
 from tribo.model.scene import Scene, checked_scene
+from tribo.threads.shared_run import Threads, threads_of
 from tribo.validation import inside
 
 # Time of a run from which on the explanation says what makes it slow [s].

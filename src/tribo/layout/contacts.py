@@ -1,6 +1,7 @@
 """Contacts between bobs, as kernels read them: species, calculators and neighbour lists."""
 
 import numpy as np
+from numba import config
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
@@ -23,6 +24,11 @@ MARGIN = 10.0
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
 EXTRA_ROOM = 1.5
+# Pairs of bobs in an evaluation from which threads share it, listed ones in units of blocks of
+# eight: a step then takes 0.2 ms or more, and to divide it takes a hundredth of that.
+SHARED_PAIRS = 100_000
+# Blocks with bobs in reach of a bob, as a list names them.
+LISTED_BLOCKS = 6
 
 
 def lay_out_contacts(
@@ -179,3 +185,15 @@ def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
     if interaction.species is None:
         return None
     return np.searchsorted(scene.species, interaction.species)
+
+
+def is_shared(scene: Scene, contacts: tuple[Contact, ...]) -> bool:
+    """Whether a step of a scene takes so long that threads can share it."""
+    counts = [surface.count for surface in scene.surfaces]
+    pairs = 0
+    for contact in contacts:
+        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
+            blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
+            pairs += counts[one] * blocks
+    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+    return compiled and LANES * pairs >= SHARED_PAIRS

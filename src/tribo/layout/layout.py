@@ -26,7 +26,6 @@ from tribo.layout.scene_records import (
 from tribo.layout.span import Asperites, Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
-from tribo.layout.threads import shares
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends
 from tribo.model.identity import loaded
@@ -290,7 +289,7 @@ def lay_out(scene: Scene) -> Layout:
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
         end_forces=True if ends else None,
-        team=True if shares(scene, between + (within or ())) else None,
+        team=True if contacts.is_shared(scene, between + (within or ())) else None,
     )
     layout = Layout(
         scene=scene,

@@ -15,12 +15,12 @@ from tribo.kernels import probe
 from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
-from tribo.layout.writable_memory import Probe
 from tribo.ledger.accounts import Accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
+from tribo.threads.writable_memory import Probe
 
 # Whether a surface of a scene has something.
 Has = Callable[[Scene, Surface], bool]

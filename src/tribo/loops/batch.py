@@ -17,13 +17,13 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
-from tribo.layout.writable_memory import arrays_in, together
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop, in_blocks, unit_setting
 from tribo.loops.integrate import Columns, Setting
+from tribo.threads.writable_memory import arrays_in, together
 
 T = TypeVar("T")
 # Steps of a call of the loop, at most, since an interrupt waits for its end; no more than the guard

@@ -12,7 +12,6 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
-from tribo.layout.writable_memory import entry_point
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
@@ -22,6 +21,7 @@ from tribo.pair.forces import PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
 from tribo.pair.loop import COLUMNS, pair_members
 from tribo.pair.step_rows import FIRST, LIMITS, OF_J, OF_V1, OF_V2, STATE
+from tribo.threads.writable_memory import entry_point
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048

@@ -17,11 +17,11 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
-from tribo.layout.threads import assisted
-from tribo.layout.writable_memory import arrays_in, loop_of, own_model
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
 from tribo.plugins.compile_errors import compiling
+from tribo.threads.shared_run import assisted
+from tribo.threads.writable_memory import arrays_in, loop_of, own_model
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")

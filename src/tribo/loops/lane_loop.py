@@ -17,13 +17,13 @@ from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.lanes.refill import TRIED, Queue, Starts, queue_of
 from tribo.lanes.steps import LOST, WATCHED, nystrom_members, splitting_members
-from tribo.layout.interleaved import interleaved, rows_of_numbers
 from tribo.layout.layout import Layout
-from tribo.layout.writable_memory import entry_point
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.general import unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
+from tribo.loops.interleaved import interleaved, rows_of_numbers
+from tribo.threads.writable_memory import entry_point
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
 # registers as well.

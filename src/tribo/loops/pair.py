@@ -20,7 +20,6 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout
-from tribo.layout.writable_memory import entry_point
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of
@@ -39,6 +38,7 @@ from tribo.pair import step_rows
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
+from tribo.threads.writable_memory import entry_point
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
 ARC1, ARC2 = ENERGY, ENERGY + 1

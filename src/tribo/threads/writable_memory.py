@@ -1,4 +1,4 @@
-"""What belongs to a time loop of a scene: machine code, arrays that kernels write, and probes.
+"""The memory that a time loop may write, and loops and probes with memory of their own.
 
 A layout is only read, so that several threads can run it.
 """
@@ -15,10 +15,10 @@ from tribo.compiler.pointers import map_arrays
 from tribo.kernels.records import BOB_ROWS, Model
 from tribo.layout import contacts
 from tribo.layout.layout import Layout
-from tribo.layout.threads import new_team
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.potentials.from_ase import Call
+from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
 
 # Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the

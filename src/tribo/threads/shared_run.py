@@ -14,18 +14,13 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.team import CLOSED, COUNTERS, OWN_NUMBERS, RANK, THREADS, Team
 from tribo.integrators.methods import Method
 from tribo.interrupts import held
-from tribo.kernels.records import Contact, Model
+from tribo.kernels.records import Model
 from tribo.model.scene import Scene
 from tribo.system import available_cores
 from tribo.validation import InputError, integer
 
 # The environment variable with the number of threads of a run.
 VARIABLE = "TRIBO_THREADS"
-# Pairs of bobs in an evaluation from which threads share it, listed ones in units of blocks of
-# eight: a step then takes 0.2 ms or more, and to divide it takes a hundredth of that.
-SHARED_PAIRS = 100_000
-# Blocks with bobs in reach of a bob, as a list names them.
-LISTED_BLOCKS = 6
 # Chunks of rows of a pair of surfaces: one for so many asperites, and at most so many.  The
 # reactions to neighbouring chunks overlap, so more chunks take longer.
 ASPERITES_OF_CHUNK = 1250
@@ -66,18 +61,6 @@ def _wanted(threads: int | None) -> tuple[int, str]:
     if not text.isdecimal() or int(text) < 1:
         raise InputError(VARIABLE, f"must be a positive integer, got {text!r}")
     return int(text), f"by {VARIABLE}"
-
-
-def shares(scene: Scene, contacts: tuple[Contact, ...]) -> bool:
-    """Whether a step of a scene takes so long that threads can share it."""
-    counts = [surface.count for surface in scene.surfaces]
-    pairs = 0
-    for contact in contacts:
-        for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
-            blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
-            pairs += counts[one] * blocks
-    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
-    return compiled and LANES * pairs >= SHARED_PAIRS
 
 
 def new_team(scene: Scene, model: Model) -> Team:

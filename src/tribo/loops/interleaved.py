@@ -13,8 +13,8 @@ from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, model_tables
-from tribo.layout.writable_memory import together, with_scratch
 from tribo.model.scene import Scene
+from tribo.threads.writable_memory import together, with_scratch
 
 # Tables with a column for each asperite of each member, and what says where these stand.
 OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs")

@@ -1,0 +1,1 @@
+"""Threads: what each may write, and how several share one run."""
