@@ -17,6 +17,7 @@ from tribo.layout import contacts
 from tribo.layout import layout as layouts
 from tribo.layout.layout import lay_out
 from tribo.loops import general
+from tribo.threads import shared_run
 
 PERIODIC = {"x": 6.0, "z": 3.0}
 STEPS = {"method": "verlet", "step": 0.003}
