@@ -117,7 +117,7 @@ def detailed(members: int) -> dict:
         ax.axvline(-returned, color=plotting.INK, linewidth=0.6, linestyle=":")
         note(ax, (-returned, 5.8), "reversed run, $T=1$", (4, 0), ha="left", fontsize=7)
         ax.set(xlabel="$|w|/T$", ylabel="$\\ln P(w)/P(-w)$", xlim=(0, 6), ylim=(-0.3, 6.3))
-        ax.legend(frameon=False, fontsize=6.5, loc="lower right")
+        ax.legend(frameon=False, fontsize=7, loc="lower right")
     plotting.save(ax, FOLDER / "statistics_detailed.png")
     return found
 
@@ -228,7 +228,7 @@ def dissipation(members: int) -> dict:
                 ax.errorbar(0.2, value, 1.96 * wide, label=label, **style)
         ax.axhline(1.0, color=plotting.INK, linewidth=0.5)
         ax.set(xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle$ / spread")
-        ax.legend(frameon=False, fontsize=6)
+        ax.legend(frameon=False, fontsize=7)
     plotting.save(ax, FOLDER / "statistics_dissipation.png")
     return found
 

@@ -99,7 +99,7 @@ KINDS = (("C", False, 0.5), ("C", False, 2.0), ("E", False, 2.0), ("E", True, 2.
 
 
 def name_of(case: str, attractive: bool, temperature: float) -> str:
-    """A kind of encounter, for the legend."""
+    """A kind of encounter."""
     return f"{case}, {'attractive' if attractive else 'repulsive'}, T = {temperature:g}"
 
 
@@ -152,13 +152,16 @@ def draw_block(found: dict) -> None:
     """Draw figure 4."""
     with plotting.style():
         ax = plotting.axes(plotting.WIDE, 0.6 * plotting.WIDE)
-        for kind, colour in zip(KINDS, (COLOURS[0], COLOURS[1], "k", COLOURS[2]), strict=True):
+        colours = (COLOURS[0], COLOURS[1], plotting.INK, COLOURS[2])
+        for kind, colour in zip(KINDS, colours, strict=True):
             name = name_of(*kind)
             of = found[name]
             line = "none" if name.startswith("E, repulsive") else "-"
             look = {"color": colour, "marker": "x" if line == "none" else ".", "linestyle": line}
             mean, half = of["mean_loss"], of["half_width"]
-            ax.errorbar(of["speed"], mean, half, label=name, markersize=4, elinewidth=0.7, **look)
+            label = name.replace("T = ", "$T=$")
+            look |= {"label": label, "markersize": 4, "elinewidth": 0.7}
+            ax.errorbar(of["speed"], mean, half, **look)
             gain = np.array(of["mean_gain_in_the_frame_of_the_block"])
             if line == "-":
                 ax.plot(of["speed"], -gain, color=colour, linewidth=0.7, linestyle="--")

@@ -56,7 +56,9 @@ def run(name):
             ratio = 2.0 * SCALE / image.info["dpi"][0]
             size = (round(ratio * image.width), round(ratio * image.height))
             small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-    small.quantize(COLOURS).save(FOLDER / f"{name}.png", optimize=True)
+    # Few large areas have the most colours; this method keeps those of small ones, as of scales.
+    few = small.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=3)
+    few.save(FOLDER / f"{name}.png", optimize=True)
     return {key: float(value) for key, value in numbers.items()}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from tribo.plotting.curves import legend
 from tribo.plotting.style import CYCLE, INK, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, must_be_one_of
@@ -53,8 +54,8 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
         ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))
         few = "" if len(shown) == len(complete) else f"{len(shown)} of "
         labels = [f"{few}{len(complete)} members", "95 % interval of the mean", "mean"]
-        legend = ax.legend([lines[0], band, middle], labels, frameon=False, loc="best")
-        for handle in legend.get_lines():
+        legend(ax, [lines[0], band, middle], labels)
+        for handle in ax.get_legend().get_lines():
             handle.set_alpha(1.0)
         ax.margins(y=0.05)
     return ax

@@ -111,7 +111,7 @@ def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axe
 
 def _model() -> Axes:
     """The upper asperite with every quantity that the equations of motion name."""
-    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 1.7, 1.6, (-3.05, 3.35, -3.6, 1.8)
+    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 2.2, 1.1, (-3.05, 3.35, -3.6, 1.8)
     rod = np.array([[np.sin(theta), -np.cos(theta)]])  # from the bar, at the origin, to the bob
     now = Pose(
         parts={"upper": slice(0, 1)},
@@ -139,9 +139,9 @@ def _model_lengths(ax: Axes, now: Pose) -> None:
     rod = np.array([np.cos(now.theta[0]), np.sin(now.theta[0])])  # across it, to the right
     bar = np.array([-np.sin(now.phi[0]), np.cos(now.phi[0])])  # across it, upwards
     for position, text in (
-        (0.4 * centre + 0.6 * cm + 0.32 * rod, r"$\ell_2$"),
+        (0.22 * centre + 0.78 * cm + 0.42 * rod, r"$\ell_2$"),
         (0.5 * (cm + bob) + 0.32 * rod, r"$\ell_1$"),
-        (cm + 0.4 * rod, "cm"),
+        (0.9 * cm + 0.1 * bob + 0.4 * rod, "cm"),
         (bob + np.array([0.6, -0.1]), "$m_1$"),
         (centre + 0.4 * bar + (0.55, 0.15), "$m_2,\\ i_2$"),
         (0.65 * left + 0.35 * centre + 0.4 * bar, "$a/2$"),
@@ -153,13 +153,13 @@ def _model_lengths(ax: Axes, now: Pose) -> None:
 def _model_angles(ax: Axes, now: Pose) -> None:
     from matplotlib.patches import Arc
 
-    for tip in ((2.75, 0.0), (0.0, -1.45)):
+    for tip in ((2.75, 0.0), (0.0, -1.95)):
         ax.plot([0.0, tip[0]], [0.0, tip[1]], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=3)
-    for radius, start, angle in ((2.05, 0.0, now.phi[0]), (1.05, -90.0, now.theta[0])):
+    for radius, start, angle in ((2.05, 0.0, now.phi[0]), (1.6, -90.0, now.theta[0])):
         turn = {"theta1": start, "theta2": start + float(np.degrees(angle))}
         ax.add_patch(Arc((0.0, 0.0), 2 * radius, 2 * radius, **turn, lw=0.7, zorder=3))
     note(ax, (2.22, 0.24), r"$\phi$")
-    note(ax, (0.31, -1.2), r"$\theta$")
+    note(ax, (0.36, -1.75), r"$\theta$")
 
 
 def _model_positions(ax: Axes, now: Pose) -> None:
@@ -168,7 +168,7 @@ def _model_positions(ax: Axes, now: Pose) -> None:
         arrow(ax, origin, origin + axis, linewidth=0.6, linestyle=(0, (4, 2)), mutation_scale=6)
         note(ax, origin + 1.12 * axis, text)
     for tip, shift, text in (
-        (now.cms[0], (-0.1, 0.25), r"$\vec{r}_{\rm cm}$"),
+        (now.cms[0], (0.35, -0.05), r"$\vec{r}_{\rm cm}$"),
         (now.bobs[0], (0.1, 0.25), r"$\vec{r}_1$"),
         (now.bars[0], (-0.3, 0.1), r"$\vec{r}_2$"),
     ):

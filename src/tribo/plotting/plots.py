@@ -116,7 +116,8 @@ class Plots:
         is_new = ax is None
         with drawing_on(ax, WIDE, curves.ASPECT * WIDE) as ax:
             lines = draw_works(ax, self._result, works, span)
-            of_one = "" if asperite is None else f", asperite {asperite}"
+            (number,) = (s.count for s in self._result.scene.surfaces if s.name == name)
+            of_one = "" if asperite is None or number == 1 else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
             if is_new and words:

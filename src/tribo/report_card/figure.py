@@ -92,13 +92,14 @@ def _unit(curves: Curves, values: np.ndarray) -> float:
 
 
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
-    """Draw a curve on the scale of its values at the typical distance; larger ones are cut off."""
+    """Draw a curve on the scale of its values at the typical distance; much larger are cut off."""
     top = DEPTHS * _unit(curves, values)
     ax.axhline(0.0, color="0.6", linewidth=0.5)
     ax.plot(curves.r, np.clip(values, -2.0 * top, 2.0 * top), color=colour)
     highest = float(np.max(values, initial=0.0, where=np.isfinite(values)))
     lowest = float(np.min(values, initial=0.0, where=np.isfinite(values)))
-    ax.set_ylim(max(1.2 * lowest, -top) - 0.1 * top, min(1.2 * highest, top) + 0.1 * top)
+    upper = 1.2 * highest if highest < 2.0 * top else top
+    ax.set_ylim(max(1.2 * lowest, -top) - 0.1 * top, upper + 0.1 * top)
     ax.set_ylabel(label)
 
 
