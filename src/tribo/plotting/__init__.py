@@ -8,9 +8,8 @@ one figure, and `reflected_histogram` the works of an ensemble.  For figures of 
     plotting.save(ax, "works.pdf")
 """
 
-from tribo.plotting.comparison import compare
 from tribo.plotting.histogram import histogram, reflected_histogram
-from tribo.plotting.plots import Plots
+from tribo.plotting.plots import Plots, compare
 from tribo.plotting.style import COLUMN, INK, PAGE, WIDE, axes, save, style
 
 __all__ = [

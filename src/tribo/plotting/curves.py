@@ -1,10 +1,10 @@
-"""What graphs over time share: colours, the look of a result's lines, axes and legends."""
+"""What graphs share: colours and dashes of lines, axes and legends."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,24 +17,10 @@ if TYPE_CHECKING:
 
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
 COLOURS = CYCLE * 8
-# Width of thin lines, as of all paths in a phase plot [points].
-PATH_WIDTH = 0.7
 # Height of a graph over its width.
 ASPECT = 0.66
-
-
-class Look(NamedTuple):
-    """What tells the lines of one result from those of others in the same graph."""
-
-    label: str = ""
-    linestyle: Any = "-"
-
-    def named(self, name: str) -> str:
-        """The name of a line in the legend."""
-        return f"{self.label}: {name}" if self.label else name
-
-
-PLAIN = Look()
+# Line styles of the results of a comparison, one after the other.
+DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 
 
 def swing_of(result: RunResult, surface: Surface) -> np.ndarray:
@@ -45,7 +31,7 @@ def swing_of(result: RunResult, surface: Surface) -> np.ndarray:
 
 def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
     """Add the line of zero, the labels and the legend of a graph over time."""
-    ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+    ax.axhline(0.0, color="0.6", linewidth=0.5, linestyle="-", zorder=0)
     ax.set(xlabel="$t$", ylabel=ylabel, xlim=(result.t[0], result.t[-1]))
     legend(ax)
 

@@ -1,21 +1,23 @@
-"""``result.plot``: every drawing of a result."""
+"""``result.plot``: every drawing of a result, and the same drawing of several results."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting import budget, curves, snapshots
-from tribo.plotting.maps import surface_map
+from tribo.layout.scene_records import resting_bobs
+from tribo.plotting import snapshots
+from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing_of
+from tribo.plotting.marks import note
 from tribo.plotting.pose import nearest_sample
-from tribo.plotting.style import COLUMN, WIDE, drawing_on, style
-from tribo.plotting.works import WORKS, draw_works, works_of
+from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on, figure_of, style
+from tribo.plotting.works import WORKS, draw_works, total, works_of
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
-from tribo.validation import must_be
+from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,8 +31,20 @@ BAND = (5.0, 95.0)
 MOST_PATHS = 200
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)
-# Width of lines where there is one surface [points].
-WIDTH = 1.1
+# Width of lines where there is one surface, and of thin ones, as of all paths in a phase plot
+# [points].
+WIDTH, PATH_WIDTH = 1.1, 0.7
+# In an energy budget: width and dashes of the line of the work put in.
+WORK_WIDTH, WORK_DASHES = 1.3, (0, (4.0, 3.0))
+# Distance of the text of the gap from the axes, beside the label of the times [points].
+GAP_BELOW = 22.0
+# On maps: the heights of a surface, which are no series; colours of these, and of quantities that
+# have a sign.
+HEIGHT, OF_HEIGHTS, OF_SIGNS = "height", "viridis", "RdBu_r"
+# Percentile of the magnitudes that has the strongest colour.
+STRONGEST = 99.5
+# Place of the scale of colours, in units of the map: left, bottom, width and height.
+COLOUR_BAR = (1.03, 0.0, 0.04, 1.0)
 # Width and height of the overview [inch].
 SIZE = (7.0, 7.6)
 
@@ -41,13 +55,13 @@ class Plots:
     Parameters
     ----------
     result : RunResult
-    look : Look
-        What tells its lines from those of other results in the same graph.
+    label : str
+        Its name in a graph of several results.
     """
 
-    def __init__(self, result: RunResult, look: curves.Look = curves.PLAIN) -> None:
+    def __init__(self, result: RunResult, label: str = "") -> None:
         self._result = result
-        self._look = look
+        self._label = label
 
     def angles(self, ax: Axes | None = None) -> Axes:
         """Draw swings (angles of pendulums from rest) over time [rad].
@@ -55,22 +69,20 @@ class Plots:
         For a surface of more than 6 asperites, draw the median and a band from the 5th to the
         95th percentile.
         """
-        result, look = self._result, self._look
-        with drawing_on(ax, COLUMN, curves.ASPECT * COLUMN) as ax:
+        result = self._result
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
-                swing = curves.swing_of(result, surface)
-                line: dict[str, Any] = {"linewidth": self._width(k), "linestyle": look.linestyle}
-                line |= {"color": curves.COLOURS[k], "label": look.named(surface.name)}
+                swing = swing_of(result, surface)
+                line: dict[str, Any] = {"color": COLOURS[k], "label": self._named(surface.name)}
+                line["linewidth"] = self._width(k)
                 if surface.count <= MOST_LINES:
                     for other in ax.plot(result.t, swing, **line)[1:]:
                         other.set_label("_")
                     continue
                 low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
                 ax.plot(result.t, middle, **line)
-                ax.fill_between(
-                    result.t, low, high, color=curves.COLOURS[k], alpha=0.2, linewidth=0.0
-                )
-            curves.finish(ax, result, "swing (rad)")
+                ax.fill_between(result.t, low, high, color=COLOURS[k], alpha=0.2, linewidth=0.0)
+            finish(ax, result, "swing (rad)")
         return ax
 
     def work(
@@ -114,14 +126,14 @@ class Plots:
             raise must_be("output.ledger", wanted, "none")
         works = works_of(self._result, name, asperite)
         is_new = ax is None
-        with drawing_on(ax, WIDE, curves.ASPECT * WIDE) as ax:
+        with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
             lines = draw_works(ax, self._result, works, span)
             (number,) = (s.count for s in self._result.scene.surfaces if s.name == name)
             of_one = "" if asperite is None or number == 1 else f", asperite {asperite}"
             ax.set_ylabel(f"work on {name}{of_one}")
             words = {WORKS[work].meaning: line for work, line in lines.items() if work in WORKS}
             if is_new and words:
-                curves.legend(ax, list(words.values()), list(words))
+                legend(ax, list(words.values()), list(words))
         return ax
 
     def energy_budget(self, ax: Axes | None = None) -> Axes:
@@ -134,7 +146,32 @@ class Plots:
         between the two.  The applied work of the ledger is net of the heat given to reservoirs.
         With reservoirs, heat is a part of the stack, and is added to the applied work.
         """
-        return budget.energy_budget(self._result, self._look, ax)
+        result = self._result
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            below = np.zeros(result.t.size)
+            for colour, (name, values) in zip(COLOURS, _energies(result).items(), strict=False):
+                edge = below + values
+                line: dict[str, Any] = {
+                    "color": colour,
+                    "label": self._named(name),
+                    "linewidth": PATH_WIDTH,
+                }
+                ax.plot(result.t, edge, **line)
+                if not self._label:  # stacks of several results would cover one another
+                    ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
+                below = edge
+            if "applied_work" in result.system:
+                heats = _heats(result)
+                work = result.system["applied_work"] + sum(heats)
+                name = self._named("applied work + heat" if heats else "applied work")
+                line = {"color": INK, "label": name, "linewidth": WORK_WIDTH}
+                ax.plot(result.t, work, linestyle=WORK_DASHES, **line)
+                if not self._label:
+                    text = f"gap {np.max(np.abs(below - work)):.1e}"
+                    place = {"xycoords": "axes fraction", "ha": "right"}
+                    note(ax, (1.0, 0.0), text, (0.0, -GAP_BELOW), **place)
+            finish(ax, result, "energy")
+        return ax
 
     def friction_force(
         self, surface: str | None = None, after: float | str | None = None, ax: Axes | None = None
@@ -154,20 +191,16 @@ class Plots:
         InputError
             The forces were not recorded, or there are too few samples.
         """
-        result, look, name = self._result, self._look, self._surface(surface)
+        result, name = self._result, self._surface(surface)
         found = friction_force(result, name, after)
-        with drawing_on(ax, COLUMN, curves.ASPECT * COLUMN) as ax:
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             interval = f" ± {found.half_width:.1g}" * math.isfinite(found.half_width)
             low, high = found.mean - found.half_width, found.mean + found.half_width
-            later, line = (
-                [found.after, result.t[-1]],
-                {"linewidth": WIDTH, "linestyle": look.linestyle},
-            )
-            ax.plot(result.t, result[name].friction_force, color=curves.COLOURS[0], **line)
-            label = look.named(f"{found.mean:.3g}{interval}")
-            ax.plot(later, [found.mean] * 2, color=curves.COLOURS[1], label=label, **line)
-            ax.fill_between(later, low, high, color=curves.COLOURS[1], alpha=0.3, linewidth=0.0)
-            curves.finish(ax, result, f"friction force on {name}")
+            later, label = [found.after, result.t[-1]], f"{found.mean:.3g}{interval}"
+            ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
+            ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=WIDTH, label=label)
+            ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)
+            finish(ax, result, f"friction force on {name}")
         return ax
 
     def phase(self, ax: Axes | None = None) -> Axes:
@@ -175,21 +208,20 @@ class Plots:
 
         Of a surface with more than 200 asperites, 200 are drawn.
         """
-        result, look = self._result, self._look
+        result = self._result
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
                 number = min(surface.count, MOST_PATHS)
                 shown = np.unique(np.linspace(0, surface.count - 1, number).astype(int))
-                swing = curves.swing_of(result, surface)[:, shown]
+                swing = swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
-                line: dict[str, Any] = {"color": curves.COLOURS[k], "linestyle": look.linestyle}
-                width = curves.PATH_WIDTH * self._width(k)
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
-                ax.plot(swing, rate, linewidth=width, alpha=faint, **line)
-                ax.plot(swing[-1], rate[-1], "o", color=curves.COLOURS[k], markersize=2.5)
-                ax.plot([], [], label=look.named(surface.name), **line)
+                width, colour = PATH_WIDTH * self._width(k), COLOURS[k]
+                ax.plot(swing, rate, linewidth=width, alpha=faint, color=colour)
+                ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
+                ax.plot([], [], label=self._named(surface.name), color=colour)
             ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
-            curves.legend(ax)
+            legend(ax)
         return ax
 
     def snapshots(
@@ -286,8 +318,36 @@ class Plots:
         InputError
             If the surface is no grid, or has no such series, or the time is not in the run.
         """
-        sample = -1 if t is None else nearest_sample(self._result, t)
-        return surface_map(self._result, self._surface(surface), quantity, sample, ax)
+        result, name = self._result, self._surface(surface)
+        sample = -1 if t is None else nearest_sample(result, t)
+        index = [each.name for each in result.scene.surfaces].index(name)
+        grid, table = result.scene.surfaces[index], result[name]
+        if grid.positions is not None or min(grid.shape) < 2:
+            raise InputError("surface", f'must be a grid, got "{name}"')
+        bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
+        if quantity == HEIGHT:
+            values = bobs[..., 1] - bobs[..., 1].mean()
+            look: dict[str, Any] = {"cmap": OF_HEIGHTS}
+        elif quantity in table and table[quantity].ndim == 2:
+            values = table[quantity][sample].reshape(bobs.shape[:2])
+            strongest = np.percentile(np.abs(values), STRONGEST) or 1.0
+            look = {"cmap": OF_SIGNS, "vmin": -strongest, "vmax": strongest}
+        else:
+            raise InputError(
+                "quantity",
+                f'must be "{HEIGHT}" or a series of each asperite, as "w1", got {quantity!r}; '
+                'forces need output.series = "forces"',
+            )
+        with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
+            look |= {"shading": "nearest", "rasterized": True}
+            image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
+            ax.set(xlabel="$x$", ylabel="$z$", aspect="equal")
+            ax.tick_params(which="both", top=False, right=False)
+            extend = "neither" if quantity == HEIGHT else "both"
+            beside: dict[str, Any] = {"cax": ax.inset_axes(COLOUR_BAR), "extendfrac": 0.03}
+            bar = figure_of(ax).colorbar(image, extend=extend, **beside)
+            bar.set_label(f"{quantity} of {name}")
+        return ax
 
     def overview(self) -> Figure:
         """Draw snapshots, works on the first surface, energies, angles and phases in one figure.
@@ -331,3 +391,71 @@ class Plots:
 
     def _width(self, index: int) -> float:
         return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
+
+    def _named(self, name: str) -> str:
+        """The name of a line in the legend."""
+        return f"{self._label}: {name}" if self._label else name
+
+
+def _energies(result: RunResult) -> dict[str, np.ndarray]:
+    """The energies that work became, by name; those that never change are left out."""
+    system, blocks = result.system, result.ledger.blocks.values()
+    kinetic = sum(block["delta_K"] for block in blocks)
+    internal = sum(block["delta_E_int"] for block in blocks)
+    contact = system["contact_energy"] - system["contact_energy"][0]
+    field = system["total_energy_change"] - contact - kinetic - internal
+    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
+    changes = {
+        "kinetic": kinetic,
+        "contact": contact,
+        "field": field if result.scene.fields else 0.0,
+        "internal": internal - bath,
+        "bath": bath,
+        "heat": sum(_heats(result)),
+    }
+    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
+
+
+def _heats(result: RunResult) -> list[np.ndarray]:
+    """The heat that the reservoir of each surface was given, (times,); empty without any."""
+    tables = [result[name] for name in result.ledger.surfaces]
+    return [total(table["heat"]) for table in tables if "heat" in table]
+
+
+def compare(
+    results: Mapping[str, RunResult], kind: str = "energy_budget", ax: Axes | None = None
+) -> Axes:
+    """Draw the same plot of several results in one figure, each with a line style of its own.
+
+    Parameters
+    ----------
+    results : mapping of str to RunResult
+        Results by the names that legends show.
+    kind : str
+        "angles", "energy_budget" or "phase".
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure.
+
+    Raises
+    ------
+    InputError
+        If there is no plot of this kind, or no result.
+
+    Examples
+    --------
+    ``plotting.compare({"soft": one, "stiff": other}, "angles")``
+    """
+    from matplotlib import rc_context
+
+    if kind not in (kinds := ("angles", "energy_budget", "phase")):
+        raise must_be("kind", f"one of {', '.join(kinds)}", kind)
+    if not 1 <= len(results) <= len(DASHES):
+        raise must_be("results", f"1 to {len(DASHES)} results", len(results))
+    with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
+        for dashes, (label, result) in zip(DASHES, results.items(), strict=False):
+            with rc_context({"lines.linestyle": dashes}):
+                getattr(Plots(result, label), kind)(ax=ax)
+        if kind != "phase":
+            ends = [result.t[k] for result in results.values() for k in (0, -1)]
+            ax.set_xlim(min(ends), max(ends))
+    return ax

@@ -72,12 +72,17 @@ def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str,
     if asperite is not None and ledger != "asperites":
         raise must_be("output.ledger", '"asperites" for works of single asperites', ledger)
     series = result[surface]
-    total = "w" if asperite is not None else "W"
-    works = (work for work in WORKS if work not in TOTALS or work == total)
+    whole = "w" if asperite is not None else "W"
+    works = (work for work in WORKS if work not in TOTALS or work == whole)
     names = [name for work in works for name in (work, f"{work}_ps") if name in series]
     if asperite is not None:
         return {name: series[name][:, asperite] for name in names}
-    return {name: series[name].reshape(len(result.t), -1).sum(axis=1) for name in names}
+    return {name: total(series[name]) for name in names}
+
+
+def total(values: np.ndarray) -> np.ndarray:
+    """The sum over asperites, (times,), of values of each or of a surface."""
+    return np.asarray(values).reshape(len(values), -1).sum(axis=1)
 
 
 def draw_works(

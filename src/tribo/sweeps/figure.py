@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.comparison import DASHES
+from tribo.plotting.curves import DASHES
 from tribo.plotting.style import WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, must_be_one_of

@@ -15,7 +15,7 @@ from tribo.model.drives import Forced
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
 from tribo.plotting.pose import has_spring, joined_bars
-from tribo.plotting.works import works_of
+from tribo.plotting.works import total, works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
 from tribo.viewer.sentence import sentence
@@ -159,9 +159,8 @@ def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any
     ledger = result.ledger
     tables: dict[str, Table] = {}
     for name, own in works.items():
-        table, block, heat = result[name], ledger.blocks[name], {}
-        if "heat" in table:
-            heat["heat"] = np.asarray(table["heat"]).reshape(len(result.t), -1).sum(axis=1)
+        table, block = result[name], ledger.blocks[name]
+        heat = {"heat": total(table["heat"])} if "heat" in table else {}
         others = {each: block[each] for each in block if each not in own}
         tables[name] = {**own, **others, **heat}
     tables["system"] = ledger.system
