@@ -151,7 +151,9 @@ def error_bounds(
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
     scales = scales_of(layout, tops, float(found.speed), float(found.internal))
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
-    least = rounding(amplification, fine.steps) + LEAST * strictest(accuracy)
+    # The rounding of an angle is relative to the angle, and what amplifies it to one radian.
+    grown = (amplification or 0.0) * max(1.0, float(found.swing))
+    least = rounding(grown, fine.steps) + LEAST * strictest(accuracy)
     chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
     bounds = estimate(found, scales, rough, least, limit)
