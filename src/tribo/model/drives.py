@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from tribo import validation as check
+from tribo.model.tables import table_of
 from tribo.plugins import classes as plugins
 from tribo.validation import InputError
 
@@ -220,9 +221,7 @@ def as_table(drive: Drive) -> dict[str, Any]:
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         return table if drive.load is None else table | {"load": drive.load}
     kind = next(name for name, cls in KINDS.items() if cls is type(drive))
-    values = ((name, getattr(drive, name)) for name in drive.__dataclass_fields__)
-    settings = {name: list(v) if isinstance(v, tuple) else v for name, v in values}
-    return {"kind": kind} | {k: v for k, v in settings.items() if v is not None and v is not False}
+    return {"kind": kind} | {k: v for k, v in table_of(drive).items() if v is not False}
 
 
 def as_bars(value: object, folder: Path = Path()) -> str | Ends:

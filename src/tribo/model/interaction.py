@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from tribo import validation as check
-from tribo.model.tables import from_table
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import as_potential
-from tribo.validation import InputError, inside, is_list, must_be
+from tribo.validation import InputError, is_list, must_be
 
 
 @dataclass(frozen=True)
@@ -24,17 +23,10 @@ class Periodic:
     z: float | None = None
 
     def __post_init__(self) -> None:
-        period = check.one(check.POSITIVE, "length")
-        check.fields(self, x=period, z=period)
+        check.fields(self, **dict.fromkeys("xz", check.one(check.POSITIVE, "length")))
 
     def __bool__(self) -> bool:
         return self.x is not None or self.z is not None
-
-
-def as_periodic(value: object) -> Periodic:
-    """Periods from their table in a scene file, or a Periodic unchanged."""
-    with inside("periodic"):
-        return from_table(Periodic, value)
 
 
 @dataclass(frozen=True)

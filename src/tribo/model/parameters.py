@@ -20,7 +20,7 @@ from typing import Any
 
 from tribo.model.bath import Bath, as_bath
 from tribo.model.bath import as_table as bath_table
-from tribo.model.drives import Custom, Drive, as_drive
+from tribo.model.drives import Custom, as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.fields import Field
 from tribo.model.initial import Initial
@@ -191,19 +191,15 @@ def _values_of(potential: Any) -> dict[str, Any]:
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
     """The present value of a part of a surface."""
-    present = _part(surface, part)
-    if isinstance(present, Bath):
-        return bath_table(present).get(name, getattr(present, name, None))
-    if isinstance(present, Custom):
-        return _values_of(present.force).get(name, getattr(present, name, None))
-    return getattr(present, name, None)
-
-
-def _part(surface: Surface, part: str) -> Any:
-    """A part of a surface, by what stands in keys."""
-    name, _, on = part.partition(".")
-    present = getattr(surface, name)
-    return present[list(PLACES).index(on)] if on else present
+    key, _, on = part.partition(".")
+    present, values = getattr(surface, key), dict[str, Any]()
+    if on:
+        present = present[list(PLACES).index(on)]
+    elif isinstance(present, Bath):
+        values = bath_table(present)
+    elif isinstance(present, Custom):
+        values = _values_of(present.force)
+    return values.get(name, getattr(present, name, None))
 
 
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
@@ -233,8 +229,12 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
 
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
     """A part of a surface with other values."""
+    if isinstance(present, Custom):
+        own = {"load": present.load} | own
+        load, parameters = own.pop("load"), present.force._asdict() | own
+        return Custom(load=load, force=instance(type(present.force), parameters))
     if part == "drive":
-        return _changed_drive(present, own)
+        return as_drive(drive_table(present) | own)
     if part == "bath":
         # Without oscillators, a spectrum can take their place.
         table = {key: value for key, value in bath_table(present).items() if value != []}
@@ -242,15 +242,6 @@ def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
     if part == "langevin":
         return as_langevin(({} if present is None else table_of(present)) | own)
     return changed(present, own)
-
-
-def _changed_drive(drive: Drive, own: dict[str, Any]) -> Drive:
-    if not isinstance(drive, Custom):
-        return as_drive(drive_table(drive) | own)
-    own = dict(own)
-    load = own.pop("load", drive.load)
-    force = instance(type(drive.force), drive.force._asdict() | own)
-    return Custom(load=load, force=force)
 
 
 def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,11 +18,11 @@ from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
 from tribo.model.initial import DISPLACEMENTS, UNITS
-from tribo.model.interaction import Interaction, Periodic, as_periodic
+from tribo.model.interaction import Interaction, Periodic
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.tables import ComparedByValue, table_of
+from tribo.model.tables import ComparedByValue, from_table, part, table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
@@ -102,7 +102,7 @@ class Scene(ComparedByValue):
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
-        put(self, "periodic", as_periodic(self.periodic))
+        check.fields(self, periodic=part(partial(from_table, Periodic)))
         self._check_period()
         for i, surface in enumerate(self.surfaces):
             with inside(f"surface[{i}].initial"):

@@ -4,22 +4,24 @@ The names of the keys are a contract: scene files of older versions stay valid.
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import fields as fields_of
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tribo.model import drives, fields
+from tribo.model import drives
 from tribo.model.asperite import Asperite
-from tribo.model.fields import Field
+from tribo.model.fields import from_table as field_of
 from tribo.model.initial import Initial
-from tribo.model.interaction import Interaction, as_periodic
+from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.tables import from_table
+from tribo.model.tables import from_table, part
 from tribo.model.topography import as_topography, is_topography
 from tribo.potentials import tables as potentials
-from tribo.validation import InputError, as_path, inside, known_keys, must_be
+from tribo.validation import InputError, as_path, known_keys, must_be
 
 KEYS = (
     *("title", "duration", "seed", "periodic"),
@@ -59,47 +61,21 @@ def load_scene(path: object) -> Scene:
 def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
     """The scene that the table of a file describes; `folder` is that of its plug-ins."""
     table = known_keys(table, KEYS, ["duration", "surface"])
-    surfaces = table["surface"]
-    if not isinstance(surfaces, list):
-        raise must_be("surface", "[[surface]] tables, one for each surface", surfaces)
-    with inside("output"):
-        output = from_table(Output, table.get("output", {}))
-    with inside("numerics"):
-        numerics = from_table(Numerics, table.get("numerics", {}))
-    return Scene(
-        surfaces=tuple(_surface(i, item, folder) for i, item in enumerate(surfaces)),
-        periodic=as_periodic(table.get("periodic", {})),
-        fields=_fields(table.get("field", []), folder),
-        interactions=_interactions(table.get("interaction", []), folder),
-        duration=table["duration"],
-        title=table.get("title", ""),
-        seed=table.get("seed", 0),
-        output=output,
-        numerics=numerics,
-    )
+    for key, kind in (("output", Output), ("numerics", Numerics)):
+        table[key] = part(partial(from_table, kind))(key, table.get(key, {}))
+    table["surfaces"] = _each("surface", table.pop("surface"), partial(_surface, folder=folder))
+    table["fields"] = _each("field", table.pop("field", []), partial(field_of, folder=folder))
+    given, read = table.pop("interaction", []), partial(_interaction, folder=folder)
+    one = isinstance(given, dict)
+    found = part(read)("interaction", given) if one else _each("interaction", given, read)
+    return Scene(interactions=found, **table)
 
 
-def _interactions(value: object, folder: Path) -> tuple[Interaction, ...]:
-    if isinstance(value, dict):
-        with inside("interaction"):
-            return (_interaction(value, folder),)
+def _each(key: str, value: object, read: Callable[[Any], object]) -> tuple[Any, ...]:
     if not isinstance(value, list):
-        raise must_be("interaction", "a table", value)
-    interactions = []
-    for i, table in enumerate(value):
-        with inside(f"interaction[{i}]"):
-            interactions.append(_interaction(table, folder))
-    return tuple(interactions)
-
-
-def _fields(value: object, folder: Path) -> tuple[Field, ...]:
-    if not isinstance(value, list):
-        raise must_be("field", "[[field]] tables, one for each field", value)
-    items = []
-    for i, table in enumerate(value):
-        with inside(f"field[{i}]"):
-            items.append(fields.from_table(table, folder))
-    return tuple(items)
+        several = f"[[{key}]] tables, one for each {key}"
+        raise must_be(key, "a table" if key == "interaction" else several, value)
+    return tuple(part(read)(f"{key}[{i}]", item) for i, item in enumerate(value))
 
 
 def _interaction(table: object, folder: Path) -> Interaction:
@@ -110,18 +86,15 @@ def _interaction(table: object, folder: Path) -> Interaction:
     return Interaction(potentials.from_table(parameters, folder), between, species)
 
 
-def _surface(index: int, table: object, folder: Path) -> Surface:
-    with inside(f"surface[{index}]"):
-        table = known_keys(table, SURFACE_KEYS, ["name"])
-        with inside("asperite"):
-            table["asperite"] = from_table(Asperite, table.get("asperite", {}))
-        with inside("initial"):
-            table["initial"] = from_table(Initial, table.get("initial", {}))
-        if is_topography(table.get("heights")):
-            with inside("heights"):
-                table["heights"] = as_topography(table["heights"], folder)
-        with inside("drive"):
-            table["drive"] = drives.as_drive(table.get("drive", "forced"), folder)
-        with inside("bars"):
-            table["bars"] = drives.as_bars(table.get("bars", "clamped"), folder)
-        return Surface(**table)
+def _surface(table: object, folder: Path) -> Surface:
+    table = known_keys(table, SURFACE_KEYS, ["name"])
+    readers: dict[str, Callable[[Any], object]] = {
+        "asperite": partial(from_table, Asperite),
+        "initial": partial(from_table, Initial),
+        "drive": partial(drives.as_drive, folder=folder),
+        "bars": partial(drives.as_bars, folder=folder),
+    }
+    if is_topography(table.get("heights")):
+        readers["heights"] = partial(as_topography, folder=folder)
+    parts = {key: part(read)(key, table[key]) for key, read in readers.items() if key in table}
+    return Surface(**table | parts)

@@ -28,11 +28,7 @@ def output_table(output: Output) -> dict[str, Any]:
     table = table_of(output)
     if output.times is not None:
         del table["samples"]
-    if not output.series:
-        del table["series"]
-    if not output.run_in:
-        del table["run_in"]
-    return table
+    return {key: value for key, value in table.items() if value or key not in ("series", "run_in")}
 
 
 def surface_table(surface: Surface) -> dict[str, Any]:

@@ -172,14 +172,10 @@ def discrete_decay(
     """
     mass, frequency, t = _checked(mass, frequency, t)
     masses = check.vector("masses", masses, check.POSITIVE, unit="mass")
-    frequencies = check.vector(
-        "frequencies", frequencies, check.POSITIVE, masses.size, "rad / time"
-    )
-    return (
-        0.5
-        * mass
-        * recurrence.motion_with_oscillators(masses / mass, frequencies, frequency).energy(t)
-    )
+    count, unit = masses.size, "rad / time"
+    frequencies = check.vector("frequencies", frequencies, check.POSITIVE, count, unit)
+    motion = recurrence.motion_with_oscillators(masses / mass, frequencies, frequency)
+    return 0.5 * mass * motion.energy(t)
 
 
 def valid_until(spectrum: Spectrum, mass: float, frequency: float) -> float:

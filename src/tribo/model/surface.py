@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -17,7 +17,7 @@ from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
-from tribo.model.tables import ComparedByValue, from_table
+from tribo.model.tables import ComparedByValue, from_table, part
 from tribo.model.topography import Grid, Topography, as_topography, is_topography
 from tribo.validation import InputError, inside, is_list, must_be
 
@@ -124,24 +124,17 @@ class Surface(ComparedByValue):
 
     def __post_init__(self) -> None:
         self._check_place()
-        put = object.__setattr__
-        with inside("drive"):
-            put(self, "drive", as_drive(self.drive))
-        put(self, "heights", as_heights(self.heights, Grid(*self._grid, self.facing_sign)))
-        with inside("bars"):
-            put(self, "bars", as_bars(self.bars))
+        check.fields(self, drive=part(as_drive))
+        heights = as_heights(self.heights, Grid(*self._grid, self.facing_sign))
+        object.__setattr__(self, "heights", heights)
+        check.fields(self, bars=part(as_bars), springs=part(as_springs), bath=part(as_bath))
+        if self.springs and self.positions is not None and self.springs.pairs is None:
+            raise InputError("springs.pairs", "is missing; listed positions have no neighbours")
         with inside("springs"):
-            put(self, "springs", as_springs(self.springs))
-            if self.springs and self.positions is not None and self.springs.pairs is None:
-                raise InputError("pairs", "is missing; listed positions have no neighbours")
             self.springs.bonds(self.shape, self.count, (False, False))
-        with inside("bath"):
-            put(self, "bath", as_bath(self.bath))
-            if self.bath.inertias.size and self.bars == "clamped":
-                raise InputError("torsional", 'cannot go with clamped bars; set bars = "free"')
-        with inside("langevin"):
-            put(self, "langevin", as_langevin(self.langevin))
-        put(self, "species", self._checked_species())
+        if self.bath.inertias.size and self.bars == "clamped":
+            raise InputError("bath.torsional", 'cannot go with clamped bars; set bars = "free"')
+        check.fields(self, langevin=part(as_langevin), species=self._checked_species)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             value = getattr(self, key)
             if not isinstance(value, kind):
@@ -212,45 +205,37 @@ class Surface(ComparedByValue):
 
     def _check_place(self) -> None:
         """Check the name, the lattice or the listed positions, and the velocity."""
-        put = object.__setattr__
-        if not _is_name(self.name):
-            raise must_be("name", "a word without . or /", self.name)
+        name: object = self.name
+        printable = isinstance(name, str) and name.isprintable() and name.strip()
+        if not printable or {".", "/"} & {*self.name}:
+            raise must_be("name", "a word without . or /", name)
         check.choice("facing", self.facing, ["down", "up"])
         lengths, velocity = check.pair(unit="length"), check.pair(unit="length / time")
         check.fields(self, bob=lengths, velocity=velocity, spacing=lengths)
         check.vector("shape", self.shape, size=2)
         shape = tuple(check.integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape))
-        put(self, "shape", shape)
-        check.fields(self, depth=check.one(unit="length"))
-        if self.positions is not None:
-            put(self, "positions", self._listed_positions())
+        object.__setattr__(self, "shape", shape)
+        check.fields(self, depth=check.one(unit="length"), positions=self._listed_positions)
         if self.count > check.LARGEST_COUNT:
             raise must_be("shape", f"at most {check.LARGEST_COUNT} asperites", self.count)
 
-    def _listed_positions(self) -> np.ndarray:
-        for key, default in (("bob", (0.0, 0.0)), ("shape", (1, 1)), ("spacing", (0.0, 0.0))):
-            if getattr(self, key) != default:
-                raise InputError(key, "cannot go with positions; give one or the other")
-        if self.depth != 0.0:
-            raise InputError("depth", "cannot go with positions; give one or the other")
-        given: object = self.positions
+    def _listed_positions(self, field: str, given: object) -> np.ndarray:
+        for key in ("bob", "shape", "spacing", "depth"):
+            if getattr(self, key) != getattr(Surface, key):
+                raise InputError(key, f"cannot go with {field}; give one or the other")
         if not is_list(given) or len(given) == 0:
-            raise must_be("positions", "a list of [x, y, z] [length]", given)
-        rows = [
-            check.vector(f"positions[{i}]", row, size=3, unit="length")
-            for i, row in enumerate(given)
-        ]
-        table = np.array(rows)
+            raise must_be(field, "a list of [x, y, z] [length]", given)
+        row = partial(check.vector, size=3, unit="length")
+        table = np.array([row(f"{field}[{i}]", each) for i, each in enumerate(given)])
         table.flags.writeable = False
         return table
 
-    def _checked_species(self) -> str | tuple[str, ...]:
-        given: object = self.species
+    def _checked_species(self, field: str, given: object) -> str | tuple[str, ...]:
         if isinstance(given, str):
             return given
         names = tuple(given) if is_list(given) else ()
         if len(names) != self.count or not all(isinstance(name, str) for name in names):
-            raise must_be("species", f"one name, or one per asperite ({self.count})", given)
+            raise must_be(field, f"one name, or one per asperite ({self.count})", given)
         return tuple(str(name) for name in names)
 
     @property
@@ -348,9 +333,3 @@ def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography
             roughness.check(shape, spacing)
         return roughness
     return check.vector("heights", value, size=shape[0] * shape[1], unit="length")
-
-
-def _is_name(name: object) -> bool:
-    """Whether the value can name a surface in files: printable, without a point or a slash."""
-    printable = isinstance(name, str) and name.isprintable() and bool(name.strip())
-    return printable and not {".", "/"} & set(str(name))

@@ -1,12 +1,12 @@
 """Dataclasses of scenes: equality by value, and tables of scene files."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from tribo.validation import known_keys
+from tribo.validation import Check, inside, known_keys
 
 Kind = TypeVar("Kind")
 
@@ -41,6 +41,16 @@ def from_table(kind: type[Kind], value: object, required: Iterable[str] = ()) ->
     if isinstance(value, kind):
         return value
     return kind(**known_keys(value, _names(kind), required))
+
+
+def part(read: Callable[[Any], object]) -> Check:
+    """The check of a field that `read` makes from a table, a word, or another object."""
+
+    def check(field: str, value: object) -> object:
+        with inside(field):
+            return read(value)
+
+    return check
 
 
 def changed(item: Kind, values: Mapping[str, Any]) -> Kind:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple, Protocol, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,37 +19,12 @@ from tribo.model.tables import ComparedByValue
 from tribo.validation import InputError, inside, must_be
 
 # Metres in a unit of length, by the names that SurfaceTopography gives the units of files.
-METRES = {
-    "m": 1.0,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "nm": 1e-9,
-    "A": 1e-10,
-    "Å": 1e-10,
-    "pm": 1e-12,
-}
+METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+METRES |= {"A": 1e-10, "Å": 1e-10, "pm": 1e-12}
 # SurfaceTopography's name of each trend that is subtracted; None leaves the heights unchanged.
 TRENDS = {"plane": "height", "mean": "center", "curvature": "curvature", "none": None}
 # Ratio up to which two lengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
-
-
-class Scan(Protocol):
-    """What tribo needs of a topography or line scan of SurfaceTopography."""
-
-    dim: int
-    unit: str | None
-    has_undefined_data: bool
-
-    def detrend(self, detrend_mode: str) -> Scan:
-        """The same without a trend."""
-
-    def interpolate_undefined_data(self) -> Scan:
-        """The same with heights where the instrument gave none."""
-
-    def positions_and_heights(self) -> tuple[np.ndarray, ...]:
-        """x, y if it is a map, and the height of each point [unit]."""
 
 
 class Grid(NamedTuple):
@@ -97,11 +72,10 @@ class Topography(ComparedByValue):
         the scan does not cover the surface.
     """
 
-    topography: str | PathLike[str] | Scan
+    topography: Any  # a path, or a topography or line scan of SurfaceTopography
     unit: str | float | None = None
     detrend: str = "plane"
     origin: tuple[float, float] | None = None
-    # The heights at the asperites of the surface that has this topography.
     sampled: Sampled | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -136,10 +110,7 @@ class Topography(ComparedByValue):
         """(nx nz,) heights of the scan at the asperites, x running fastest [length]."""
         from scipy.interpolate import RegularGridInterpolator
 
-        scan = self.topography
-        if isinstance(scan, str):
-            scan = _read(scan)
-        scan = cast(Scan, scan)
+        scan = _read(self.topography) if isinstance(self.topography, str) else self.topography
         length = self._length_of(scan.unit)
         if scan.has_undefined_data:
             scan = scan.interpolate_undefined_data()
@@ -209,7 +180,7 @@ class Topography(ComparedByValue):
         return places
 
 
-def _axes_and_heights(scan: Scan) -> tuple[list[np.ndarray], np.ndarray]:
+def _axes_and_heights(scan: Any) -> tuple[list[np.ndarray], np.ndarray]:
     """The coordinates along each axis, and the heights on their grid [unit of the scan]."""
     *positions, heights = (np.asarray(each, float) for each in scan.positions_and_heights())
     if heights.ndim != len(positions) or min(heights.shape) < 2:
@@ -222,7 +193,7 @@ def _axes_and_heights(scan: Scan) -> tuple[list[np.ndarray], np.ndarray]:
     return axes, heights
 
 
-def _read(path: str) -> Scan:
+def _read(path: str) -> Any:
     """The topography of a file."""
     if not Path(path).is_file():
         raise InputError("topography", f"{path} cannot be read (no such file)")
@@ -234,7 +205,7 @@ def _read(path: str) -> Scan:
             "topography", "needs SurfaceTopography; install it: pip install SurfaceTopography"
         ) from None
     try:
-        return cast(Scan, read_topography(path))
+        return read_topography(path)
     except CannotDetectFileFormat:
         raise InputError(
             "topography", f"{path} cannot be read: it has no format that SurfaceTopography knows"
@@ -264,7 +235,7 @@ def as_topography(value: object, folder: Path = Path()) -> Topography:
     if isinstance(value, Topography):
         return value
     if not isinstance(value, Mapping):
-        return Topography(cast(Scan, value))
+        return Topography(value)
     settings = check.known_keys(value, KEYS)
     if isinstance(settings["topography"], str):
         settings["topography"] = folder / settings["topography"]
@@ -273,7 +244,7 @@ def as_topography(value: object, folder: Path = Path()) -> Topography:
 
 def as_table(topography: Topography, folder: Path) -> dict[str, object]:
     """The table in a scene file in `folder`; paths of files below the folder are relative."""
-    path = Path(cast(str, topography.topography))
+    path = Path(topography.topography)
     home = folder.absolute()
     place = path.relative_to(home) if path.is_relative_to(home) else path
     table: dict[str, object] = {"topography": place.as_posix(), "detrend": topography.detrend}
