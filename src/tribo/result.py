@@ -224,7 +224,9 @@ class Result(RunResult):
         """
         path = as_path(path)
         if path.suffix.lower() == CSV:
-            report.save_csv(self, path)
+            from tribo.export.tables import save_csv
+
+            save_csv(self, path)
         else:
             result_file.save(self, netcdf_path("path", path, " or .csv"))
 
@@ -291,13 +293,13 @@ class Result(RunResult):
             Columns (surface, asperite, quantity): ``frame["upper", 0, "theta"]``.  Quantities of a
             whole surface have the asperite "all", those of the system the surface "system".
         """
-        from tribo.export.pandas_tables import ledger_table
+        from tribo.export.tables import ledger_table
 
         return ledger_table(self)
 
     def end_to_pandas(self) -> pandas.DataFrame:
         """The end state as a table of pandas: a row for each (surface, asperite)."""
-        from tribo.export.pandas_tables import end_table
+        from tribo.export.tables import end_table
 
         return end_table(self)
 

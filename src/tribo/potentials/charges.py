@@ -30,11 +30,9 @@ class Coulomb(Charged):
     strength: float
 
     def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.strength / r
 
     def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * inverse * inverse
 
@@ -60,11 +58,9 @@ class Yukawa(Charged):
     _limits = (("screening", ">=", "1 / length"),)
 
     def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.strength * np.exp(-self.screening * r) / r
 
     def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * np.exp(-self.screening * r) * (self.screening + inverse) * inverse
 
@@ -89,11 +85,9 @@ class Plummer(Charged):
     _limits = (("softening", ">", "length"),)
 
     def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.strength / np.sqrt(r * r + self.softening * self.softening)
 
     def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         square = r * r + self.softening * self.softening
         return self.strength * r / (square * np.sqrt(square))
 

@@ -12,11 +12,9 @@ class BetweenCharges(Potential):
     """A class that defines energy and force between any two charges."""
 
     def energy(self, r):
-        """Energy U(r) [energy] of two charges of 1 at distance r [length]."""
         return self.energy_between(r, 1.0, 1.0)
 
     def force(self, r):
-        """Force -dU/dr [energy / length] between charges of 1, positive if it repels."""
         return self.force_between(r, 1.0, 1.0)
 
 

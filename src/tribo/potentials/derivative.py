@@ -36,8 +36,6 @@ CHOICES: dict[str, type[ast.cmpop]] = {
 }
 # Functions whose derivative is infinite at zero, where a choice of zero may put their argument.
 SINGULAR = ("log", "sqrt")
-# The name of np.where in the force that is made from an energy.
-WHERE = "_where_of_numpy"
 
 
 class NoFormulaError(Exception):
@@ -45,11 +43,12 @@ class NoFormulaError(Exception):
 
 
 class Rules:
-    """The rules of differentiation by a variable; `where` is numpy's in derivatives."""
+    """The rules of differentiation of expressions by a variable."""
 
-    def __init__(self, variable: str, where: str = "where") -> None:
+    where = "where"  # the name of np.where in derivatives
+
+    def __init__(self, variable: str) -> None:
         self.variable = variable
-        self.where = where
         # The derivatives, by name, that are zero for one choice between two values.
         self.chosen: set[str] = set()
         # The name of the derivative of each name that depends on the variable.
@@ -69,22 +68,17 @@ class Rules:
             return ast.Constant(0)
         match node:
             case ast.Name(name):
-                return (
-                    ast.Constant(1) if name == self.variable else ast.Name(self.derivatives[name])
-                )
+                own = name == self.variable
+                return ast.Constant(1) if own else ast.Name(self.derivatives[name])
             case ast.UnaryOp(ast.USub() | ast.UAdd() as op, operand):
                 return ast.UnaryOp(op, self.derivative(operand))
-            case ast.Call(ast.Name() | ast.Attribute() as function, [u], []):
+            case ast.Call(function, [u], []) if _name(function) in FUNCTIONS:
                 argument = self._inside(u) if _name(function) in SINGULAR else u
                 return multiply(_of_function(function, argument), self.derivative(u))
-            case ast.Call(ast.Name() | ast.Attribute() as function, [u, v], []):
-                if _name(function) not in CHOICES:
-                    raise NoFormulaError
+            case ast.Call(function, [u, v], []) if _name(function) in CHOICES:
                 test = ast.Compare(u, [CHOICES[_name(function)]()], [v])
                 return self._choice(test, self.derivative(u), self.derivative(v))
-            case ast.Call(ast.Name() | ast.Attribute() as function, [test, u, v], []):
-                if _name(function) != "where":
-                    raise NoFormulaError
+            case ast.Call(function, [test, u, v], []) if _name(function) == "where":
                 return self._choice(test, self.derivative(u), self.derivative(v))
             case ast.IfExp(test, u, v):
                 return ast.IfExp(test, self.derivative(u), self.derivative(v))
@@ -134,12 +128,9 @@ class Rules:
         return add(first, multiply(substitute("u**v*log(u)", u=u, v=v), self.derivative(v)))
 
 
-def _of_function(function: ast.Name | ast.Attribute, u: ast.expr) -> ast.expr:
+def _of_function(function: ast.expr, u: ast.expr) -> ast.expr:
     """The derivative of a function at u, with functions of the same library."""
-    name = _name(function)
-    if name not in FUNCTIONS:
-        raise NoFormulaError
-    rule = ast.parse(FUNCTIONS[name], mode="eval").body
+    rule = ast.parse(FUNCTIONS[_name(function)], mode="eval").body
     if isinstance(function, ast.Attribute):
         for node in ast.walk(rule):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
@@ -147,8 +138,9 @@ def _of_function(function: ast.Name | ast.Attribute, u: ast.expr) -> ast.expr:
     return substitute(rule, u=u)
 
 
-def _name(function: ast.Name | ast.Attribute) -> str:
-    return function.id if isinstance(function, ast.Name) else function.attr
+def _name(function: ast.expr) -> str:
+    """The name of a function, without that of its library; empty if it has none."""
+    return getattr(function, "id", getattr(function, "attr", ""))
 
 
 def multiply(u: ast.expr, v: ast.expr) -> ast.expr:
@@ -211,12 +203,12 @@ def _codes(code: CodeType) -> list[CodeType]:
 def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     """The force, compiled from the derivative of the definition of the energy."""
     arguments = [argument.arg for argument in definition.args.args]
-    if len(arguments) != 2 or len(definition.args.args) != energy.__code__.co_argcount:
+    if len(arguments) != 2 or len(arguments) != energy.__code__.co_argcount:
         raise NoFormulaError
-    rules = Rules(arguments[1], WHERE)
-    body = _slopes(definition.body, rules, arguments, energy.__globals__)
+    body = Statements(arguments, energy.__globals__).slopes(definition.body)
     head = ", ".join(arguments)
-    tree = ast.parse(f"def make({WHERE}):\n    def force({head}): pass\n    return force")
+    where = Statements.where
+    tree = ast.parse(f"def make({where}):\n    def force({head}): pass\n    return force")
     tree.body[0].body[0].body = body  # type: ignore[attr-defined]
     made: dict[str, Callable[..., FunctionType]] = {}
     code = compile(ast.unparse(ast.fix_missing_locations(tree)), "<force>", "exec")
@@ -226,59 +218,74 @@ def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     return force
 
 
-def _slopes(
-    statements: list[ast.stmt], rules: Rules, arguments: list[str], names: dict[str, object]
-) -> list[ast.stmt]:
-    """The statements, each with the derivative of the name that it assigns, or of its result."""
-    body: list[ast.stmt] = []
-    for statement in statements:
-        match statement:
-            case ast.Expr(ast.Constant(str())) | ast.Pass():
-                pass
-            case ast.Assign([ast.Name(name)], value) if name not in arguments:
-                _check(value, rules, names)
-                slope = rules.derivative(value)
-                varies = rules.varies(value)
-                rules.derivatives.pop(name, None)
-                if varies:
-                    rules.derivatives[name] = f"derivative_of_{name}"
-                    if not rules.chosen.isdisjoint(_names(slope)) or rules.where in _names(slope):
-                        rules.chosen.add(rules.derivatives[name])
-                    body.append(_assigned(rules.derivatives[name], slope))
-                body.append(_assigned(name, value))
-            case ast.Return(ast.expr() as value):
-                _check(value, rules, names)
-                slope = rules.derivative(value)
-                body.append(ast.Return(ast.UnaryOp(ast.USub(), slope)))
-            case ast.If(test, then, otherwise):
-                body.append(_branches(test, (then, otherwise), rules, arguments, names))
-            case _:
-                raise NoFormulaError
-    return body
+class Statements(Rules):
+    """The rules for statements of a method of `arguments`; `names` are the globals that it sees."""
 
+    where = "_where_of_numpy"
 
-def _branches(
-    test: ast.expr,
-    branches: tuple[list[ast.stmt], list[ast.stmt]],
-    rules: Rules,
-    arguments: list[str],
-    names: dict[str, object],
-) -> ast.If:
-    """An ``if`` whose branches end with the derivatives of the same names."""
-    before = dict(rules.derivatives)
-    bodies, after = [], []
-    for branch in branches:
-        rules.derivatives = dict(before)
-        bodies.append(_slopes(branch, rules, arguments, names))
-        after.append(rules.derivatives)
-    rules.derivatives = after[0] | after[1]
-    rules.chosen |= set(rules.derivatives.values()) - set(before.values())
-    for body, own in zip(bodies, after, strict=True):
-        zero = ast.Constant(0.0)
-        missing = rules.derivatives.keys() - own.keys()
-        body += [_assigned(rules.derivatives[name], zero) for name in sorted(missing)]
-        body.append(ast.Pass())
-    return ast.If(test, *bodies)
+    def __init__(self, arguments: list[str], names: dict[str, object]) -> None:
+        super().__init__(arguments[1])
+        self._arguments = arguments
+        self._names = names
+
+    def slopes(self, statements: list[ast.stmt]) -> list[ast.stmt]:
+        """The statements, with the derivatives of the names that they assign, or of the result."""
+        body: list[ast.stmt] = []
+        for statement in statements:
+            match statement:
+                case ast.Expr(ast.Constant(str())) | ast.Pass():
+                    pass
+                case ast.Assign([ast.Name(name)], value) if name not in self._arguments:
+                    self._check(value)
+                    slope, varies = self.derivative(value), self.varies(value)
+                    self.derivatives.pop(name, None)
+                    if varies:
+                        self.derivatives[name] = f"derivative_of_{name}"
+                        if _names(slope) & {self.where, *self.chosen}:
+                            self.chosen.add(self.derivatives[name])
+                        body.append(_assigned(self.derivatives[name], slope))
+                    body.append(_assigned(name, value))
+                case ast.Return(ast.expr() as value):
+                    self._check(value)
+                    body.append(ast.Return(ast.UnaryOp(ast.USub(), self.derivative(value))))
+                case ast.If(test, then, otherwise):
+                    body.append(ast.If(test, *self._branches(then, otherwise)))
+                case _:
+                    raise NoFormulaError
+        return body
+
+    def _branches(self, *branches: list[ast.stmt]) -> list[list[ast.stmt]]:
+        """The branches of an ``if``, which end with the derivatives of the same names."""
+        before = dict(self.derivatives)
+        bodies, after = [], []
+        for branch in branches:
+            self.derivatives = dict(before)
+            bodies.append(self.slopes(branch))
+            after.append(self.derivatives)
+        self.derivatives = after[0] | after[1]
+        self.chosen |= set(self.derivatives.values()) - set(before.values())
+        for body, own in zip(bodies, after, strict=True):
+            missing = sorted(self.derivatives.keys() - own.keys())
+            body += [_assigned(self.derivatives[name], ast.Constant(0.0)) for name in missing]
+            body.append(ast.Pass())
+        return bodies
+
+    def _check(self, node: ast.AST) -> None:
+        """Raise NoFormulaError unless every function of the variable is one of numpy or math."""
+        for part in ast.walk(node):
+            match part:
+                case ast.Call() if not self.varies(part):
+                    pass
+                case ast.Call(ast.Attribute(ast.Name(name))) if self._names.get(name) in (np, math):
+                    pass
+                case ast.Call(ast.Name("min" | "max" as name)) if name not in self._names:
+                    pass
+                case ast.BinOp(_, ast.Pow(), power) if self.varies(power):
+                    raise NoFormulaError  # its derivative needs a logarithm, of an unknown library
+                case ast.Call() | ast.NamedExpr() | ast.Lambda() | ast.Await():
+                    raise NoFormulaError
+                case ast.Yield() | ast.YieldFrom():
+                    raise NoFormulaError
 
 
 def _names(node: ast.AST) -> set[str]:
@@ -288,24 +295,3 @@ def _names(node: ast.AST) -> set[str]:
 
 def _assigned(name: str, value: ast.expr) -> ast.Assign:
     return ast.fix_missing_locations(ast.Assign([ast.Name(name, ast.Store())], value))
-
-
-def _check(node: ast.AST, rules: Rules, names: dict[str, object]) -> None:
-    """Raise NoFormulaError unless every function of the variable is one of numpy or math."""
-    for part in ast.walk(node):
-        if isinstance(part, ast.Call) and rules.varies(part):
-            match part.func:
-                case ast.Attribute(ast.Name(library)) if names.get(library) in (np, math):
-                    pass
-                case ast.Name("min" | "max" as name) if name not in names:
-                    pass
-                case _:
-                    raise NoFormulaError
-        if (
-            isinstance(part, ast.BinOp)
-            and isinstance(part.op, ast.Pow)
-            and rules.varies(part.right)
-        ):
-            raise NoFormulaError  # its derivative needs a logarithm, of an unknown library
-        if isinstance(part, (ast.NamedExpr, ast.Lambda, ast.Await, ast.Yield, ast.YieldFrom)):
-            raise NoFormulaError

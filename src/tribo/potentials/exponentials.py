@@ -31,12 +31,10 @@ class Morse(Potential):
     _limits = (("D", ">=", "energy"), ("alpha", ">", "1 / length"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         e = np.exp(-self.alpha * (r - self.r0))
         return self.D * e * (e - 2.0)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         e = np.exp(-self.alpha * (r - self.r0))
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
@@ -44,7 +42,6 @@ class Morse(Potential):
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
 
     def minimum(self):
-        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         return self.r0, -self.D, 2.0 * self.D * self.alpha * self.alpha
 
 
@@ -68,11 +65,9 @@ class BornMayer(Potential):
     _limits = (("A", ">=", "energy"), ("rho", ">", "length"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         return self.A * np.exp(-r / self.rho)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         return self.A / self.rho * np.exp(-r / self.rho)
 
     def feature(self):
@@ -102,11 +97,9 @@ class Buckingham(Potential):
     _limits = (("A", ">", "energy"), ("rho", ">", "length"), ("C", ">=", "energy length^6"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         return self.A * np.exp(-r / self.rho) - self.C / r**6
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.A / self.rho * np.exp(-r / self.rho) - 6.0 * self.C * inverse**7
 

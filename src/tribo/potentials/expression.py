@@ -34,15 +34,13 @@ from tribo import Potential
 class Expression(Potential):
     """{text}"""
 '''
-BODY = '''
+BODY = """
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         return {energy}
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         return -({slope})
 Expression.expression_text = {text!r}
-'''
+"""
 
 
 def expression(text: str, /, **parameters: float) -> Potential:
@@ -125,38 +123,36 @@ def _without_if(tree: ast.expr) -> ast.expr:
 
 def _check(node: ast.expr, text: str) -> None:
     """Raise InputError for the first part of a tree that is not allowed."""
+    parts: list[ast.expr] = []
     match node:
         case ast.BinOp(left, op, right) if isinstance(op, OPERATORS):
-            _check(left, text)
-            _check(right, text)
+            parts = [left, right]
         case ast.BinOp(op=ast.BitXor()):
             raise _refusal(text, "** for powers instead of ^")
         case ast.UnaryOp(ast.USub() | ast.UAdd(), operand):
-            _check(operand, text)
-        case ast.Call(ast.Name(name), [argument], []) if name in FUNCTIONS:
-            _check(argument, text)
-        case ast.Call(ast.Name(name), [one, other], []) if name in CHOICES:
-            _check(one, text)
-            _check(other, text)
+            parts = [operand]
+        case ast.Call(ast.Name(name), [_], []) if name in FUNCTIONS:
+            parts = node.args
+        case ast.Call(ast.Name(name), [_, _], []) if name in CHOICES:
+            parts = node.args
         case ast.Call(
             ast.Name("where"), [ast.Compare(left, [op], [right]), one, other], []
         ) | ast.IfExp(ast.Compare(left, [op], [right]), one, other) if isinstance(op, COMPARISONS):
-            for part in (left, right, one, other):
-                _check(part, text)
+            parts = [left, right, one, other]
         case ast.Name(name) if name not in IN_NUMPY:
             pass
         case ast.Constant(float() | int() as value) if not isinstance(value, bool):
             if not math.isfinite(value):
                 raise _refusal(text, "finite numbers")
         case _:
-            found = ast.get_source_segment(text.strip(), node) or "an unknown part"
-
+            found = short_repr(ast.get_source_segment(text.strip(), node) or "an unknown part")
             raise _refusal(
                 text,
                 f"arithmetic, r, pi, parameters, {', '.join(FUNCTIONS)}, min(a, b), max(a, b) and "
-                "where(r < d, a, b) only, "
-                f"not {short_repr(found)} at its character {node.col_offset + 1}",
+                f"where(r < d, a, b) only, not {found} at its character {node.col_offset + 1}",
             )
+    for part in parts:
+        _check(part, text)
 
 
 def _refusal(text: str, wanted: str) -> InputError:

@@ -153,8 +153,6 @@ def from_table(table: dict[str, Any]) -> Live:
     """The calculator that a table of a scene file describes."""
     table = check.known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
     name, arguments = table.pop("calculator"), table.pop("arguments", {})
-    if not isinstance(name, str):
-        raise must_be("calculator", '"module:Class", as "ase.calculators.emt:EMT"', name)
     if not isinstance(arguments, dict):
         raise must_be("arguments", "a table", arguments)
     return from_calculator(name, **table, **arguments)

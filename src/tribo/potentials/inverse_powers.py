@@ -26,12 +26,10 @@ class LennardJones(Potential):
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         s6 = (self.sigma * (1.0 / r)) ** 6  # as below, so that both are computed once
         return 4.0 * self.epsilon * s6 * (s6 - 1.0)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         s6 = (self.sigma * inverse) ** 6
         return 24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0)
@@ -40,7 +38,6 @@ class LennardJones(Potential):
         return self.sigma / 6.0, 2.0 * self.sigma
 
     def minimum(self):
-        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         r = 2.0 ** (1.0 / 6.0) * self.sigma
         return r, -self.epsilon, 72.0 * self.epsilon / (r * r)
 
@@ -67,12 +64,10 @@ class WeeksChandlerAndersen(Potential):
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         s6 = (self.sigma / r) ** 6
         return (r < self.range()) * (4.0 * self.epsilon * s6 * (s6 - 1.0) + self.epsilon)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         s6 = (self.sigma * inverse) ** 6
         return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
@@ -120,12 +115,10 @@ class Mie(Potential):
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("m", ">", ""))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         n, m, s = self.n, self.m, self.sigma / r
         return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (s**n - s**m)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         n, m, s = self.n, self.m, self.sigma * inverse
         scale = self.epsilon * n / (n - m) * (n / m) ** (m / (n - m))
@@ -135,7 +128,6 @@ class Mie(Potential):
         return 2.0 * self.sigma / self.n, 2.0 * self.sigma
 
     def minimum(self):
-        """Position, energy and curvature (r, U, d2U/dr2) of the minimum."""
         r = (self.n / self.m) ** (1.0 / (self.n - self.m)) * self.sigma
         return r, -self.epsilon, self.n * self.m * self.epsilon / (r * r)
 
@@ -166,11 +158,9 @@ class SoftSphere(Potential):
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("n", ">", ""))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         return self.epsilon * (self.sigma / r) ** self.n
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.n * self.epsilon * (self.sigma * inverse) ** self.n * inverse
 

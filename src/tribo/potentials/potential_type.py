@@ -14,6 +14,16 @@ OF_TUPLES = (
 )
 
 
+# The documentation of methods that have none of their own.
+DOCUMENTATION = {
+    "energy": "Energy U(r) [energy] at distance r [length], for a coupling of 1.",
+    "force": "Force -dU/dr [energy / length] for a coupling of 1, positive if it repels.",
+    "energy_between": "Energy U(r) [energy] of two charges at distance r [length].",
+    "force_between": "Force -dU/dr [energy / length] between two charges, positive if it repels.",
+    "minimum": "Position, energy and curvature (r, U, d2U/dr2) of the minimum.",
+}
+
+
 def _complex_step(self, r):
     return -self.energy(r + 1e-100j).imag / 1e-100
 
@@ -23,12 +33,10 @@ def _complex_step_between(self, r, one, other):
 
 
 def energy_of_charges(self, r, one, other):
-    """Energy U(r) [energy] of two charges at distance r [length]."""
     return self.coupling(one, other) * self.energy(r)
 
 
 def _force_of_charges(self, r, one, other):
-    """Force -dU/dr [energy / length] between two charges, positive if it repels."""
     return self.coupling(one, other) * self.force(r)
 
 
@@ -58,9 +66,11 @@ class PotentialType(type):
 
     def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
         """A class with its fields, those of its parents first."""
-        cls = super().__new__(
-            mcs, name, bases, {"__slots__": ()} | following(namespace) | namespace
-        )
+        methods = following(namespace) | namespace
+        for each in DOCUMENTATION.keys() & methods.keys():
+            if not methods[each].__doc__:
+                methods[each].__doc__ = DOCUMENTATION[each]
+        cls = super().__new__(mcs, name, bases, {"__slots__": ()} | methods)
         kinds = inspect.get_annotations(cls)
         own = [each for each, kind in kinds.items() if "ClassVar" not in str(kind)]
         if own:

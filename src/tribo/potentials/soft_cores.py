@@ -28,12 +28,10 @@ class Gaussian(Potential):
     _limits = (("width", ">", "length"),)
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         x = r / self.width
         return self.height * np.exp(-0.5 * x * x)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         x = r / self.width
         return self.height / self.width * x * np.exp(-0.5 * x * x)
 
@@ -64,12 +62,10 @@ class Hertz(Potential):
     _limits = (("A", ">=", "energy"), ("d", ">", "length"))
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return self.A * overlap * overlap * np.sqrt(overlap)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
 

@@ -61,7 +61,6 @@ class Table(Potential):
     length: float
 
     def energy(self, r):
-        """Energy U(r) [energy] at distance r [length]."""
         k, h, t = self.interval(r)
         s = 1.0 - t
         ends = s * s * (1.0 + 2.0 * t) * self.values[k]
@@ -70,7 +69,6 @@ class Table(Potential):
         return (r < self.r[-1]) * (ends + bend) + self.defined(r)
 
     def force(self, r):
-        """Force -dU/dr [energy / length], positive if it repels."""
         k, h, t = self.interval(r)
         s = 1.0 - t
         rise = 6.0 * t * s * (self.values[k + 1] - self.values[k]) / h

@@ -1,15 +1,11 @@
-"""Results for readers: a summary, a table in a notebook, and a CSV file."""
+"""Results for readers: a summary, and a table in a notebook."""
 
-import csv
 import html as markup
-import io
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tribo.files import replace_file
 from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
@@ -165,22 +161,3 @@ def html(result: RunResult) -> str:
 
 def _row(cells: list[str], tag: str = "td") -> str:
     return f"<tr>{''.join(f'<{tag}>{markup.escape(cell)}</{tag}>' for cell in cells)}</tr>"
-
-
-def save_csv(result: RunResult, path: Path) -> None:
-    """Write all series as a table with a row for each time.  Raises InputError."""
-    columns = {"time": result.t}
-    for surface in result.ledger.surfaces:
-        for name, values in result[surface].items():
-            if len(values) == result.t.size:  # else only the first and the last sample are kept
-                table = values.reshape(len(values), -1)
-                numbers = [f"[{k}]" for k in range(table.shape[1])] if table.shape[1] > 1 else [""]
-                columns |= {
-                    f"{surface}.{name}{k}": c for k, c in zip(numbers, table.T, strict=True)
-                }
-    columns |= result.system
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
-    replace_file(path, text.getvalue().encode())
