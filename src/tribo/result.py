@@ -15,16 +15,12 @@ from typing import TYPE_CHECKING, Any
 from tribo.files import netcdf_path, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
-from tribo.results import force_averages, report, result_file
-from tribo.results.averages import Average
-from tribo.results.citations import citations
-from tribo.results.depinning import Depinning, depinning
+from tribo.results import citations, depinning, force_averages, report, result_file
 from tribo.results.run_result import Cost, RunResult, itself
-from tribo.validation import InputError, as_path
+from tribo.validation import as_path
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
 
     from tribo.plotting.plots import Plots
 
@@ -36,144 +32,15 @@ CSV = ".csv"
 class Result(RunResult):
     __doc__ = RunResult.__doc__
 
-    def friction_force(
-        self, surface: str, after: float | str | None = None, part: str | None = None
-    ) -> Average:
-        """The time average of the friction force on a surface, with a 95 % interval.
-
-        The friction force is the x component of the force that resists sliding: the sum of all
-        contact forces f1 and of all forces of external fields.  It is negative on a surface that
-        slides towards positive x.  The scene's output must ask for the series "forces".
-
-        Parameters
-        ----------
-        surface : str
-            Name of the surface.
-        after : float or "auto", optional
-            When the average begins, as in :func:`tribo.time_average`; by default at the scene's
-            ``output.run_in`` [time].
-        part : "contact" or "field", optional
-            Select one of the two; None for both.
-
-        Returns
-        -------
-        Average
-            As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
-
-        Raises
-        ------
-        InputError
-            If the forces were not recorded, no field acts on the surface, or there are fewer than
-            two samples.
-        """
-        return force_averages.friction_force(self, surface, after, part)
-
-    def pull_force(self, surface: str, after: float | str | None = None) -> Average:
-        """The time average of the drive's force on a surface, with a 95 % interval.
-
-        It is the x component of the sum of f2 over the asperites: of the springs of a pulled
-        surface, or of the reaction that holds driven bars.  It is positive on a surface that is
-        pulled towards positive x.  The scene's output must ask for the series "forces".
-
-        Parameters
-        ----------
-        surface, after
-            As for :meth:`friction_force`.
-
-        Returns
-        -------
-        Average
-            As of :meth:`friction_force`.
-        """
-        return force_averages.force_average(self, f"{surface}.pull_force", after)
-
-    def friction_coefficient(self, surface: str, after: float | str | None = None) -> Average:
-        """The time average of the friction force on a surface, divided by the load on it.
-
-        Parameters
-        ----------
-        surface, after
-            As for :meth:`friction_force`; the surface's drive has a load.
-
-        Returns
-        -------
-        Average
-            As of :meth:`friction_force`, relative to the load; the mean is not negative.
-        """
-        found = force_averages.friction_force(self, surface, after)
-        own = next(each for each in self.scene.surfaces if each.name == surface)
-        load = force_averages.load_of(own)
-        if load == 0.0:
-            problem = "is missing; name the surface that has the load"
-            raise InputError(f"{surface}.drive.load", problem)
-        mean, half_width, spread = abs(found.mean), found.half_width, found.spread
-        return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
-
-    def depinning(self, surface: str, distance: float | None = None) -> Depinning:
-        """The drive's force at which a pulled or pushed surface starts to slide, along x.
-
-        It is the largest force on each asperite until its bar has moved by `distance` over the
-        field or the other surface: the static friction, if the pull is slow and samples are close
-        in time. If the force grows at a rate, the result is too large by the rate times the time
-        that the bar takes for the distance.
-
-        Parameters
-        ----------
-        surface : str
-            Name of the surface, whose drive pulls or pushes.
-        distance : float, optional
-            Distance beyond the top of a barrier [length]. By default half of the period of the
-            corrugation on the surface, or of the spacing of the other surface.
-
-        Returns
-        -------
-        Depinning
-            The force on an asperite, with its interval over the asperites.
-
-        Raises
-        ------
-        InputError
-            If another drive holds the surface, no bar moves so far, or the distance is missing.
-        """
-        return depinning(self, surface, distance)
-
-    def time_without_contact(self, surface: str, after: float | None = None) -> float:
-        """The fraction of time in which no bob of a surface is in contact with another surface.
-
-        Two bobs are in contact within the range of their potential. Where it decays without an
-        end, they are in contact if their energy is at least 1 % of the sum of the energy of
-        torsion by 1 rad of the softest asperite and of k_B T.  The scene's output must
-        ask for the series "forces".
-
-        Parameters
-        ----------
-        surface : str
-            Name of the surface.
-        after : float, optional
-            When the average begins; by default the scene's ``output.run_in`` [time].
-
-        Returns
-        -------
-        float
-            Between 0 and 1.
-
-        Raises
-        ------
-        InputError
-            If the contact was not recorded, or has no range, as that of Coulomb, or there are
-            fewer than two samples.
-        """
-        return force_averages.time_without_contact(self, surface, after)
-
-    def cite(self, style: str = "text") -> str:
-        """The papers to cite: the model's, and those of the method, potentials and effects.
-
-        Parameters
-        ----------
-        style : "text" or "bibtex"
-            "text" for a line each, "bibtex" for BibTeX entries.
-        """
-        return citations(self.scene, self.method, style)
+    friction_force = force_averages.friction_force
+    friction_coefficient = force_averages.friction_coefficient
+    pull_force = force_averages.pull_force
+    time_without_contact = force_averages.time_without_contact
+    depinning = depinning.depinning
+    cite = citations.citations
+    to_xarray = result_file.dataset
+    __str__ = report.text
+    _repr_html_ = report.html
 
     @property
     def end(self) -> dict[str, Any]:
@@ -186,25 +53,6 @@ class Result(RunResult):
 
     def __repr__(self) -> str:
         return str(self)
-
-    def _repr_html_(self) -> str:
-        return report.html(self)
-
-    def __str__(self) -> str:
-        return report.text(self)
-
-    def to_xarray(self) -> xarray.Dataset:
-        """All series as a labelled data set.
-
-        Returns
-        -------
-        xarray.Dataset
-            ``upper.theta`` (time, upper_asperite), ``upper.W`` and ``applied_work`` (time,), each
-            with `units` and `long_name`, and, as ``upper.theta_error``, a bound on its error where
-            one is known.  Coordinates ``time``, ``upper_asperite``, and the resting bobs as
-            ``upper.x_rest``, ``upper.y_rest`` and ``upper.z_rest``.
-        """
-        return result_file.dataset(self)
 
     def save(self, path: str | Path) -> None:
         """Write everything to a NetCDF file that :func:`tribo.load_result` reads, or CSV.

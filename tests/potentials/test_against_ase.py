@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tribo.potentials import Coulomb, LennardJones, Morse
-from tribo.report_card.ase_peers import PEERS, pair
+from tribo.report_card.agreement import PEERS, pair
 
 ROUND_OFF = 1e-12  # relative to |U| + r |F|
 lengths = st.floats(0.5, 5.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import linecache
 import re
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,6 +45,14 @@ def completed(
     pickled = {"made_by": (complete, cls), "__reduce__": lambda self: (make, (cls(*self),))}
     kind: Any = type(bases[0]) if bases else type
     return kind(cls.__name__, (cls, *bases), methods | names | pickled)
+
+
+def parts(value: Any) -> Iterator[Any]:
+    """A plug-in and all plug-ins among its fields, and of those; of anything else, nothing."""
+    if hasattr(value, "_fields"):
+        yield value
+        for item in value:
+            yield from parts(item)
 
 
 def check_class(cls: object, field: str, method: str, otherwise: str = "") -> None:

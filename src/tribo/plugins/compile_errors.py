@@ -40,7 +40,7 @@ def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[N
 
 def _foreign(placed: Iterable[tuple[str, NamedTuple]]) -> list[tuple[str, NamedTuple]]:
     """The plug-ins that are not this package's, and those among the fields of plug-ins."""
-    parts = [(field, part) for field, plugin in placed for part in _parts(plugin)]
+    parts = [(field, part) for field, plugin in placed for part in plugins.parts(plugin)]
     return [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
 
 
@@ -78,12 +78,6 @@ def compile_error(placed: Iterable[tuple[str, NamedTuple]], error: Exception) ->
                 return found
     names = ", ".join(type(plugin).__name__ for _, plugin in foreign)
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
-
-
-def _parts(plugin: NamedTuple) -> list[NamedTuple]:
-    """A plug-in, and all plug-ins among its fields."""
-    held = [part for item in plugin if hasattr(item, "_fields") for part in _parts(item)]
-    return [plugin, *held]
 
 
 def _try(plugin: NamedTuple, field: str, method: str) -> None:

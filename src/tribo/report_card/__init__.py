@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import as_potential
 from tribo.potentials.tables import as_table
-from tribo.report_card.agreement import check_agreement, check_third_law
-from tribo.report_card.ase_peers import check_ase
+from tribo.report_card.agreement import check_agreement, check_ase, check_third_law
 from tribo.report_card.card import Check, Report
 from tribo.report_card.derivatives import check_force, check_minimum, curves
 from tribo.report_card.limits import check_finite, check_limits

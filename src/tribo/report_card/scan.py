@@ -7,16 +7,18 @@ the kernels and the disk cache that runs use.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
+from tribo.plugins.classes import parts
 from tribo.potentials.potential import Potential
 from tribo.validation import LARGEST_NUMBER, InputError
 
@@ -148,17 +150,16 @@ class PotentialScan:
         with np.errstate(all="ignore"):
             here = np.abs(self.force) + np.abs(self.energy) / self.r
         here = np.where(np.isfinite(here), here, 0.0)
-        padded = np.pad(here, AROUND, mode="edge")
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
+        around = maximum_filter1d(here, 2 * AROUND + 1, mode="nearest")
         outer = float(np.max(here[self.r >= self.length], initial=0.0))
-        return np.maximum(windows.max(axis=1), max(FAINT * outer, SMALLEST_SCALE))
+        return np.maximum(around, max(FAINT * outer, SMALLEST_SCALE))
 
     def _typical(self) -> float:
         """The first minimum, the largest |F| r, or where |F| r begins to fall faster.
 
         Without any of these, the largest length that the potential declares; else 1.
         """
-        lengths = sorted({x for part in _parts(self.potential) for x in _declared_lengths(part)})
+        lengths = sorted({x for part in parts(self.potential) for x in _declared_lengths(part)})
         low, high = 1.0 / WITHOUT_OWN, WITHOUT_OWN
         if lengths:
             low, high = lengths[0] / AROUND_OWN, lengths[-1] * AROUND_OWN
@@ -206,13 +207,11 @@ class PotentialScan:
         least, largest = self.domain
         nearest = max(self.length / WIDEST, least)
         farthest = min(self.length * WIDEST, largest, 1.1 * self.cutoff)
-        low = self._end_of(
-            lambda r, energy, force: (
-                ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
-            ),
-            self.length,
-            nearest,
-        )
+
+        def outside_core(r: np.ndarray, energy: np.ndarray, force: np.ndarray) -> np.ndarray:
+            return ~((np.abs(energy) > CORE * unit) | (np.abs(force) > LARGEST_NUMBER))
+
+        low = self._end_of(outside_core, self.length, nearest)
         if math.isfinite(self.cutoff) or math.isfinite(largest):
             return low, farthest
         high = self._end_of(
@@ -250,7 +249,7 @@ class PotentialScan:
 
     def _special(self) -> set[float]:
         """Distances where a mistake is likely, each with its two neighbours among floats."""
-        values = {abs(x) for part in _parts(self.potential) for x in part if isinstance(x, float)}
+        values = {abs(x) for part in parts(self.potential) for x in part if isinstance(x, float)}
         values |= {1.0, self.length, self.cutoff}
         pairs = {abs(x + sign * y) for x in values for y in values for sign in (1.0, -1.0)}
         multiples = {m * x for x in values for m in (0.5, 2.0, 3.0, 1.0 / 3.0)}
@@ -260,14 +259,6 @@ class PotentialScan:
         found |= {self.low, self.high}
         near = {y for x in found for y in (np.nextafter(x, 0.0), x, np.nextafter(x, np.inf))}
         return {float(x) for x in near if self.low <= x <= self.high}
-
-
-def _parts(potential: Any) -> Iterator[Any]:
-    """The potential, and every potential that it is made of."""
-    yield potential
-    for item in potential:
-        if isinstance(item, tuple):
-            yield from _parts(item)
 
 
 def _declared_lengths(part: Any) -> list[float]:
@@ -282,6 +273,6 @@ def _declared_lengths(part: Any) -> list[float]:
 
 def _domain(potential: Potential) -> tuple[float, float]:
     """The distances for which the potential and all its parts are declared."""
-    domains = [part.domain() for part in _parts(potential) if hasattr(part, "domain")]
+    domains = [part.domain() for part in parts(potential) if hasattr(part, "domain")]
     least = max([0.0, *(float(low) for low, _ in domains)])
     return least, min([math.inf, *(float(high) for _, high in domains)])

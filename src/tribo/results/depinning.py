@@ -35,19 +35,42 @@ class Depinning(NamedTuple):
     times: np.ndarray
 
 
-def depinning(result: RunResult, name: str, distance: float | None = None) -> Depinning:
-    """The force at which a surface starts to slide; see :meth:`tribo.Result.depinning`."""
-    index = [surface.name for surface in result.scene.surfaces].index(name)
-    surface = result.scene.surfaces[index]
-    periods, ground = _ground(result, name)
+def depinning(result: RunResult, surface: str, distance: float | None = None) -> Depinning:
+    """The drive's force at which a pulled or pushed surface starts to slide, along x.
+
+    It is the largest force on each asperite until its bar has moved by `distance` over the
+    field or the other surface: the static friction, if the pull is slow and samples are close
+    in time. If the force grows at a rate, the result is too large by the rate times the time
+    that the bar takes for the distance.
+
+    Parameters
+    ----------
+    surface : str
+        Name of the surface, whose drive pulls or pushes.
+    distance : float, optional
+        Distance beyond the top of a barrier [length]. By default half of the period of the
+        corrugation on the surface, or of the spacing of the other surface.
+
+    Returns
+    -------
+    Depinning
+        The force on an asperite, with its interval over the asperites.
+
+    Raises
+    ------
+    InputError
+        If another drive holds the surface, no bar moves so far, or the distance is missing.
+    """
+    index = [each.name for each in result.scene.surfaces].index(surface)
+    periods, ground = _ground(result, surface)
     if distance is None:
         if len(set(periods)) != 1:
             raise InputError("distance", "is missing, and the scene has no period along x; give it")
         distance = 0.5 * periods[0]
     distance = number("distance", distance, POSITIVE, "length")
     force, along = _force(result, index, ground)
-    moved = result[name]["x_bar"] - ground[:, None]
-    if surface.springs:
+    moved = result[surface]["x_bar"] - ground[:, None]
+    if result.scene.surfaces[index].springs:
         moved, force = moved.mean(axis=1, keepdims=True), force.mean(axis=1, keepdims=True)
     moved = along * (moved - moved[0])
     slid = moved >= distance
@@ -56,7 +79,7 @@ def depinning(result: RunResult, name: str, distance: float | None = None) -> De
     if not starts.any():
         raise InputError(
             "distance",
-            f'must be one that "{name}" moves, got {distance:g}, and its bars move by '
+            f'must be one that "{surface}" moves, got {distance:g}, and its bars move by '
             f"{np.max(moved):.3g} at most; run for longer or with more force",
         )
     places = np.argmax(np.where(stuck, along * force, -np.inf), axis=0)

@@ -19,7 +19,33 @@ NOTED_DRAG = 0.1
 def friction_force(
     result: RunResult, surface: str, after: float | str | None = None, part: str | None = None
 ) -> Average:
-    """The average of the friction force on a surface, or of a part of it.  Raises InputError."""
+    """The time average of the friction force on a surface, with a 95 % interval.
+
+    The friction force is the x component of the force that resists sliding: the sum of all
+    contact forces f1 and of all forces of external fields.  It is negative on a surface that
+    slides towards positive x.  The scene's output must ask for the series "forces".
+
+    Parameters
+    ----------
+    surface : str
+        Name of the surface.
+    after : float or "auto", optional
+        When the average begins, as in :func:`tribo.time_average`; by default at the scene's
+        ``output.run_in`` [time].
+    part : "contact" or "field", optional
+        Select one of the two; None for both.
+
+    Returns
+    -------
+    Average
+        As of :func:`tribo.time_average` [force].  Its note says where a run stopped.
+
+    Raises
+    ------
+    InputError
+        If the forces were not recorded, no field acts on the surface, or there are fewer than
+        two samples.
+    """
     name = "friction_force"
     if part is not None:
         has_field = any(surface in item.on for item in result.scene.fields)
@@ -27,6 +53,50 @@ def friction_force(
             raise InputError("part", f'must be "contact": no field acts on "{surface}"')
         name = f"{part}_force" if has_field else name
     return force_average(result, f"{surface}.{name}", after)
+
+
+def pull_force(result: RunResult, surface: str, after: float | str | None = None) -> Average:
+    """The time average of the drive's force on a surface, with a 95 % interval.
+
+    It is the x component of the sum of f2 over the asperites: of the springs of a pulled
+    surface, or of the reaction that holds driven bars.  It is positive on a surface that is
+    pulled towards positive x.  The scene's output must ask for the series "forces".
+
+    Parameters
+    ----------
+    surface, after
+        As for :meth:`friction_force`.
+
+    Returns
+    -------
+    Average
+        As of :meth:`friction_force`.
+    """
+    return force_average(result, f"{surface}.pull_force", after)
+
+
+def friction_coefficient(
+    result: RunResult, surface: str, after: float | str | None = None
+) -> Average:
+    """The time average of the friction force on a surface, divided by the load on it.
+
+    Parameters
+    ----------
+    surface, after
+        As for :meth:`friction_force`; the surface's drive has a load.
+
+    Returns
+    -------
+    Average
+        As of :meth:`friction_force`, relative to the load; the mean is not negative.
+    """
+    found = friction_force(result, surface, after)
+    load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
+    if load == 0.0:
+        problem = "is missing; name the surface that has the load"
+        raise InputError(f"{surface}.drive.load", problem)
+    mean, half_width, spread = abs(found.mean), found.half_width, found.spread
+    return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
 
 
 def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:
@@ -62,7 +132,31 @@ def recorded_averages(result: RunResult) -> dict[str, dict[str, Average]]:
 
 
 def time_without_contact(result: RunResult, surface: str, after: float | None = None) -> float:
-    """The share of time in which no bob of a surface is in contact with another surface."""
+    """The fraction of time in which no bob of a surface is in contact with another surface.
+
+    Two bobs are in contact within the range of their potential. Where it decays without an
+    end, they are in contact if their energy is at least 1 % of the sum of the energy of
+    torsion by 1 rad of the softest asperite and of k_B T.  The scene's output must
+    ask for the series "forces".
+
+    Parameters
+    ----------
+    surface : str
+        Name of the surface.
+    after : float, optional
+        When the average begins; by default the scene's ``output.run_in`` [time].
+
+    Returns
+    -------
+    float
+        Between 0 and 1.
+
+    Raises
+    ------
+    InputError
+        If the contact was not recorded, or has no range, as that of Coulomb, or there are
+        fewer than two samples.
+    """
     series = result[surface]
     if "time_without_contact" not in series and not result.ledger.kept:
         raise InputError(

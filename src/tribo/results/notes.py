@@ -19,6 +19,7 @@ from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_ste
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
+from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
 from tribo.results.averages import interval
@@ -50,7 +51,8 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
     scene, system = layout.scene, ledger.system
     potentials = [each.potential for each in scene.interactions]
     potentials += [each.potential for each in scene.fields]
-    own = dict.fromkeys(name for each in potentials for name in _own_classes(each))
+    inner = [type(part) for each in potentials for part in parts(each)]
+    own = dict.fromkeys(kind.__name__ for kind in inner if not is_own(kind))
     if not own or "applied_work" not in system:
         return ()
     change, work = system["total_energy_change"], system["applied_work"]
@@ -63,15 +65,6 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
         f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
         "conservative, or less smooth than it declares; tribo check tells which",
     )
-
-
-def _own_classes(potential: object) -> Iterator[str]:
-    """The names of the user's classes in a potential, which may be made of others."""
-    if isinstance(potential, tuple):
-        if not is_own(type(potential)):
-            yield type(potential).__name__
-        for inner in potential:
-            yield from _own_classes(inner)
 
 
 def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:

@@ -40,7 +40,16 @@ Variable = tuple[tuple[str, ...], np.ndarray | float, dict[str, str]]
 
 
 def dataset(result: RunResult) -> xarray.Dataset:
-    """All series of a result and their error estimates, with all else in the attributes."""
+    """All series as a labelled data set.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``upper.theta`` (time, upper_asperite), ``upper.W`` and ``applied_work`` (time,), each
+        with `units` and `long_name`, and, as ``upper.theta_error``, a bound on its error where
+        one is known.  Coordinates ``time``, ``upper_asperite``, and the resting bobs as
+        ``upper.x_rest``, ``upper.y_rest`` and ``upper.z_rest``.
+    """
     import xarray
 
     variables: dict[str, Variable] = {}
