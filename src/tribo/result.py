@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from tribo.files import netcdf_path, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
-from tribo.results import citations, depinning, force_averages, report, result_file
+from tribo.results import depinning, force_averages, report, result_file
+from tribo.results.citations import citations
 from tribo.results.run_result import Cost, RunResult, itself
 from tribo.validation import as_path
 
@@ -37,7 +38,6 @@ class Result(RunResult):
     pull_force = force_averages.pull_force
     time_without_contact = force_averages.time_without_contact
     depinning = depinning.depinning
-    cite = citations.citations
     to_xarray = result_file.dataset
     __str__ = report.text
     _repr_html_ = report.html
@@ -46,6 +46,16 @@ class Result(RunResult):
     def end(self) -> dict[str, Any]:
         """The end state and the cost, as ``tribo run --json`` prints them."""
         return report.end(self)
+
+    def cite(self, style: str = "text") -> str:
+        """The papers to cite: the model's, and those of the method, potentials and effects.
+
+        Parameters
+        ----------
+        style : "text" or "bibtex"
+            "text" for a line each, "bibtex" for BibTeX entries.
+        """
+        return citations(self.scene, self.method, style)
 
     def to_json(self) -> str:
         """The property `end` as one object of strict JSON; numbers that are not finite are null."""

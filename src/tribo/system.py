@@ -57,13 +57,11 @@ def replace(new: Path, path: Path) -> None:
     end = time.monotonic() + PATIENCE
     while True:
         try:
-            os.replace(new, path)
+            return os.replace(new, path)
         except PermissionError:
             if OPEN_FILES_CAN_BE_REPLACED or time.monotonic() > end:
                 raise
-            time.sleep(PAUSE)
-        else:
-            return
+        time.sleep(PAUSE)
 
 
 def pipe_of_signals() -> tuple[int, int]:

@@ -53,7 +53,7 @@ def _bundle(options: argparse.Namespace) -> int:
             raise InputError(name, f"differs from {other} in case alone; rename one of them")
     manifest = {"made_with": versions(), "files": described}
     contents[MANIFEST] = (strict_json(manifest) + "\n").encode()
-    sums = [f"{_sha256(content)}  {name}\n" for name, content in contents.items()]
+    sums = [f"{hashlib.sha256(each).hexdigest()}  {name}\n" for name, each in contents.items()]
     contents[SUMS] = "".join(sums).encode()
     image = io.BytesIO()
     with zipfile.ZipFile(image, "w") as archive:
@@ -108,7 +108,7 @@ def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], st
 def _about(name: str, content: bytes) -> dict[str, Any]:
     """The entry of a file in the manifest."""
     attributes, scene = _attributes_and_scene(name, content)
-    about: dict[str, Any] = {"bytes": len(content), "sha256": _sha256(content)}
+    about: dict[str, Any] = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     about |= {key: str(attributes[key]) for key in ATTRIBUTES if key in attributes}
     about |= {key: json.loads(attributes[key]) for key in ATTRIBUTES_IN_JSON if key in attributes}
     if scene is not None:
@@ -130,7 +130,3 @@ def _read(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
-
-
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()

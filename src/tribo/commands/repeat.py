@@ -1,7 +1,6 @@
 """Runs that are repeated from their files, and how the two differ."""
 
-from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,27 +12,14 @@ from tribo.simulation import simulate
 from tribo.validation import InputError
 
 
-class Difference(NamedTuple):
-    """A series of two runs that is not the same bit for bit."""
-
-    name: str  # as "upper.w1"; "status" if the runs ended differently
-    # largest difference in the unit of the series; inf where times differ, nan where values are
-    size: float
-
-
-def repeat(
-    result: Result,
-    plugins: bool = True,
-    out: str | Path | None = None,
-    resume: bool = False,
-    threads: int | None = None,
-) -> Result:
+def repeat(result: Result, plugins: bool = True, **others: Any) -> Result:
     """Run the scene of a result again with its settings; without `plugins` it may name no code.
 
     Code that the scene names is loaded from where the scene says, beside the file of the result.
-    Raises InputError if the code has changed, or if the run began from the state of another run.
+    `others` are further arguments of :func:`tribo.simulate`.  Raises InputError if the code has
+    changed, or if the run began from the state of another run.
     """
-    settings = result.settings
+    settings, step = result.settings, result.settings["step"]
     if settings["start"] is not None:
         raise InputError(
             "start",
@@ -43,38 +29,34 @@ def repeat(
     if not plugins:
         with code(Code.REFUSE):
             scene_from(plain_table(result.scene))
-    step = settings["step"]
-    return simulate(
-        result.scene,
-        accuracy=result.accuracy,
-        method=result.method,
-        step=step if isinstance(step, float) else None,
-        out=out,
-        resume=resume,
-        threads=threads,
-    )
+    others |= {"accuracy": result.accuracy, "method": result.method}
+    return simulate(result.scene, step=step if isinstance(step, float) else None, **others)
 
 
-def differences(before: Result, after: Result) -> list[Difference]:
-    """The series and error estimates that differ in any bit, the largest difference first."""
+def differences(before: Result, after: Result) -> dict[str, float]:
+    """The series and error estimates that differ in any bit, and by how much, the largest first.
+
+    "status" if the runs ended differently.  A difference is inf where times differ, nan where
+    values are.
+    """
     if before.status != after.status:
-        return [Difference("status", np.inf)]
+        return {"status": np.inf}
     one, other, none = _series(before), _series(after), np.empty(0)
-    pairs = {name: (one.get(name, none), other.get(name, none)) for name in one | other}
-    found = []
-    for name, (a, b) in pairs.items():
+    found = {}
+    for name in one | other:
+        a, b = one.get(name, none), other.get(name, none)
         if a.tobytes() != b.tobytes():
             gap = np.abs(a - b) if a.shape == b.shape else np.inf
-            found.append(Difference(name, float(np.max(gap, initial=0.0))))
-    return sorted(found, key=lambda difference: -difference.size)
+            found[name] = float(np.max(gap, initial=0.0))
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def sentence(before: Result, after: Result, found: list[Difference]) -> str:
+def sentence(before: Result, after: Result, found: dict[str, float]) -> str:
     """What differs between a run and its repetition, and why it may."""
     if not found:
         return "repeated, bit for bit"
-    worst = f"{found[0].name} by {found[0].size:.1e}"
-    text = f"not repeated bit for bit: {len(found)} series or values differ, {worst}"
+    name, size = next(iter(found.items()))
+    text = f"not repeated bit for bit: {len(found)} series or values differ, {name} by {size:.1e}"
     if before.version != after.version:
         return f"{text}; the file is by tribo {before.version}, and this is {after.version}"
     return f"{text}; other versions of numpy and numba, or another CPU, may round differently"

@@ -48,25 +48,20 @@ class Atoms:
 def atoms_of(scene: Scene) -> Atoms:
     """The asperites of a scene as atoms.  Raises InputError if too many have their own mass."""
     kinds: list[Kind] = []
-    kind_of_each, positions, velocities, charges = [], [], [], []
-    bonds, stiffness, constant, first = [], [], [], 0
+    parts, first = [], 0
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     for index, surface in enumerate(scene.surfaces):
-        each = surface.each
-        numbers, own = _kinds(surface, index, each["mass"])
-        kind_of_each.append(len(kinds) + numbers)
-        kinds += own
+        numbers, own = _kinds(surface, index, surface.each["mass"])
         bobs, bars = _start(scene, index)
+        velocities = np.zeros((surface.count, 3))
+        velocities[:, :2] = surface.velocity + _given(surface, "vx", "vy")
         ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
         if surface.springs.turned:  # no bond has their force
             ends, strengths = ends[:0], strengths[:0]
-        positions.append(bobs)
-        velocities.append(np.zeros((surface.count, 3)))
-        velocities[-1][:, :2] = surface.velocity + _given(surface, "vx", "vy")
-        charges.append(each["charge"])
-        bonds.append(first + ends)
-        stiffness.append(strengths)
-        constant.append(_constant_forces(scene, surface, bobs, bars, ends, strengths))
+        constant = _constant_forces(scene, surface, bobs, bars, ends, strengths)
+        of_atoms = len(kinds) + numbers, bobs, velocities, surface.each["charge"]
+        parts.append((*of_atoms, first + ends, strengths, constant))
+        kinds += own
         first += surface.count
     if len(kinds) > MOST_KINDS:
         raise InputError(
@@ -74,11 +69,7 @@ def atoms_of(scene: Scene) -> Atoms:
             f"must have at most {MOST_KINDS} different masses m1 + m2 for LAMMPS, which has a type "
             f"of atoms for each, got {len(kinds)}",
         )
-    return Atoms(
-        tuple(kinds),
-        *map(np.concatenate, (kind_of_each, positions, velocities, charges)),
-        *map(np.concatenate, (bonds, stiffness, constant)),
-    )
+    return Atoms(tuple(kinds), *map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray, list[Kind]]:

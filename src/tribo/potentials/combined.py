@@ -1,11 +1,6 @@
 """Potentials made of others: sums, multiples, and what both share with cutoffs."""
 
-from tribo.potentials.potential import COMBINED, Constraint, Potential, as_potential
-
-
-def must_be_potential(name: str, part: object) -> Constraint:
-    """The constraint on a parameter that must be a potential."""
-    return name, hasattr(part, "energy"), "must be a potential"
+from tribo.potentials.potential import COMBINED, Potential, as_potential
 
 
 class BetweenCharges(Potential):
@@ -80,9 +75,6 @@ class Sum(BetweenCharges):
         (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
         return max(low, other_low), min(high, other_high)
 
-    def constraints(self):
-        return tuple(map(must_be_potential, self._fields, self))
-
 
 class Wrapper(Potential):
     """A potential whose methods other than energy and force are those of another."""
@@ -106,9 +98,6 @@ class Wrapper(Potential):
 
     def domain(self):
         return self.potential.domain()
-
-    def constraints(self):
-        return (must_be_potential("potential", self.potential),)
 
 
 class Scaled(BetweenCharges, Wrapper):

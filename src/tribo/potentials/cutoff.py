@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tribo.potentials.combined import BetweenCharges, Wrapper, must_be_potential
+from tribo.potentials.combined import BetweenCharges, Wrapper
 from tribo.potentials.potential import AT_CUTOFF
 
 
@@ -32,6 +32,7 @@ class WithCutoff(BetweenCharges, Wrapper):
     """
 
     cutoff: float
+    _limits = (("cutoff", ">", "length"),)
     # Number of continuous derivatives of U at the cutoff; -1 where U jumps.
     _at_cutoff: ClassVar[int]
 
@@ -50,11 +51,8 @@ class WithCutoff(BetweenCharges, Wrapper):
 
     def constraints(self):
         repeated = type(self.potential) in AT_CUTOFF.values()
-        return (
-            must_be_potential("potential", self.potential),
-            ("cutoff", self.cutoff > 0.0, "must be positive [length]"),
-            ("cutoff", not repeated, "must be given once; the potential has another"),
-        )
+        problem = "must be given once; the potential has another"
+        return (*super().constraints(), ("cutoff", not repeated, problem))
 
 
 class Truncated(WithCutoff):
@@ -110,6 +108,7 @@ class Switched(WithCutoff):
     """
 
     switch_from: float
+    _limits = (*WithCutoff._limits, ("switch_from", ">", "length"))
     _at_cutoff = 2
 
     def energy_between(self, r, one, other):
@@ -132,11 +131,8 @@ class Switched(WithCutoff):
 
     def constraints(self):
         below = f"must be below the cutoff {self.cutoff:g} [length]"
-        return (
-            *WithCutoff.constraints(self),
-            ("switch_from", self.switch_from > 0.0, "must be positive [length]"),
-            ("switch_from", self.switch_from < self.cutoff, below),
-        )
+        met = self.switch_from < self.cutoff
+        return (*super().constraints(), ("switch_from", met, below))
 
 
 AT_CUTOFF |= {

@@ -161,7 +161,7 @@ def add(u: ast.expr, v: ast.expr, op: ast.operator | None = None) -> ast.expr:
     return ast.BinOp(u, op, v)
 
 
-def substitute(pattern: str | ast.expr, **parts: ast.expr) -> ast.expr:
+def substitute(pattern: str | ast.expr, /, **parts: ast.expr) -> ast.expr:
     """The expression of a pattern, its names replaced by other expressions."""
 
     class Fill(ast.NodeTransformer):

@@ -28,8 +28,7 @@ LEGS = ((1.0, 1.0), (1.0, 1.4), (1.3, 1.3))
 def curve(calculator: Calculator, symbols: Sequence[str], r: ArrayLike) -> np.ndarray:
     """Energy of two atoms minus that of each alone [eV], at distances `r` [Angstrom]."""
     first, second = symbols
-    alone = _energy(calculator, [first], [[0.0, 0.0, 0.0]])
-    alone += _energy(calculator, [second], [[0.0, 0.0, 0.0]])
+    alone = _energy(calculator, [first]) + _energy(calculator, [second])
     pairs = [[[0.0, 0.0, 0.0], [x, 0.0, 0.0]] for x in np.ravel(r).tolist()]
     energies = [_energy(calculator, [first, second], pair) - alone for pair in pairs]
     return np.reshape(energies, np.shape(r))
@@ -94,7 +93,7 @@ def _three_body(calculator: Calculator, symbols: Sequence[str], table: Table) ->
         places = np.array([[0.0, 0.0], [one, 0.0], [0.0, other]]) * unit
         for trio in ([symbols[0], *symbols], [*symbols, symbols[1]]):
             energy = _energy(calculator, trio, np.column_stack([places, np.zeros(3)]).tolist())
-            pairs = sum(_energy(calculator, [name], [[0.0, 0.0, 0.0]]) for name in trio)
+            pairs = sum(_energy(calculator, [name]) for name in trio)
             for i, j in ((0, 1), (0, 2), (1, 2)):
                 r = float(np.hypot(*(places[i] - places[j])))
                 pairs += float(curve(calculator, (trio[i], trio[j]), r))
@@ -110,8 +109,8 @@ def _minimum(table: Table) -> float:
     return 0.5 * float(table.r[0] + table.r[-1])
 
 
-def _energy(calculator: Calculator, symbols: list[str], positions: ArrayLike) -> float:
-    """Potential energy of some atoms [eV]."""
+def _energy(calculator: Calculator, symbols: list[str], positions: Any = None) -> float:
+    """Potential energy of some atoms [eV], by default of one at the origin."""
     from ase import Atoms
 
     return float(calculator.get_potential_energy(Atoms(symbols, positions=positions)))

@@ -11,7 +11,7 @@ from functools import cache
 
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
-from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules
+from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules, substitute
 from tribo.potentials.potential import Potential, as_potential
 from tribo.validation import InputError, short_repr
 
@@ -168,13 +168,10 @@ def _names(tree: ast.AST) -> list[str]:
 
 def _compiled(tree: ast.expr) -> str:
     """The source of an expression in a method: parameters of self, functions of numpy."""
-
-    class Rename(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.expr:
-            if node.id == "r":
-                return node
-            if node.id == "pi" or node.id in IN_NUMPY:
-                return ast.Attribute(ast.Name("np"), IN_NUMPY.get(node.id, node.id))
-            return ast.Attribute(ast.Name("self"), node.id)
-
-    return ast.unparse(Rename().visit(ast.parse(ast.unparse(tree), mode="eval").body))
+    text, parts = ast.unparse(tree), {}
+    for name in _names(ast.parse(text)):
+        if name == "pi" or name in IN_NUMPY:
+            parts[name] = ast.Attribute(ast.Name("np"), IN_NUMPY.get(name, name))
+        elif name != "r":
+            parts[name] = ast.Attribute(ast.Name("self"), name)
+    return ast.unparse(substitute(text, **parts))

@@ -114,6 +114,7 @@ class PotentialType(type):
             plain = namedtuple(name, names, defaults=values)  # type: ignore[misc]
             for each in (*names, *(each for each in OF_TUPLES if each not in namespace)):
                 setattr(cls, each, vars(plain)[each])
+            cls._parts = (*cls._parts, *(each for each in own if "Potential" in str(kinds[each])))
         return cls
 
 
@@ -126,6 +127,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     _fields: ClassVar[tuple[str, ...]] = ()
     _field_defaults: ClassVar[dict[str, Any]] = {}
+    # Parameters that are potentials.
+    _parts: ClassVar[tuple[str, ...]] = ()
     # Parameters that are positive, ">", or not negative, ">=", and their units.
     _limits: ClassVar[tuple[tuple[str, str, str], ...]] = ()
     # Arithmetic with numbers and arrays of numpy is that of this class.
@@ -177,12 +180,15 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
         As ("sigma", self.sigma > 0.0, "must be positive [length]").
         """
-        conditions = {">": POSITIVE, ">=": NOT_NEGATIVE}
-        limits = ((name, *conditions[sign], unit) for name, sign, unit in self._limits)
-        return tuple(
-            (name, holds(getattr(self, name)), problem + f" [{unit}]" * bool(unit))
-            for name, problem, holds, unit in limits
-        )
+        found = [
+            (name, hasattr(getattr(self, name), "energy"), "must be a potential")
+            for name in self._parts
+        ]
+        for name, sign, unit in self._limits:
+            problem, holds = {">": POSITIVE, ">=": NOT_NEGATIVE}[sign]
+            met = holds(getattr(self, name))
+            found.append((name, met, problem + f" [{unit}]" * bool(unit)))
+        return tuple(found)
 
     def with_cutoff(
         self, cutoff: float, at_cutoff: str = "switch", switch_from: float | None = None

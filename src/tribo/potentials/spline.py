@@ -151,7 +151,8 @@ def from_points(r: object, energy: object, error: float | None = None) -> Table:
     if error is None:
         error = _error_of_half(r, values)
     error = number("error", error, NOT_NEGATIVE, "energy")
-    slopes = _slopes(r, values)
+    slopes = np.ascontiguousarray(_spline(r, values)(r, 1))
+    slopes.flags.writeable = False
     return Table(r, values, slopes, error, _length(r, slopes, curvatures(r, values, slopes)))
 
 
@@ -246,22 +247,17 @@ def curvatures(r: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> np.ndar
     return np.append(left, last)
 
 
-def _slopes(r: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """dU/dr (n,) at the points of the spline through them."""
+def _spline(r: np.ndarray, values: np.ndarray) -> Callable[..., np.ndarray]:
+    """The spline through points, a function of r and the order of a derivative."""
     from scipy.interpolate import CubicSpline
 
-    slopes = np.ascontiguousarray(CubicSpline(r, values)(r, 1))
-    slopes.flags.writeable = False
-    return slopes
+    return CubicSpline(r, values)  # type: ignore[no-any-return]
 
 
 def _error_of_half(r: np.ndarray, values: np.ndarray) -> float:
     """Largest error of the spline through every other point, and the last, at the others."""
-    from scipy.interpolate import CubicSpline
-
     kept = np.union1d(np.arange(0, r.size, 2), [r.size - 1])
-    spline = CubicSpline(r[kept], values[kept])
-    return float(np.max(np.abs(spline(r) - values)))
+    return float(np.max(np.abs(_spline(r[kept], values[kept])(r) - values)))
 
 
 def _length(r: np.ndarray, slopes: np.ndarray, curves: np.ndarray) -> float:

@@ -4,8 +4,8 @@ import inspect
 import re
 
 from tribo.integrators.methods import METHODS
+from tribo.model.scene import Scene
 from tribo.plugins.classes import parts
-from tribo.results.run_result import RunResult
 from tribo.validation import choice
 
 STYLES = ("text", "bibtex")
@@ -31,25 +31,17 @@ PAPER = re.compile(
 )
 
 
-def citations(result: RunResult, style: str = "text") -> str:
-    """The papers to cite: the model's, and those of the method, potentials and effects.
-
-    Parameters
-    ----------
-    style : "text" or "bibtex"
-        "text" for a line each, "bibtex" for BibTeX entries.
-    """
+def citations(scene: Scene, method: str, style: str) -> str:
+    """The references as text or BibTeX; see :meth:`tribo.Result.cite`."""
     from tribo import __version__
 
     choice("style", style, STYLES)
     found = {key: text.format(version=__version__) for key, text in ALWAYS.items()}
-    if result.method in METHODS:
-        found[f"method {result.method}"] = METHODS[result.method].source
-    for interaction in result.scene.interactions:
+    if method in METHODS:
+        found[f"method {method}"] = METHODS[method].source
+    for interaction in scene.interactions:
         found |= _of_potential(interaction.potential)
-    found |= {
-        name: OF_EFFECTS[name] for name in map(str, result.scene.effects) if name in OF_EFFECTS
-    }
+    found |= {name: OF_EFFECTS[name] for name in map(str, scene.effects) if name in OF_EFFECTS}
     if style == "text":
         return "\n".join(f"{key}: {text}." for key, text in found.items())
     return "\n".join(_bibtex(key, text) for key, text in found.items())
