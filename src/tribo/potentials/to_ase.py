@@ -46,10 +46,12 @@ class PairCalculator(Calculator):
         energies, forces, virial = np.zeros(n), np.zeros((n, 3)), np.zeros((3, 3))
         i, j, d, r = self._pairs(atoms)
         names = np.array(atoms.get_chemical_symbols())
+        both = np.sort([names[i], names[j]], axis=0)
         charges = atoms.get_initial_charges()
         for elements, potential in self._potentials.items():
-            k = _between(names[i], names[j], elements)
-            k &= r < potential.range()
+            k = r < potential.range()
+            if elements is not None:
+                k &= np.all(both == np.sort(elements)[:, None], axis=0)
             pair = (r[k], charges[i[k]], charges[j[k]])
             pull = (potential.force_between(*pair) / r[k])[:, None] * d[k]
             np.add.at(energies, i[k], 0.5 * potential.energy_between(*pair))
@@ -87,11 +89,3 @@ def _by_elements(potential: object) -> dict[tuple[str, str] | None, Potential]:
             raise must_be("potential", 'a mapping with keys of two elements, as ("Cu", "O")', key)
         table[key] = as_potential(item)
     return table
-
-
-def _between(one: np.ndarray, other: np.ndarray, elements: tuple[str, str] | None) -> np.ndarray:
-    """Whether each pair is of those elements, in either order."""
-    if elements is None:
-        return np.ones(one.size, dtype=bool)
-    first, second = elements
-    return ((one == first) & (other == second)) | ((one == second) & (other == first))
