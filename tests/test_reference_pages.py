@@ -8,7 +8,7 @@ import tribo
 from tribo.commands.parser import _parser
 from tribo.ledger import quantities
 from tribo.result import Result
-from tribo.results import dataset
+from tribo.results import result_file
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
 
@@ -56,7 +56,7 @@ def test_every_attribute_and_coordinate(tmp_path):
     result = tribo.simulate(scene)
     assert isinstance(result, Result)
     result.save(tmp_path / "run.nc")
-    data = dataset.load(tmp_path / "run.nc")
+    data = result_file.load(tmp_path / "run.nc")
     text = page("result_file")
     attributes = re.findall(r"^\| `(\w+)` \|", text.partition("## Attributes")[2], re.M)
     assert set(attributes) == data.attrs.keys()

@@ -102,7 +102,7 @@ class PotentialType(type):
         for each in DOCUMENTATION.keys() & methods.keys():
             if not methods[each].__doc__:
                 methods[each].__doc__ = DOCUMENTATION[each]
-        cls = super().__new__(mcs, name, bases, {"__slots__": ()} | methods)
+        cls: Any = super().__new__(mcs, name, bases, {"__slots__": ()} | methods)
         kinds = inspect.get_annotations(cls)
         own = [each for each, kind in kinds.items() if "ClassVar" not in str(kind)]
         if own:
