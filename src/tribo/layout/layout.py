@@ -28,9 +28,9 @@ from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends
-from tribo.model.identity import loaded
+from tribo.model.identity import loaded, plugins_of
 from tribo.model.scene import Scene
-from tribo.potentials.from_ase import Call, Live
+from tribo.potentials.from_ase import Call
 
 # Times that differ by less than this fraction of the duration are one.
 SAME = 1e-12
@@ -134,15 +134,7 @@ class Layout:
     @property
     def named_plugins(self) -> list[tuple[str, Any]]:
         """All plug-ins that a user may have written, each with its field in the scene."""
-        model = self.model
-        places = [
-            (f"interaction[{i}].potential", item.potential)
-            for i, item in enumerate(self.scene.interactions)
-            if not isinstance(item.potential, Live)
-        ]
-        places += [(f"field[{i}].kind", f.potential) for i, f in enumerate(model.fields or ())]
-        places += [(f"surface[{c.surface}].drive", c.plugin) for c in model.drives or ()]
-        return places + [(f"surface[{c.surface}].bars", c.plugin) for c in model.ends or ()]
+        return plugins_of(self.scene)
 
     @property
     def accounts_of_fields(self) -> list[int]:

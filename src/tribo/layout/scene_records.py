@@ -46,16 +46,20 @@ def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np
     asperites = np.zeros(scene.count, records.ASPERITE)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
-        part = parts[surface.name]
-        _fill_asperites(asperites[part], scene, k)
-        asperites["surface"][part] = k
-        surfaces["mass"][k] = np.sum(asperites["mass"][part])
-        hung = surface.count * float(np.sum(surface.bath.masses))
-        surfaces["total_mass"][k] = surfaces["mass"][k] + hung
-        surfaces["inverse_total_mass"][k] = 1.0 / surfaces["total_mass"][k]
-        surfaces["turning"][k] = np.any(asperites["nu"][part] != 0.0)
-        surfaces["tilted"][k] = surfaces["turning"][k] | np.any(asperites["phi"][part] != 0.0)
-        _fill_surface(surfaces[k : k + 1], surface, scene.surfaces[0])
+        own, record = asperites[parts[surface.name]], surfaces[k : k + 1]
+        _fill_surface(record, surface, scene.surfaces[0])
+        fill_parameters(own, surface, surface.each, resting_bobs(scene, k))
+        own["surface"] = k
+        for name in ("facing", "vx", "vy"):
+            own[name] = record[name]
+        initial = surface.initial.for_each(surface.count)
+        for name in ("phi", "nu"):
+            own[name] = 0.0 if initial[name] is None else initial[name]
+        record["mass"] = np.sum(own["mass"])
+        record["total_mass"] = record["mass"] + surface.count * float(np.sum(surface.bath.masses))
+        record["inverse_total_mass"] = 1.0 / record["total_mass"]
+        record["turning"] = np.any(own["nu"] != 0.0)
+        record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
     return asperites, surfaces
 
 
@@ -63,17 +67,6 @@ def resting_bobs(scene: Scene, index: int) -> np.ndarray:
     """(n, 3) resting bobs of a surface, relative to the first surface's first."""
     origin = scene.surfaces[0].first_bob
     return scene.surfaces[index].resting_bobs(origin, seed=[scene.seed, index, 0])
-
-
-def _fill_asperites(asperites: np.ndarray, scene: Scene, index: int) -> None:
-    surface, first = scene.surfaces[index], scene.surfaces[0]
-    fill_parameters(asperites, surface, surface.each, resting_bobs(scene, index))
-    asperites["facing"] = surface.facing_sign
-    asperites["vx"] = surface.velocity[0] - first.velocity[0]
-    asperites["vy"] = surface.velocity[1] - first.velocity[1]
-    initial = surface.initial.for_each(surface.count)
-    for name in ("phi", "nu"):
-        asperites[name] = 0.0 if initial[name] is None else initial[name]
 
 
 def fill_parameters(
@@ -184,18 +177,16 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
             table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
         tables.append(np.repeat(table, columns.shape[1], axis=1))
         chains.append(_chains(columns[i].ravel(), columns[j].ravel(), k))
-    every = np.concatenate(chains)
-    return _in_blocks(every, np.concatenate(tables, axis=1)) if every.size else None
-
-
-def _in_blocks(chains: np.ndarray, springs: np.ndarray) -> Springs:
-    """The springs of chains, each of which begins with a block and fills its last one."""
-    whole = -(-chains["count"] // LANES) * LANES
-    chains["first"] = np.cumsum(whole) - whole
-    table, within = room((springs.shape[0], int(np.sum(whole)))), np.arange(springs.shape[1])
-    before = np.cumsum(chains["count"]) - chains["count"]  # springs of the chains before each
-    table[:, within + np.repeat(chains["first"] - before, chains["count"])] = springs
-    return Springs(chains.view(np.recarray), table)
+    every, springs = np.concatenate(chains), np.concatenate(tables, axis=1)
+    if not every.size:
+        return None
+    # Each chain begins with a block and fills its last one.
+    whole = -(-every["count"] // LANES) * LANES
+    every["first"] = np.cumsum(whole) - whole
+    blocks, within = room((len(springs), int(np.sum(whole)))), np.arange(springs.shape[1])
+    before = np.cumsum(every["count"]) - every["count"]  # springs of the chains before each
+    blocks[:, within + np.repeat(every["first"] - before, every["count"])] = springs
+    return Springs(every.view(np.recarray), blocks)
 
 
 def stiffness_at_bars(springs: Springs, count: int) -> np.ndarray:

@@ -45,14 +45,13 @@ class Span:
 
 def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
     """Consecutive asperites among all, at most SPAN_SIZE at a time."""
-    starts = range(part.start, part.stop, SPAN_SIZE)
-    return tuple(_some(whole, slice(k, min(k + SPAN_SIZE, part.stop))) for k in starts)
-
-
-def _some(whole: Span, place: slice) -> Span:
-    own = Asperites(**{name: each[..., place] for name, each in vars(whole.asperites).items()})
-    parts = whole.velocity[..., place], whole.held[place], whole.reservoir[:, place]
-    return Span(place, own, *parts)
+    spans = []
+    for start in range(part.start, part.stop, SPAN_SIZE):
+        place = slice(start, min(start + SPAN_SIZE, part.stop))
+        own = Asperites(**{name: each[..., place] for name, each in vars(whole.asperites).items()})
+        others = whole.velocity[..., place], whole.held[place], whole.reservoir[:, place]
+        spans.append(Span(place, own, *others))
+    return tuple(spans)
 
 
 def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:

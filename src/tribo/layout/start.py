@@ -102,21 +102,13 @@ def _bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
 def hang_baths(asperites: np.ndarray, scene: Scene, parts: Parts, q: np.ndarray) -> None:
     """Put all oscillators of q, (..., coordinates), at their bars, where they exert no force."""
     for surface in scene.surfaces:
-        own, part = asperites[parts[surface.name]], parts[surface.name]
+        own, swing = asperites[parts[surface.name]], q[..., parts[surface.name]]
+        # Displacements of the bars from their uniform motion at rest: driven bars stay in place.
+        arm = (own["l2"] - own["pivot"]) * own["facing"]
+        x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
+        for bars, slots in ((x, own["dof_x"]), (y, own["dof_y"])):
+            if np.all(slots >= 0):
+                bars += q[..., slots]
         along_x, along_y, torsional = _bath_slots(own, surface.bath)
-        x, y = displaced_bars(own, part, q)
         q[..., along_x], q[..., along_y] = x[..., None], y[..., None]
         q[..., torsional] = q[..., own["dof_phi"], None]
-
-
-def displaced_bars(
-    asperites: np.ndarray, part: slice, q: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements of a surface's bars from their uniform motion at rest, along x and y."""
-    arm = (asperites["l2"] - asperites["pivot"]) * asperites["facing"]  # driven bars stay in place
-    swing = q[..., part]
-    x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
-    for bars, slots in ((x, asperites["dof_x"]), (y, asperites["dof_y"])):
-        if np.all(slots >= 0):
-            bars += q[..., slots]
-    return x, y

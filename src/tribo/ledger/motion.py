@@ -211,8 +211,10 @@ def add_reactions(layout: Layout, y: np.ndarray, s: np.ndarray, start: np.ndarra
     for index in range(len(layout.parts)):
         if layout.surfaces[index].drive == BARS and layout.surfaces[index].acc_drive >= 0:
             changes = [_changes(layout, span, y, start) for span in layout.spans[index]]
-            if layout.model.sums is not None:
-                changes = [_in_first_lane(changes, layout.surfaces[index].account_stride)]
+            if layout.model.sums is not None:  # over asperites, in the first lane
+                lanes = np.zeros((3, len(y), layout.surfaces[index].account_stride))
+                lanes[:, :, 0] = sum(np.sum(change, axis=2) for change in changes)
+                changes = [lanes]
             for span, change in zip(layout.accounted_spans[index], changes, strict=True):
                 _add(Accounts(span, s), s, change)
 
@@ -226,13 +228,6 @@ def _changes(layout: Layout, span: Span, y: np.ndarray, start: np.ndarray) -> np
     )
     kinetic = 0.5 * a.mass * (vx**2 + vy**2 - vx0**2 - vy0**2)
     return np.stack([a.mass * (vx - vx0), a.mass * (vy - vy0), kinetic])
-
-
-def _in_first_lane(changes: list[np.ndarray], lanes: int) -> np.ndarray:
-    """The sums over asperites as those of the first of some lanes, (3, times, lanes)."""
-    found = np.zeros((*changes[0].shape[:2], lanes))
-    found[:, :, 0] = sum(np.sum(change, axis=2) for change in changes)
-    return found
 
 
 def _add(forces: Accounts, s: np.ndarray, change: np.ndarray) -> None:

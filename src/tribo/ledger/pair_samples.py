@@ -94,7 +94,10 @@ class PairSamples(Samples):
             self._factors.linear[key] = factors
         columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
         if factors.size > len(factors):
-            values = _product(columns, factors.reshape(len(factors), -1))
+            # In the calling thread alone.
+            parts = [columns[k : k + ROWS_AT_ONCE] for k in range(0, len(columns), ROWS_AT_ONCE)]
+            table = factors.reshape(len(factors), -1)
+            values = np.concatenate([rows @ table for rows in parts or [columns]])
             return values.reshape(len(values), *factors.shape[1:])
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
         value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
@@ -134,20 +137,12 @@ class PairSamples(Samples):
         return Samples, self.columns
 
     @cached_property
-    def _arcs(self) -> np.ndarray:
-        """Integrals of q omega sin q: the powers of the end forces are multiples of it."""
+    def _columns(self) -> np.ndarray:
+        """The record's columns before the energy, and the arcs.
+
+        Those are integrals of q omega sin q: the powers of the end forces are multiples of them.
+        """
         q = self._record[:, [Q1, Q2]].reshape(-1, self.runs, 2)
         first = self._first[:, [Q1, Q2]]
         arcs = (np.sin(q) - q * np.cos(q)) - (np.sin(first) - first * np.cos(first))
-        return np.asarray(arcs.reshape(-1, 2))
-
-    @cached_property
-    def _columns(self) -> np.ndarray:
-        """The record's columns before the energy, and the arcs."""
-        return np.concatenate([self._record[:, :ENERGY], self._arcs], axis=1)
-
-
-def _product(rows: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """The product of two matrices, in the calling thread alone."""
-    starts = range(0, max(len(rows), 1), ROWS_AT_ONCE)
-    return np.concatenate([rows[k : k + ROWS_AT_ONCE] @ factors for k in starts])
+        return np.concatenate([self._record[:, :ENERGY], arcs.reshape(-1, 2)], axis=1)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.separation import has_contact_distance
-from tribo.ledger.totals import Linear, SurfaceSeries, SystemSeries
+from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -50,8 +50,8 @@ def _moving(kind: str, long_name: str, value: Callable[[Motion], np.ndarray]) ->
 
 def _accounted(name: str, long_name: str, present: Has = always) -> Quantity:
     """A quantity that follows from their accounts."""
-    of = Linear(lambda group, integrals: group.accounted(integrals, name))
-    return Quantity("energy", long_name, of, present)
+    of = Linear(partial(AsperiteSeries.accounted, name=name))
+    return _energy(long_name, of, present)
 
 
 def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
@@ -70,10 +70,6 @@ def _has_reservoir(scene: Scene, surface: Surface) -> bool:
 
 def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
     return Quantity("energy", long_name, of, present)
-
-
-def _summed(name: str) -> Linear:
-    return Linear(lambda whole, integrals: whole.summed(integrals, name))
 
 
 # Of each asperite, in the order in which they are reported.
@@ -157,19 +153,13 @@ def needs_accounts(name: str) -> bool:
     return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
 
 
-def _force(name: str, axis: int) -> Callable[[SurfaceSeries], np.ndarray]:
-    return lambda whole: whole.force(name, axis)
-
-
 def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
     """The x component of the sum of some forces on a surface."""
-    meaning = f"x of {force} on the surface"
-    return Quantity(
-        "force",
-        meaning,
-        lambda whole: np.sum(sum(whole.force(name, 0) for name in names), axis=1),
-        present,
-    )
+
+    def of(whole: SurfaceSeries) -> np.ndarray:
+        return np.asarray(np.sum(sum(whole.force(name, 0) for name in names), axis=1))
+
+    return Quantity("force", f"x of {force} on the surface", of, present)
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -179,7 +169,10 @@ def _has_bath(scene: Scene, surface: Surface) -> bool:
 # Of each asperite on request, without an accuracy.
 FURTHER_OF_ASPERITES = {
     f"{name}_{along}": Quantity(
-        "force", f"{along} of the {force.meaning}", _force(name, axis), force.is_known
+        "force",
+        f"{along} of the {force.meaning}",
+        partial(SurfaceSeries.force, name=name, axis=axis),
+        force.is_known,
     )
     for name, force in FORCES.items()
     for axis, along in enumerate("xy")
@@ -246,7 +239,9 @@ def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
 
 # The sums over the asperites of a surface, by the names of what is summed.
 SUMMED_QUANTITIES = {
-    name: Quantity(quantity.kind, f"{quantity.long_name}, all asperites", _summed(name))
+    name: _energy(
+        f"{quantity.long_name}, all asperites", Linear(partial(SurfaceSeries.summed, name=name))
+    )
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
     if needs_accounts(name)
 }

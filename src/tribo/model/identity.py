@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from tribo.compiler.jit import package_stamp
 from tribo.model.drives import Custom, Ends
@@ -54,12 +54,12 @@ def plugin_stamps(scene: Scene) -> dict[str, str | None]:
     """The hash of the sources of each plug-in that is not this package's, by its field."""
     stamps = {
         place: item.stamp if isinstance(item, Unloaded) else source_stamp([item])
-        for place, item in _plugins(scene)
+        for place, item in plugins_of(scene)
     }
     return {place: stamp for place, stamp in stamps.items() if stamp != ""}
 
 
-def _plugins(scene: Scene) -> list[tuple[str, NamedTuple | Unloaded]]:
+def plugins_of(scene: Scene) -> list[tuple[str, Any]]:
     """All plug-ins, each with its field in the scene; no calculators."""
     places = [
         (f"interaction[{i}].potential", item.potential) for i, item in enumerate(scene.interactions)
@@ -77,7 +77,7 @@ def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path
     """The scene in a result, without its code; `stamps` are those of :func:`plugin_stamps`."""
     with code(Code.LEAVE):
         scene = scene_from(table, folder)
-    for place, item in _plugins(scene):
+    for place, item in plugins_of(scene):
         if isinstance(item, Unloaded):
             item.stamp = stamps.get(place)
     return scene
@@ -85,7 +85,7 @@ def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path
 
 def loaded(scene: Scene) -> Scene:
     """The scene with the code of all its plug-ins; InputError if that has changed."""
-    before = {place: item for place, item in _plugins(scene) if isinstance(item, Unloaded)}
+    before = {place: item for place, item in plugins_of(scene) if isinstance(item, Unloaded)}
     if not before:
         return scene
     scene = scene_from(plain_table(scene))
