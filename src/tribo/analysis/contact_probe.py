@@ -25,12 +25,22 @@ class ContactProbe:
         self.charges = self.layout.model.each[CHARGE, self.layout.places.columns]  # (n,)
         self.depths = self.layout.depths  # (n,) z of the bobs, from the first bob [length]
 
-    def __call__(self, positions: np.ndarray, charges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def positions(self, bobs: np.ndarray) -> np.ndarray:
+        """(k, n, 3) positions of bobs at x and y as in a result, (k, n, 2), and at their depths."""
+        depths = np.broadcast_to(self.depths[:, None], (*bobs.shape[:2], 1))
+        return np.concatenate([bobs - self.layout.origin, depths], axis=2)
+
+    def __call__(
+        self, positions: np.ndarray, charges: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Energies (k,) and contact forces f1 on the bobs (k, n, 2) of k arrangements.
 
-        `positions` is (k, n, 3), `charges` (k, n); contact within a surface is left out.  Raises
-        InputError if a potential does not compile, or a calculator fails.
+        `positions` is (k, n, 3), `charges` (k, n), by default the bobs' own; contact within a
+        surface is left out.  Raises InputError if a potential does not compile, or a calculator
+        fails.
         """
+        if charges is None:
+            charges = np.tile(self.charges, (len(positions), 1))
         energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
         columns = self.layout.places.columns
         self._probe(len(positions), columns, positions, charges, energies, forces)

@@ -44,18 +44,9 @@ class Row:
 HEAD = f"{'scene':<28} {'error':>8} {'estimate':>8} {'time':>10}  outcome"
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """The difference from one quantity of a reference, in units of its scale."""
-
-    error: float
-    estimate: float | None
-    rounding: float  # of the reference to a double, in the same units
-
-    @property
-    def honest(self) -> bool:
-        """Whether the error is within its estimate."""
-        return self.estimate is None or self.error <= self.estimate + self.rounding
+# The difference from one quantity of a reference, the estimate of this error, and the rounding of
+# the reference to a double, all in units of its scale.
+Deviation = tuple[float, float | None, float]
 
 
 def row(entry: HardScene) -> Row:
@@ -73,9 +64,10 @@ def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     if stops == (result.status == Status.COMPLETED):  # the reference is of another end
         return Row(entry.name, entry.declared, _outcome(result), False, None, None, seconds)
     found = [_stop(entry, result)] if stops else list(_deviations(entry, result))
-    outcome = _outcome(result) if all(item.honest for item in found) else NOT_HONEST
-    error = max(item.error for item in found)
-    estimates = [item.estimate for item in found if item.estimate is not None]
+    honest = all(estimate is None or error <= estimate + more for error, estimate, more in found)
+    outcome = _outcome(result) if honest else NOT_HONEST
+    error = max(error for error, _, _ in found)
+    estimates = [estimate for _, estimate, _ in found if estimate is not None]
     return Row(
         name=entry.name,
         declared=entry.declared,
@@ -96,7 +88,7 @@ def _outcome(result: Result) -> str:
 def _stop(entry: HardScene, result: Result) -> Deviation:
     """The difference of the time of a stop, in units of the duration."""
     (digits,) = entry.reference[STOP_TIME]
-    return Deviation(abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0)
+    return abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0
 
 
 def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
@@ -107,10 +99,10 @@ def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
         values = np.atleast_1d(result[surface][name][-1])
         for value, true in zip(values, map(float, digits), strict=True):
             bar = result.error_estimate[name]
-            yield Deviation(
-                error=_relative(abs(float(value) - true), name, scales),
-                estimate=None if bar is None else _relative(bar, name, scales),
-                rounding=_relative(EPSILON * abs(true), name, scales),
+            yield (
+                _relative(abs(float(value) - true), name, scales),
+                None if bar is None else _relative(bar, name, scales),
+                _relative(EPSILON * abs(true), name, scales),
             )
 
 

@@ -97,8 +97,5 @@ def _contact_forces(result: RunResult, bobs: np.ndarray) -> tuple[np.ndarray, np
     forces = np.zeros((len(bobs), 2 * bobs.shape[1], 3))
     probe = ContactProbe(result.scene)
     if result.scene.interactions:
-        places = bobs - np.append(probe.layout.origin, 0.0)
-        places[..., 2] = probe.depths
-        _, found = probe(places, np.tile(probe.charges, (len(bobs), 1)))
-        forces[:, : bobs.shape[1], :2] = found
+        _, forces[:, : bobs.shape[1], :2] = probe(probe.positions(bobs[..., :2]))
     return forces, np.array(probe.charges)

@@ -110,22 +110,14 @@ class Run:
 
     def series(self, quantity: str) -> np.ndarray:
         """A printed quantity at all recorded times, (times,)."""
-        upper = self.result["upper"]
-        if quantity == "Theta":
-            return self.result["lower"].theta[:, 0]
-        if quantity == "wL + wR":
-            return (upper.wL + upper.wR)[:, 0]
-        if quantity == "w - w_ps":
-            return (upper.w - upper.w_ps)[:, 0]
-        return upper[_name(quantity)][:, 0]
+        table = self.result["lower" if quantity == "Theta" else "upper"]
+        parts = _parts(quantity).items()
+        return np.sum([sign * table[name][:, 0] for name, sign in parts], axis=0)
 
     def error(self, quantity: str) -> float:
         """The error estimate of a printed quantity, in its unit: the sum of those of its parts."""
-        bounds = self.result.error_estimate
-        parts = {"Theta": ["theta"], "wL + wR": ["wL", "wR"], "w - w_ps": ["w", "w_ps"]}
-        names = parts.get(quantity, [_name(quantity)])
         twice = 2.0 if quantity.startswith("delta x") else 1.0
-        return twice * sum(bounds[name] or 0.0 for name in names)
+        return twice * sum(self.result.error_estimate[name] or 0.0 for name in _parts(quantity))
 
     def at(self, quantity: str, t: float | np.ndarray) -> np.ndarray:
         """A printed quantity at any times, by a spline that is accurate to 1e-9."""
@@ -174,7 +166,13 @@ class Run:
         ]
 
 
-def _name(quantity: str) -> str:
-    """Name in the ledger of a quantity as it is printed."""
-    names = {"delta e_int": "delta_e_int", "delta k_trans": "delta_k_trans"}
-    return names.get(quantity, quantity.removeprefix("delta "))
+def _parts(quantity: str) -> dict[str, float]:
+    """The series of the ledger whose sum is a printed quantity, each with its sign."""
+    several = {
+        "Theta": {"theta": 1.0},
+        "wL + wR": {"wL": 1.0, "wR": 1.0},
+        "w - w_ps": {"w": 1.0, "w_ps": -1.0},
+        "delta e_int": {"delta_e_int": 1.0},
+        "delta k_trans": {"delta_k_trans": 1.0},
+    }
+    return several.get(quantity, {quantity.removeprefix("delta "): 1.0})

@@ -6,8 +6,9 @@ with which step of the paper's own method, it does.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
+from itertools import groupby
 
 import numpy as np
 
@@ -102,7 +103,7 @@ def _rows(case: str) -> Iterator[Row]:
 def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> Row:
     quantity, printed = row["quantity"], row["printed"]
     times = (END[run.case],) if row["t"] == "end" else tuple(map(float, row["t"].split("..")))
-    computed = _change(run, quantity, times)
+    computed = _change(run.at(quantity, np.array(times)))
     agreeing = agrees(computed, printed)
     notes = [row["note"]] if row["note"] and row["t"] != "end" else []
     if row["t"] == "end":
@@ -111,15 +112,15 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         notes.append(f"end time not printed; at t = {END[run.case]:g}{also} all end values agree")
     cause, own = None, None
     if not agreeing:
-        cause, explanations = _explanations(run, quantity, times, printed)
+        cause, explanations = _explanations(run, quantity, times, computed, printed)
         own = _from_positions(run, row, printed_rows)
         notes += explanations + ([] if own is None else [f"the paper's positions give {own:.4f}"])
     same = (r["printed"] for r in printed_rows if (r["t"], r["quantity"]) == (row["t"], quantity))
     for other in sorted({*same} - {printed}):
         if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
             notes.append(f"the paper also prints {other} for it")
-    found = _row(row, computed, run.error(quantity), agreeing, notes, cause)
-    return replace(found, unlike_its_own=own is not None)
+    error = run.error(quantity)
+    return _row(row, computed, error, agreeing, notes, cause, unlike_its_own=own is not None)
 
 
 def _from_positions(
@@ -149,10 +150,9 @@ def _from_positions(
     return None if agrees(own, row["printed"]) else own
 
 
-def _change(run: Run, quantity: str, times: tuple[float, ...]) -> float:
-    """The quantity at one time, or its change between two."""
-    values = [float(run.at(quantity, t)) for t in times]
-    return values[-1] - values[0] if len(times) == 2 else values[0]
+def _change(values: np.ndarray) -> float:
+    """The value at one time, or the change between two."""
+    return float(values[-1] - values[0] if len(values) == 2 else values[0])
 
 
 # Differences within half a unit of the last digit of a printed time [time]: round ones first.
@@ -165,7 +165,7 @@ _SHIFTS = [
 
 
 def _explanations(
-    run: Run, quantity: str, times: tuple[float, ...], printed: str
+    run: Run, quantity: str, times: tuple[float, ...], computed: float, printed: str
 ) -> tuple[Cause, list[str]]:
     """Why a printed number differs: a time before rounding, or the error of the method."""
     found = []
@@ -173,7 +173,7 @@ def _explanations(
         near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
         moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
         sign = 1.0 if k == len(times) - 1 else -1.0
-        changed = _change(run, quantity, times) + sign * moved
+        changed = computed + sign * moved
         hit = next((n for n, c in zip(near, changed, strict=True) if agrees(c, printed)), None)
         found += [] if hit is None else [f"{hit:.10g}"]
     step = next((h for h in STEPS if agrees(_by_midpoint(run, quantity, times, h), printed)), None)
@@ -190,8 +190,7 @@ def _explanations(
 def _by_midpoint(run: Run, quantity: str, times: tuple[float, ...], step: float) -> float:
     """The same number by the paper's own method with a step."""
     coarse = Run.by_midpoint(run.case, times, step)
-    values = coarse.series(quantity)[np.searchsorted(coarse.result.t, times)]
-    return float(values[-1] - values[0] if len(times) == 2 else values[0])
+    return _change(coarse.series(quantity)[np.searchsorted(coarse.result.t, times)])
 
 
 def _event_row(run: Run, row: dict[str, str]) -> Row:
@@ -248,17 +247,14 @@ def _row(
     agrees: bool,
     notes: list[str],
     cause: Cause | None = None,
+    unlike_its_own: bool = False,
 ) -> Row:
     keys = (row["where"], row["t"], row["quantity"], row["printed"])
-    return Row(*keys, computed, error, agrees, "; ".join(notes), cause)
+    return Row(*keys, computed, error, agrees, "; ".join(notes), cause, unlike_its_own)
 
 
 def _ranges(numbers: list[int]) -> str:
     """Whole numbers as text, consecutive ones as a range."""
-    ranges: list[list[int]] = []
-    for n in numbers:
-        if ranges and n == ranges[-1][-1] + 1:
-            ranges[-1].append(n)
-        else:
-            ranges.append([n])
+    groups = groupby(enumerate(numbers), lambda item: item[1] - item[0])
+    ranges = [[n for _, n in group] for _, group in groups]
     return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in ranges)

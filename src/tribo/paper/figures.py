@@ -123,6 +123,9 @@ def _model() -> Axes:
         bar_lengths=np.array([5.0]),
         up=np.ones(1),
         is_twisted=np.ones(1, bool),
+        aside=np.zeros((1, 2)),
+        joined=np.empty((0, 2), int),
+        dots=np.empty((0, 2)),
     )
     with drawing_on(None, COLUMN) as ax:
         Picture(ax, now, point_length(ax, *box[:2]))

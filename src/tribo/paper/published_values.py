@@ -4,7 +4,6 @@ J. David Brown, *Work Done by Sliding Friction*.
 """
 
 import csv
-from decimal import Decimal
 from importlib.resources import files
 
 # The labels of the figures in the source of the paper, in the order of their numbers in print.
@@ -37,9 +36,7 @@ def published(case: str) -> list[dict[str, str]]:
 
 def unit(printed: str) -> float:
     """One unit of the last digit printed."""
-    exponent = Decimal(printed).as_tuple().exponent
-    assert isinstance(exponent, int)
-    return float(Decimal(1).scaleb(exponent))
+    return float(10.0 ** -len(printed.partition(".")[2]))
 
 
 def agrees(computed: float, printed: str) -> bool:

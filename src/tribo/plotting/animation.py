@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +52,7 @@ def animate(
 ) -> Path:
     """Write a moving picture of the run: see :meth:`tribo.Result.animate`."""
     from matplotlib.animation import writers
+    from tqdm.auto import tqdm
 
     path = as_path(path)
     kind = path.suffix.lower()
@@ -66,37 +67,30 @@ def animate(
     samples = np.unique(np.linspace(0, len(result.t) - 1, frames).round().astype(int))
     with style(), tempfile.TemporaryDirectory() as folder:
         film = Film(result, surface or result.scene.surfaces[0].name, width, bath)
+        counted = tqdm(samples.tolist(), disable=None, leave=False, unit="picture")
         written = Path(folder) / f"film{kind}"
         if kind == ".gif":
-            _write_gif(film, samples, written, rate)
+            _write_gif(film, int(samples[len(samples) // 2]), counted, written, rate)
         else:
             writer = writers[WRITERS[kind]](fps=rate)
             with writer.saving(film.figure, os.fspath(written), film.figure.dpi):
-                for sample in _counted(samples):
+                for sample in counted:
                     film.show(sample)
                     writer.grab_frame()
         replace_file(path, written.read_bytes())
     return path
 
 
-def _counted(samples: np.ndarray) -> Iterator[int]:
-    """The samples, with a progress bar on a terminal."""
-    from tqdm.auto import tqdm
-
-    yield from tqdm(samples.tolist(), disable=None, leave=False, unit="picture")
-
-
-def _write_gif(film: Film, samples: np.ndarray, path: Path, rate: int) -> None:
-    """Write the pictures in the colours of the middle one: to choose colours takes long."""
+def _write_gif(film: Film, middle: int, samples: Iterable[int], path: Path, rate: int) -> None:
+    """Write the pictures in the colours of that at `middle`: to choose colours takes long."""
     from PIL import Image
 
-    middle = film.picture(int(samples[len(samples) // 2]))
     plain: Any = {"dither": Image.Dither.NONE}
-    colours = middle.quantize(COLOURS, **plain)
+    colours = film.picture(middle).quantize(COLOURS, **plain)
     palette = np.array(colours.getpalette(), int).reshape(-1, 3)
     palette[np.argmax(palette.sum(axis=1))] = 255  # of the paper
     colours.putpalette(palette.ravel().tolist())
-    pictures = [film.picture(k).quantize(palette=colours, **plain) for k in _counted(samples)]
+    pictures = [film.picture(k).quantize(palette=colours, **plain) for k in samples]
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=1000 // rate, loop=0)
 
 

@@ -25,9 +25,8 @@ class Contacts:
     def __init__(self, scene: Scene, bobs: np.ndarray) -> None:
         self._probe = ContactProbe(scene)
         self._parts = self._probe.layout.parts
-        places = bobs - self._probe.layout.origin
-        self._positions = np.column_stack([places, self._probe.depths])
-        _, (self._forces,) = self._probe(self._positions[None], self._probe.charges[None])
+        self._positions = self._probe.positions(bobs[None])
+        _, (self._forces,) = self._probe(self._positions)
 
     def force(self, surface: str, asperite: int) -> np.ndarray:
         """(2,) force f1 on a bob from the bobs of other surfaces."""
@@ -39,7 +38,7 @@ class Contacts:
         None if there is no other surface.
         """
         own = self._parts[surface]
-        distances = self._probe.distances(self._positions, own.start + asperite)
+        distances = self._probe.distances(self._positions[0], own.start + asperite)
         distances[own] = np.inf
         nearest = int(np.argmin(distances))
         for name, part in self._parts.items():

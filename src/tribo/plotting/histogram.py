@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tribo.plotting.style import COLUMN, CYCLE, INK, drawing_on
+from tribo.results.averages import interval
 from tribo.validation import POSITIVE, InputError, integer, number, vector
 
 if TYPE_CHECKING:
@@ -38,21 +39,17 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
     InputError
         Fewer than two values are finite.
     """
-    from scipy.stats import t as student
-
     known = np.ravel(np.asarray(values, float))
     known = known[np.isfinite(known)]
     if known.size < 2:
         raise InputError("values", f"must have two finite ones, got {known.size}")
-    mean, half = float(known.mean()), float(known.std(ddof=1)) / np.sqrt(known.size)
-    half *= float(student.ppf(0.975, known.size - 1))
+    mean, half = (float(number) for number in interval(known))
     with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
         counts, edges = np.histogram(known, "auto")
         ax.stairs(counts, edges, fill=True, **FILLED)
         ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
-        interval = f"mean {mean:.4g} ± {half:.1g}"
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
-        ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=interval)
+        ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=f"mean {mean:.4g} ± {half:.1g}")
         ax.set(xlabel=label, ylabel="members", ylim=(0.0, counts.max() * (1.0 + ABOVE)))
         ax.legend(frameon=False, fontsize=7, loc="upper left", ncols=2)
     return ax

@@ -54,7 +54,7 @@ def _dots(result: RunResult, surface: Surface, samples: np.ndarray, factor: floa
     shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
     displacements = result.oscillators(surface.name)[samples][:, :, shown]
     along = values["bar_length"][:, None] * np.linspace(-0.5, 0.5, shown.size + 2)[1:-1] * PART
-    behind = DISTANCE * _rod(surface) * (1.0 if surface.facing == "down" else -1.0)
+    behind = DISTANCE * _rod(surface) * surface.facing_sign
     series = result[surface.name]
     phi = series["phi"][samples][:, :, None]
     cos, sin = np.cos(phi), np.sin(phi)

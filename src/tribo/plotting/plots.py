@@ -151,21 +151,17 @@ class Plots:
             below = np.zeros(result.t.size)
             for colour, (name, values) in zip(COLOURS, _energies(result).items(), strict=False):
                 edge = below + values
-                line: dict[str, Any] = {
-                    "color": colour,
-                    "label": self._named(name),
-                    "linewidth": PATH_WIDTH,
-                }
-                ax.plot(result.t, edge, **line)
+                label = self._named(name)
+                ax.plot(result.t, edge, color=colour, linewidth=PATH_WIDTH, label=label)
                 if not self._label:  # stacks of several results would cover one another
                     ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
                 below = edge
             if "applied_work" in result.system:
                 heats = _heats(result)
                 work = result.system["applied_work"] + sum(heats)
-                name = self._named("applied work + heat" if heats else "applied work")
-                line = {"color": INK, "label": name, "linewidth": WORK_WIDTH}
-                ax.plot(result.t, work, linestyle=WORK_DASHES, **line)
+                label = self._named("applied work + heat" if heats else "applied work")
+                line: dict[str, Any] = {"linewidth": WORK_WIDTH, "linestyle": WORK_DASHES}
+                ax.plot(result.t, work, color=INK, label=label, **line)
                 if not self._label:
                     text = f"gap {np.max(np.abs(below - work)):.1e}"
                     place = {"xycoords": "axes fraction", "ha": "right"}

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from tribo.validation import InputError
 
 # Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
 OBLIQUE = np.array([0.35, 0.2])
-# +1 where bars are above their bobs, by where a surface faces.
-UPWARD = {"down": 1.0, "up": -1.0}
 # Room around bobs, along x and y [rod length].
 ROOM = np.array([0.2, 0.1])
 
@@ -33,12 +30,9 @@ class Pose:
     bar_lengths: np.ndarray  # (n,) [length]
     up: np.ndarray  # (n,) +1 where the bar is above the bob, else -1
     is_twisted: np.ndarray  # (n,) whether a torsion spring is drawn
-    # (n, 2) the shift for the depth [length]
-    aside: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
-    # (m, 2) pairs of asperites whose bars a lattice spring joins
-    joined: np.ndarray = field(default_factory=partial(np.empty, (0, 2), int))
-    # (m, 2) bath oscillators, where they are drawn [length]
-    dots: np.ndarray = field(default_factory=partial(np.empty, (0, 2)))
+    aside: np.ndarray  # (n, 2) the shift for the depth [length]
+    joined: np.ndarray  # (m, 2) pairs of asperites whose bars a lattice spring joins
+    dots: np.ndarray  # (m, 2) bath oscillators, where they are drawn [length]
 
     @property
     def rods(self) -> np.ndarray:
@@ -102,7 +96,7 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
         phi=phi,
         theta=theta,
         bar_lengths=np.concatenate([s.each["bar_length"] for s in surfaces]),
-        up=np.concatenate([np.full(s.count, UPWARD[s.facing]) for s in surfaces]),
+        up=np.concatenate([np.full(s.count, s.facing_sign) for s in surfaces]),
         is_twisted=np.concatenate([has_spring(s) for s in surfaces]),
         aside=shift,
         joined=np.concatenate(joined),
@@ -138,26 +132,19 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
     if len(series["theta"]) != len(result.t):
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
     k = int(np.searchsorted(result.t, t, side="right")) - 1
-    places = [
-        np.stack([series[f"{axis}_{point}"][k] for axis in "xy"], axis=1)
-        for point in ("bar", "cm", "bob")
-    ]
     if result.t[k] == t:
-        return *places, series["phi"][k], series["theta"][k]
-    times = result.t[k : k + 2]
+        bars, cms, bobs = (
+            np.stack([series[f"{axis}_{point}"][k] for axis in "xy"], axis=1)
+            for point in ("bar", "cm", "bob")
+        )
+        return bars, cms, bobs, series["phi"][k], series["theta"][k]
 
     def at(name: str, rate: str) -> np.ndarray:
         both = (series[each][k : k + 2] for each in (name, rate))
-        return np.asarray(CubicHermiteSpline(times, *both)(t))
+        return np.asarray(CubicHermiteSpline(result.t[k : k + 2], *both)(t))
 
-    bar, centre, bob = places
     phi, theta = at("phi", "nu"), at("theta", "omega")
-    cm = np.stack([at("x_cm", "vx_cm"), at("y_cm", "vy_cm")], axis=1)
-    cos, sin = (f(theta - series["theta"][k]) for f in (np.cos, np.sin))
-    turn = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=1)
-
-    def rigidly(point: np.ndarray) -> np.ndarray:
-        """A point of the pendulum, which turns with the rod about the centre of mass."""
-        return np.asarray(cm + np.einsum("nij,nj->ni", turn, point - centre))
-
-    return rigidly(bar), cm, rigidly(bob), phi, theta
+    cms = np.stack([at("x_cm", "vx_cm"), at("y_cm", "vy_cm")], axis=1)
+    rods = np.stack([np.sin(theta), -np.cos(theta)], axis=1)  # directions from bars to bobs
+    l1, l2 = (surface.each[name][:, None] for name in ("l1", "l2"))
+    return cms - l2 * rods, cms, cms + l1 * rods, phi, theta

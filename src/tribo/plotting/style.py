@@ -5,10 +5,8 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from functools import cache
-from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tribo.files import replace_file
 from tribo.validation import InputError, as_path
@@ -32,21 +30,10 @@ def style() -> AbstractContextManager[None]:
 
     Functions that make their own Axes, and `save`, apply it themselves.
     """
-    from matplotlib import rc_context
-
-    return rc_context(_settings())
-
-
-@cache
-def _settings() -> Any:
-    """What the style file sets, and the colours of lines."""
-    from matplotlib import rc_params_from_file
     from matplotlib.rcsetup import cycler
+    from matplotlib.style import context
 
-    with as_file(files("tribo.plotting").joinpath("tribo.mplstyle")) as path:
-        found = rc_params_from_file(path, use_default_template=False)
-    found["axes.prop_cycle"] = cycler(color=CYCLE)
-    return found
+    return context(["tribo.plotting.tribo", {"axes.prop_cycle": cycler(color=CYCLE)}])
 
 
 def axes(width: float = COLUMN, height: float | None = None) -> Axes:
@@ -77,20 +64,19 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
     if ax is not None:
         yield ax
         return
+    from tribo.plotting.shown import ShownAxes, ShownFigure
+
     with style():
-        ax = axes(width, height) if height is not None else _drawing_axes(width)
+        if height is not None:
+            ax = axes(width, height)
+        else:
+            figure = ShownFigure(figsize=(width, width))
+            ax = figure.add_axes((0.0, 0.0, 1.0, 1.0), axes_class=ShownAxes)
+            ax.set_axis_off()
         yield ax
     if height is None:
         (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
         figure_of(ax).set_figheight(width * (top - bottom) / (right - left))
-
-
-def _drawing_axes(width: float) -> Axes:
-    from tribo.plotting.shown import ShownAxes, ShownFigure
-
-    ax = ShownFigure(figsize=(width, width)).add_axes((0.0, 0.0, 1.0, 1.0), axes_class=ShownAxes)
-    ax.set_axis_off()
-    return ax
 
 
 def save(drawing: Axes | Figure, path: str | Path) -> Path:

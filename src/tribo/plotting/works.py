@@ -133,16 +133,11 @@ def spread(levels: np.ndarray, gap: float) -> np.ndarray:
 
     They move as little as possible in least squares, and stay from 0 to 1 as far as there is room.
     """
-    order = np.argsort(levels, kind="stable")
-    # Levels less `gap` for each level below must not decrease: pool those that do.
-    groups: list[list[float]] = []
-    for rank, level in enumerate(levels[order]):
-        groups.append([float(level) - rank * gap])
-        while len(groups) > 1 and np.mean(groups[-2]) > np.mean(groups[-1]):
-            last = groups.pop()
-            groups[-1] += last
-    pooled = np.concatenate([np.full(len(group), np.mean(group)) for group in groups])
-    ranks = np.arange(len(levels))
+    from scipy.optimize import isotonic_regression
+
+    order, below = np.argsort(levels, kind="stable"), gap * np.arange(len(levels))
+    # Levels less the gaps below them must not decrease.
+    pooled = isotonic_regression(levels[order] - below).x
     apart = np.empty(len(levels))
-    apart[order] = np.clip(pooled, 0.0, 1.0 - gap * ranks[-1]) + gap * ranks
+    apart[order] = np.clip(pooled, 0.0, 1.0 - below[-1]) + below
     return apart

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.accuracy.scales import EPSILON
 from tribo.plotting.style import COLUMN, INK, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-EPSILON = float(np.finfo(float).eps)
 # Colours of the curves and of the bound.
 ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
 # Typical values shown above zero and below.
@@ -58,7 +58,11 @@ def card_figure(curves: Curves, title: str) -> Figure:
             _distances(ax, curves)
         disagreement.set_xlabel("$r$")
         if math.isfinite(curves.cutoff):
-            _cutoff((energy, force, disagreement), curves.cutoff)
+            for ax in (energy, force, disagreement):
+                ax.axvline(curves.cutoff, color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
+            top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "fontsize": 7.5}
+            top |= {"xycoords": energy.get_xaxis_transform(), "ha": "right", "va": "top"}
+            energy.annotate("cutoff", (curves.cutoff, 1.0), **top)
         figure.align_ylabels([energy, force, disagreement])
     return figure
 
@@ -76,24 +80,10 @@ def _distances(ax: Axes, curves: Curves) -> None:
     ax.set_xlim(curves.r[0], curves.r[-1])
 
 
-def _cutoff(all_axes: tuple[Axes, Axes, Axes], cutoff: float) -> None:
-    """Draw a line at the cutoff, with its name in the first Axes."""
-    for ax in all_axes:
-        ax.axvline(cutoff, color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
-    top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "ha": "right", "va": "top"}
-    edge = all_axes[0].get_xaxis_transform()
-    all_axes[0].annotate("cutoff", (cutoff, 1.0), xycoords=edge, fontsize=7.5, **top)
-
-
-def _unit(curves: Curves, values: np.ndarray) -> float:
-    """The largest magnitude at the typical distance and beyond; 1 if all is zero."""
-    outer = values[(curves.r >= curves.length) & np.isfinite(values)]
-    return float(np.max(np.abs(outer), initial=0.0)) or 1.0
-
-
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
     """Draw a curve on the scale of its values at the typical distance; much larger are cut off."""
-    top = DEPTHS * _unit(curves, values)
+    outer = values[(curves.r >= curves.length) & np.isfinite(values)]
+    top = DEPTHS * (float(np.max(np.abs(outer), initial=0.0)) or 1.0)
     ax.axhline(0.0, color="0.6", linewidth=0.5)
     ax.plot(curves.r, np.clip(values, -2.0 * top, 2.0 * top), color=colour)
     highest = float(np.max(values, initial=0.0, where=np.isfinite(values)))

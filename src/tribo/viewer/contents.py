@@ -145,10 +145,7 @@ def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
         probe = ContactProbe(result.scene)
         places = ([result[s.name][f"{axis}_bob"][frames] for axis in "xy"] for s in surfaces)
         bobs = np.concatenate([np.stack(both, axis=-1) for both in places], axis=1)
-        bobs = bobs - probe.layout.origin
-        depths = np.broadcast_to(probe.depths[None, :, None], (*bobs.shape[:2], 1))
-        charges = np.tile(probe.charges, (len(frames), 1))
-        _, forces = probe(np.concatenate([bobs, depths], axis=2), charges)
+        _, forces = probe(probe.positions(bobs))
     except InputError:
         return None
     return [forces[:, :, axis] for axis in (0, 1)]
