@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.result import Result
@@ -58,8 +60,8 @@ class Slider:
         """The same with a list of evenly spaced values in place of a range."""
         if self.values is not None:
             return self
-        step = (self.high - self.low) / (points - 1)
-        values = tuple(float(f"{self.low + k * step:.12g}") for k in range(points))
+        spaced = np.linspace(self.low, self.high, points)
+        values = tuple(float(f"{value:.12g}") for value in spaced)
         nearest = min(values, key=lambda each: abs(each - self.value))
         return replace(self, values=values, value=nearest)
 
@@ -153,14 +155,12 @@ def grid_page(scene: Scene, sliders: Sequence[Slider], bath: bool = False) -> st
     combinations = list(itertools.product(*(slider.values or () for slider in grid)))
     if len(combinations) > MOST_RUNS:
         raise must_be("--slider", f"at most {MOST_RUNS} combinations", len(combinations))
-    recorded, runs, index = shown(scene, bath), [], 0
-    for k, chosen in enumerate(combinations):
+    recorded, runs = shown(scene, bath), []
+    for chosen in combinations:
         values = dict(zip((slider.key for slider in grid), chosen, strict=True))
         runs.append(contents(simulate(with_values(recorded, values), progress=False), bath))
-        if all(values[slider.key] == slider.value for slider in grid):
-            index = k
-    source = {"run": runs[index], "runs": runs, "sliders": [s.as_json() for s in grid]}
-    return document(source)
+    first = runs[combinations.index(tuple(slider.value for slider in grid))]
+    return document({"run": first, "runs": runs, "sliders": [s.as_json() for s in grid]})
 
 
 def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:

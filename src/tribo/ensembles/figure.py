@@ -54,8 +54,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
         ax.set(xlabel="$t$", ylabel=name, xlim=(time[0], time[-1]))
         few = "" if len(shown) == len(complete) else f"{len(shown)} of "
         labels = [f"{few}{len(complete)} members", "95 % interval of the mean", "mean"]
-        legend(ax, [lines[0], band, middle], labels)
-        for handle in ax.get_legend().get_lines():
+        for handle in legend(ax, [lines[0], band, middle], labels).get_lines():
             handle.set_alpha(1.0)
         ax.margins(y=0.05)
     return ax

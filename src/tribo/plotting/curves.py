@@ -14,6 +14,7 @@ from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.legend import Legend
 
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
 COLOURS = CYCLE * 8
@@ -36,11 +37,11 @@ def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
     legend(ax)
 
 
-def legend(ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = ()) -> None:
+def legend(ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = ()) -> Legend:
     """Names of lines, or of all, above the graph, clear of the curves, at most three in a row."""
     handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
     number = max(1, len(labels))
-    ax.legend(
+    return ax.legend(
         handles,
         labels,
         loc="lower center",

@@ -23,8 +23,21 @@ def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndar
 
     Raises InputError if there are no oscillators, or their displacements are not recorded.
     """
-    factor = magnification(result)
-    return {s.name: _dots(result, s, samples, factor) for s in _with_bath(result)}
+    factor, dots = magnification(result), {}
+    for surface in _with_bath(result):
+        values, series = surface.each, result[surface.name]
+        order = np.argsort(surface.bath.frequencies, kind="stable")
+        shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
+        displacements = result.oscillators(surface.name)[samples][:, :, shown]
+        spaced = np.linspace(-0.5, 0.5, shown.size + 2)[1:-1]
+        along = values["bar_length"][:, None] * spaced * PART
+        behind = DISTANCE * _rod(surface) * surface.facing_sign
+        phi = series["phi"][samples][:, :, None]
+        cos, sin = np.cos(phi), np.sin(phi)
+        row = np.stack([cos * along - sin * behind, sin * along + cos * behind], axis=-1)
+        bars = np.stack([series[f"{axis}_bar"][samples] for axis in "xy"], axis=-1)
+        dots[surface.name] = np.asarray(bars[:, :, None] + row + factor * displacements)
+    return dots
 
 
 def magnification(result: RunResult) -> float:
@@ -45,19 +58,3 @@ def _with_bath(result: RunResult) -> list[Surface]:
 def _rod(surface: Surface) -> float:
     """The median length of the rods of a surface."""
     return float(np.median(surface.each["length"]))
-
-
-def _dots(result: RunResult, surface: Surface, samples: np.ndarray, factor: float) -> np.ndarray:
-    """The dots of one surface."""
-    values = surface.each
-    order = np.argsort(surface.bath.frequencies, kind="stable")
-    shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
-    displacements = result.oscillators(surface.name)[samples][:, :, shown]
-    along = values["bar_length"][:, None] * np.linspace(-0.5, 0.5, shown.size + 2)[1:-1] * PART
-    behind = DISTANCE * _rod(surface) * surface.facing_sign
-    series = result[surface.name]
-    phi = series["phi"][samples][:, :, None]
-    cos, sin = np.cos(phi), np.sin(phi)
-    row = np.stack([cos * along - sin * behind, sin * along + cos * behind], axis=-1)
-    bars = np.stack([series[f"{axis}_bar"][samples] for axis in "xy"], axis=-1)
-    return np.asarray(bars[:, :, None] + row + factor * displacements)

@@ -53,8 +53,7 @@ def encounter_times(result: RunResult, number: int) -> list[float]:
     if not (np.isfinite(total) and total > 0.0):
         return np.linspace(result.t[0], result.t[-1], number).tolist()
     reached = np.concatenate([[0.0], np.cumsum(np.nan_to_num(changes))]) / total
-    samples = np.unique(np.searchsorted(reached, parts))
-    return [float(result.t[k]) for k in samples]
+    return result.t[np.unique(np.searchsorted(reached, parts))].tolist()
 
 
 def typical_swing(result: RunResult) -> float:

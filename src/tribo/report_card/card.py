@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from tribo.accuracy.scales import EPSILON
 from tribo.files import strict_json
 from tribo.plotting.style import save
-from tribo.report_card.figure import EPSILON, Curves, card_figure
+from tribo.report_card.figure import Curves, card_figure
 
 _CONTINUOUS = "make {} there, or declare smoothness() (inside a range: smoothness_within()) = {}"
 _AT_END = "let {} end at zero (as .with_cutoff does), mend range(), or declare smoothness() = {}"

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import differentiate
 
+from tribo.accuracy.scales import EPSILON
 from tribo.report_card.card import Check
-from tribo.report_card.figure import EPSILON, Curves
+from tribo.report_card.figure import Curves
 from tribo.report_card.scan import PotentialScan
 
 if TYPE_CHECKING:

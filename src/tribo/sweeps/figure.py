@@ -107,19 +107,17 @@ def quantities(data: xarray.Dataset) -> list[str]:
 
 
 def _places(data: xarray.Dataset, key: str) -> np.ndarray:
-    """The values of a key; words one after another."""
+    """The values of a key; words as matplotlib's categories."""
     values = data[key].values
-    return values if values.dtype.kind in "fiu" else np.arange(values.size)
+    return values if values.dtype.kind in "fiu" else values.astype(str)
 
 
 def _label(
     ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], meaning: str
 ) -> None:
-    """Names of the axes, the words of a key, and what lines and bars are."""
+    """Names of the axes, and what lines and bars are."""
     at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
     ax.set(xlabel=key, ylabel=f"{name}{at_end}")
-    if data[key].values.dtype.kind not in "fiu":
-        ax.set_xticks(_places(data, key), [str(value) for value in data[key].values])
     title = f"bars: {meaning}" if meaning else None
     if others:
         above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}

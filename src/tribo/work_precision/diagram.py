@@ -128,31 +128,24 @@ class Cheapest:
         }
 
     def __str__(self) -> str:
-        if self.row is None:
+        row, chosen, choice = self.row, self.automatic_row, ""
+        if row is None:
             return f"error {self.goal:.0e}: no run reached it"
-        row = self.row
         kind = "level" if methods.METHODS[row.method].adaptive else "step"
+        digit = "was not reached"
+        if self.digit_more is not None:
+            free = self.digit_more == 1.0
+            digit = "is free" if free else f"takes {self.digit_more:.2f} times as many"
+        if self.automatic == row.method:
+            choice = "; tribo chooses it too"
+        elif self.automatic is not None:
+            seconds = "" if chosen is None else f", {chosen.seconds:.2g} s"
+            choice = f"; tribo chooses {self.automatic}{seconds}"
         return (
             f"error {self.goal:.0e}: {row.method} at {kind} {row.setting:.2g} is the cheapest, "
-            f"{row.force_evaluations} evaluations, {row.seconds:.2g} s; {self._digit()}"
-            f"{self._choice()}"
+            f"{row.force_evaluations} evaluations, {row.seconds:.2g} s; one digit more {digit}"
+            f"{choice}"
         )
-
-    def _digit(self) -> str:
-        if self.digit_more is None:
-            return "one digit more was not reached"
-        if self.digit_more == 1.0:
-            return "one digit more is free"
-        return f"one digit more takes {self.digit_more:.2f} times as many"
-
-    def _choice(self) -> str:
-        if self.automatic is None:
-            return ""
-        if self.row is not None and self.automatic == self.row.method:
-            return "; tribo chooses it too"
-        chosen = self.automatic_row
-        seconds = "" if chosen is None else f", {chosen.seconds:.2g} s"
-        return f"; tribo chooses {self.automatic}{seconds}"
 
 
 def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
@@ -160,15 +153,10 @@ def with_front(rows: list[Row], floor: float) -> Iterator[Row]:
 
     Errors below `floor`, the reference's own, count as equal.
     """
-    errors = [max(row.error, floor) for row in rows]
-    for row, error in zip(rows, errors, strict=True):
-        beaten = any(
-            (other.seconds, theirs) != (row.seconds, error)
-            and other.seconds <= row.seconds
-            and theirs <= error
-            for other, theirs in zip(rows, errors, strict=True)
-        )
-        yield replace(row, front=not beaten)
+    places = [(row.seconds, max(row.error, floor)) for row in rows]
+    for row, own in zip(rows, places, strict=True):
+        beating = (p for p in places if p != own and p[0] <= own[0] and p[1] <= own[1])
+        yield replace(row, front=not any(beating))
 
 
 @dataclass(frozen=True)
