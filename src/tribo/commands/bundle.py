@@ -117,7 +117,6 @@ def _about(name: str, content: bytes) -> dict[str, Any]:
 
 
 def _strings(value: object) -> Iterator[str]:
-    """All texts in a table."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, (dict, list)):

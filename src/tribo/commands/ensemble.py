@@ -182,7 +182,6 @@ def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
 
 
 def _in_words(found: Mapping[str, Any]) -> str:
-    """A summary as lines."""
     members, table = found["members"], found["quantities"]
     lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
     lines += [f"{count} {status}" for status, count in members.items()]

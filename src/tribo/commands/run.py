@@ -50,7 +50,6 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _simulated(options: argparse.Namespace) -> Result:
-    """The result of a scene file."""
     from tribo.simulation import simulate
 
     settings: dict[str, Any] = shared.numerics_of(options) | _of_run(options)

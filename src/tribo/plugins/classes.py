@@ -17,7 +17,7 @@ import numpy as np
 
 from tribo.plugins import sources
 from tribo.plugins.unloaded import Unloaded, left, refuse_code
-from tribo.validation import InputError, known_keys, number, short_repr
+from tribo.validation import InputError, inside, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
 RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
@@ -94,14 +94,12 @@ def class_named(field: str, name: str, folder: Path) -> type:
     """
     refuse_code(field, name)
     place, _, class_name = name.rpartition(":")
-    try:
+    with inside(field):
         if ".py:" in name:
             module = sources.module_in_file(folder / place)
             place = str(module.__file__)
         else:
             module = sources.module_named(place)
-    except InputError as error:
-        raise error.under(field) from None
     if not hasattr(module, class_name):
         raise InputError(field, f"{place} defines no {class_name}")
     return getattr(module, class_name)

@@ -289,7 +289,6 @@ class Statements(Rules):
 
 
 def _names(node: ast.AST) -> set[str]:
-    """Every name in an expression."""
     return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
 
 
