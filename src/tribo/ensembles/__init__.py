@@ -162,7 +162,13 @@ def ensemble(
             "is empty, and nothing is random, so that all members would be the same; vary a start, "
             "give a reservoir, bath or start a temperature, or sweep the seed of random heights",
         )
-    most = _most_members(members, wanted, variation)
+    lengths = variation.lengths
+    if members is None and wanted is None and not lengths:
+        raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
+    if members is None:
+        members = min([*lengths.values(), *[MOST_MEMBERS] * (wanted is not None)])
+    most = integer("members", members, 2)
+    variation.check_lengths(most)
     how = Execution.checked(engine, threads)
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
@@ -214,19 +220,6 @@ def _collected(
     if target.path is None or interrupted:
         return next(datasets([store.values()]))
     return target.saved_in_parts(datasets(store.parts()))
-
-
-def _most_members(
-    members: int | None, half_width: Mapping[str, float] | None, variation: Variation
-) -> int:
-    """The largest number of members, for which arrays have values.  Raises InputError."""
-    lengths = variation.lengths
-    if members is None and half_width is None and not lengths:
-        raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
-    largest = [] if half_width is None else [MOST_MEMBERS]
-    most = min([*largest, *lengths.values()]) if members is None else integer("members", members, 2)
-    variation.check_lengths(most)
-    return integer("members", most, 2)
 
 
 def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:

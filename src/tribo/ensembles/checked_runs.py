@@ -96,12 +96,10 @@ class CheckedPlan(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str | float]:
-        """The plan as attributes of a data set."""
         return self._asdict() | {"scales": json.dumps([*vars(self.scales).values()])}
 
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, str | float]) -> Self:
-        """The plan in the attributes of a data set."""
         method, level, evaluations, scales = (attributes[name] for name in cls._fields)
         found = ToleranceScales(*json.loads(str(scales)))
         return cls(str(method), float(level), int(evaluations), found)

@@ -61,7 +61,6 @@ def completed(found: KeptValues) -> np.ndarray:
 
 
 def set_notes(found: KeptValues, places: int | np.ndarray, notes: str | list[str]) -> None:
-    """Replace the notes of some members."""
     found["note"] = found["note"].astype(np.result_type(found["note"], np.array(notes)))
     found["note"][places] = notes
 
@@ -222,7 +221,6 @@ def sum_names(scene: Scene) -> list[str]:
 
 
 def _reported(scene: Scene, surface: Surface) -> quantities.Reported:
-    """The quantities of a surface that the scene reports."""
     return quantities.reported(scene.output.ledger, quantities.present_names(scene, surface))
 
 
@@ -271,7 +269,6 @@ class Tally(Counter[str]):
 
     @property
     def statuses(self) -> dict[str, int]:
-        """The numbers of members by status."""
         return {name: n for name, n in self.items() if n and name not in (CHECKED, REFINED, WEAK)}
 
     @property

@@ -185,7 +185,6 @@ class _Means:
         return 0 if self.check is None else int(np.count_nonzero(kept_values.completed(self.check)))
 
     def notes(self) -> Iterator[str]:
-        """Limitations of the means."""
         simulation, status = self.runs.policy.simulation, self.found["status"]
         complete, note = kept_values.completed(self.found), self.found["note"]
         number, total = int(np.count_nonzero(complete)), complete.size

@@ -217,7 +217,6 @@ class Variation:
         return np.concatenate([self._block(draw, block)[key][part] for block, part in pairs])
 
     def _new_block(self, draw: Draw | SeedDraw, block: int) -> dict[str, np.ndarray]:
-        """The random values of a block of members."""
         sequence = np.random.SeedSequence(self.seed, spawn_key=(block, *draw.name.encode()))
         with inside("vary"):
             return draw.random(np.random.default_rng(sequence))

@@ -75,8 +75,6 @@ class Store(ABC):
 
 
 class MemberStore(Store):
-    """A store that keeps all members."""
-
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
 

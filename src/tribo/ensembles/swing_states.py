@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from tribo import validation as check
 from tribo.model.drives import DrivenBars
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, number, short_repr
+from tribo.validation import InputError, short_repr
 
 SWING_STATE = "swing_state"
 EVERY = "*"
@@ -60,8 +61,7 @@ class Canonical(SwingStates):
     temperature: float
 
     def __post_init__(self) -> None:
-        given = number("temperature", self.temperature, NOT_NEGATIVE, "energy")
-        object.__setattr__(self, "temperature", given)
+        check.fields(self, temperature=check.one(check.NOT_NEGATIVE, "energy"))
 
     def energies(self, uniforms: np.ndarray, count: int) -> np.ndarray:
         """Exponential deviates."""
@@ -73,7 +73,7 @@ class _TotalEnergy(SwingStates):
     energy: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "energy", number("energy", self.energy, POSITIVE, "energy"))
+        check.fields(self, energy=check.one(check.POSITIVE, "energy"))
 
 
 class Microcanonical(_TotalEnergy):

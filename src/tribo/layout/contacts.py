@@ -124,7 +124,6 @@ def _is_eligible(scene: Scene, index: int) -> bool:
 
 
 def empty_boxes(count: int) -> Boxes:
-    """Room for so many boxes."""
     return Boxes(np.zeros(1, np.int64), np.empty((3, count)), np.empty((3, count)))
 
 

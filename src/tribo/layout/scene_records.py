@@ -30,7 +30,6 @@ class MemberNumbers(NamedTuple):
     potential: np.ndarray
 
     def of_members(self, selected: np.ndarray | slice) -> MemberNumbers:
-        """Those of some members."""
         return MemberNumbers(*(each[selected] for each in self))
 
     def displaced(self, x: np.ndarray, y: np.ndarray) -> MemberNumbers:

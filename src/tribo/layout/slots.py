@@ -207,7 +207,6 @@ def places(
 
 
 def _place_baths(here: np.void, there: np.void, order: np.ndarray, q: np.ndarray) -> None:
-    """Set the places of a surface's oscillators."""
     mine, theirs = (
         record["dof_bath"] + place[:, None] * (2 * record["oscillators"] + record["torsionals"])
         for record, place in ((here, np.arange(order.size)), (there, order))

@@ -73,7 +73,6 @@ def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
 
 
 def _place_constants(surfaces: np.ndarray, asperites: np.ndarray, apart: bool) -> None:
-    """Set where the constants of all surfaces stand."""
     ends, first = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1)), 0
     for k, surface in enumerate(surfaces):
         alike = not apart and are_alike(surface, asperites[ends[k] : ends[k + 1]])

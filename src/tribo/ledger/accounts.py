@@ -86,7 +86,6 @@ def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> li
 
 
 def _contact(span: Span, s: np.ndarray) -> Account:
-    """The contact with bobs of other surfaces."""
     jx, jy, about_x, about_y = _columns(span, "acc_contact", range(4), s)
     slide_x, slide_y = _columns(span, "acc_slide", range(2), s)
     a, swept = span.asperites, about_x + about_y

@@ -27,7 +27,6 @@ Has = Callable[[Scene, Surface], bool]
 
 
 def always(scene: Scene, surface: Surface) -> bool:
-    """Every surface has it."""
     return True
 
 

@@ -113,7 +113,6 @@ class Series(Mapping[str, np.ndarray]):
 
 
 def known(table: Table, kept: tuple[str, ...] = ()) -> Series:
-    """Series that are known already."""
     return Series(table, table.__getitem__, kept)
 
 
@@ -231,7 +230,6 @@ def assemble(layout: Layout, samples: Samples) -> Ledger:
 
 
 def _series(quantities: Mapping[str, Quantity], source: SurfaceSeries | SystemSeries) -> Series:
-    """The series of some quantities of a surface or of the system."""
     return Series(quantities, lambda name: quantities[name].of(source))
 
 

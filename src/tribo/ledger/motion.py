@@ -97,7 +97,6 @@ class Motion:
 
     @cached_property
     def bob(self) -> Position:
-        """The bob."""
         return bob_position(*self.centre, self.span.asperites.l1, *self.direction)
 
     @cached_property

@@ -74,7 +74,6 @@ class PairSamples(Samples):
 
     @cached_property
     def s(self) -> np.ndarray:  # type: ignore[override]
-        """Accounts, (times, accounts)."""
         s = self._columns @ self._factors.accounts.T
         if self._factors.driven is not None:
             start = self._first[:, self._factors.columns] * self._factors.multiples
@@ -104,7 +103,6 @@ class PairSamples(Samples):
         return value if factors.ndim == 1 else value[:, None]
 
     def of_members(self, selected: np.ndarray) -> PairSamples:
-        """The samples of some of the runs, by their indices or a mask."""
         shape = self.t.size // self.runs, self.runs, COLUMNS
         record = self._record.reshape(shape)[:, selected].reshape(-1, COLUMNS)
         first = self._first[selected]
@@ -121,7 +119,6 @@ class PairSamples(Samples):
         return Samples.of_runs(self.runs, self.t, y, s, *others)
 
     def then(self, *later: Samples) -> Samples:
-        """These samples, followed by `later` ones of runs with the same start."""
         parts = [each for each in (self, *later) if isinstance(each, PairSamples)]
         if len(parts) <= len(later):
             return super().then(*later)
@@ -130,7 +127,6 @@ class PairSamples(Samples):
         return PairSamples(t, record, self._first, self._factors)
 
     def rows(self, selected: np.ndarray | slice) -> PairSamples:
-        """The samples of one run at some places."""
         return PairSamples(self.t[selected], self._record[selected], self._first, self._factors)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -39,17 +39,14 @@ class Quantity:
 
     @property
     def units(self) -> str:
-        """The units of its kind."""
         return UNITS[self.kind]
 
 
 def _moving(kind: str, long_name: str, value: Callable[[Motion], np.ndarray]) -> Quantity:
-    """A quantity that follows from the motion of asperites."""
     return Quantity(kind, long_name, lambda group: group.each(value))
 
 
 def _accounted(name: str, long_name: str, present: Has = always) -> Quantity:
-    """A quantity that follows from their accounts."""
     of = Linear(partial(AsperiteSeries.accounted, name=name))
     return _energy(long_name, of, present)
 

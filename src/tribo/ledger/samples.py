@@ -60,11 +60,9 @@ class Samples:
         return Samples(*(each[selected] for each in self.columns))
 
     def first(self) -> Samples:
-        """The first sample alone."""
         return self.rows(np.array([0]))
 
     def last(self) -> Samples:
-        """The last sample alone."""
         return self.rows(np.array([-1]))
 
     def last_interval(self, beginning: float = 0.0) -> Samples:

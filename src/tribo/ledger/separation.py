@@ -124,11 +124,6 @@ class Reach(NamedTuple):
     species: tuple[str, str] | None  # of the two bobs; None for any
 
 
-def without_contact(layout: Layout, samples: Samples, index: int) -> np.ndarray:
-    """Whether no bob of a surface is in contact with one of another surface, (times,)."""
-    return ~np.any(touching(layout, samples, lambda pair: index in pair), axis=1)
-
-
 def touching(
     layout: Layout, samples: Samples, counts: Callable[[tuple[int, int]], bool] = lambda pair: True
 ) -> np.ndarray:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from tribo.ledger.accounts import Integrals
 from tribo.ledger.quantities import (
     BLOCK_QUANTITIES,
     OPTIONAL_QUANTITIES,
-    Quantity,
     needs_accounts,
     present_names,
     reported,
@@ -70,7 +69,7 @@ class ReportedSeries(NamedTuple):
 
     name: str
     of: Callable[..., np.ndarray]
-    sources: Sequence[AsperiteSeries | SystemSeries]
+    sources: Sequence[Any]  # series of asperites, of surfaces, or of the system
     width: int
 
 
@@ -82,15 +81,13 @@ def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
     system = SystemSeries(layout, samples, wholes)
     present = frozenset[str]().union(*(present_names(scene, each) for each in scene.surfaces))
     found = reported(scene.output.ledger, present.intersection(OPTIONAL_QUANTITIES))
-    of_each: list[tuple[Mapping[str, Quantity], Sequence[AsperiteSeries | SystemSeries], int]] = [
-        (found.asperites, (group,), scene.count),
-        (found.blocks, wholes, len(wholes)),
-        (found.system, (system,), 1),
-    ]
+    sources = (group,), wholes, (system,)
+    widths = scene.count, len(wholes), 1
+    tables = found.asperites, found.blocks, found.system
     return [
-        ReportedSeries(name, quantity.of, sources, width)
-        for quantities, sources, width in of_each
-        for name, quantity in quantities.items()
+        ReportedSeries(name, quantity.of, own, width)
+        for table, own, width in zip(tables, sources, widths, strict=True)
+        for name, quantity in table.items()
     ]
 
 

@@ -52,7 +52,6 @@ class Watched(NamedTuple):
 
     @classmethod
     def joined(cls, parts: list[Self]) -> Self:
-        """That of portions one after another."""
         return cls(*map(np.concatenate, zip(*parts, strict=True)))
 
 
@@ -135,7 +134,6 @@ class StreamedLedger:
 
     @property
     def watched(self) -> Watched:
-        """What notes need of all samples so far."""
         return Watched.joined(self._watched)
 
     def _keep(self, samples: Samples, ledger: Ledger) -> None:
@@ -188,12 +186,10 @@ def exceeds_memory(layout: Layout, times: int) -> bool:
 
 
 def portion_size(layout: Layout) -> int:
-    """Samples of one portion."""
     return max(1, PORTION_BYTES // _sample_bytes(layout))
 
 
 def _joined(portions: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Series of portions one after another."""
     return {name: np.concatenate([each[name] for each in portions]) for name in portions[0]}
 
 

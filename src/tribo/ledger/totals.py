@@ -15,7 +15,7 @@ from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, a
 from tribo.ledger.forces import Forces
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
-from tribo.ledger.separation import without_contact
+from tribo.ledger.separation import touching
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
@@ -119,7 +119,8 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def without_contact(self) -> np.ndarray:
         """1 where no bob of the surface is in contact with another surface, else 0."""
-        return without_contact(self._layout, self.samples, self._index).astype(float)
+        met = touching(self._layout, self.samples, lambda pair: self._index in pair)
+        return (~np.any(met, axis=1)).astype(float)
 
     @property
     def stored(self) -> np.ndarray:

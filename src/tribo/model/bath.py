@@ -140,7 +140,6 @@ def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], li
 
 
 def as_table(bath: Bath) -> dict[str, Any]:
-    """The bath's table in a scene file."""
     table: dict[str, Any] = {}
     if bath.spectrum is None:
         pairs = zip(bath.masses.tolist(), bath.frequencies.tolist(), strict=True)

@@ -216,7 +216,6 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
-    """The drive's table in a scene file."""
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         return table if drive.load is None else table | {"load": drive.load}

@@ -51,7 +51,6 @@ class Effect(StrEnum):
     PERIODIC = "periodic", "nearest images along x or z"
 
     def __new__(cls, name: str, description: str) -> Effect:
-        """A string with a description."""
         effect = str.__new__(cls, name)
         effect._value_ = name
         effect.description = description
@@ -112,7 +111,6 @@ def _reservoirs(on: str) -> Finder:
 
 
 def _interactions(wanted: Callable[[Any, Interaction], bool]) -> Finder:
-    """Finds the interactions that are wanted."""
     return lambda scene: (
         f"interaction[{i}].potential = {potential_name(item)}"
         for i, item in enumerate(scene.interactions)

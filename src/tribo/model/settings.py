@@ -125,7 +125,6 @@ def _names(field: str, value: object) -> tuple[str, ...]:
 
 
 def _times(field: str, value: object) -> tuple[float, ...]:
-    """The times to record."""
     times = check.vector(field, value, unit="time")
     if times.size == 0 or np.any(np.diff(times) <= 0.0) or times[0] < 0.0:
         raise must_be(field, "increasing, from 0 or later [time]", value)

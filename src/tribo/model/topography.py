@@ -194,7 +194,6 @@ def _axes_and_heights(scan: Any) -> tuple[list[np.ndarray], np.ndarray]:
 
 
 def _read(path: str) -> Any:
-    """The topography of a file."""
     if not Path(path).is_file():
         raise InputError("topography", f"{path} cannot be read (no such file)")
     try:

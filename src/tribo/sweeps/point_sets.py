@@ -40,7 +40,6 @@ class PointSet(NamedTuple):
 
     @property
     def runs(self) -> int:
-        """The number of runs."""
         return self.points * self.seeds.size
 
     @property
@@ -52,7 +51,6 @@ class PointSet(NamedTuple):
         return Variation(self.scene, swept | vary, self.seed, np.tile(self.seeds, self.points))
 
     def scene_at(self, point: int) -> Scene:
-        """The scene of a point."""
         own = {key: float(values[point]) for key, values in self.swept.items()}
         return with_values(self.scene, own) if own else self.scene
 
