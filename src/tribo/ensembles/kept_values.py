@@ -15,7 +15,6 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
-from tribo.model.surface import Surface
 from tribo.result import Result
 from tribo.results.force_averages import force_average
 from tribo.validation import InputError
@@ -199,29 +198,22 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    names, system = list[str](), dict[str, quantities.Quantity]()
-    for surface in scene.surfaces:
-        found = _reported(scene, surface)
-        names += [
-            f"{surface.name}.{n}" for n in found.blocks if n not in quantities.SUMMED_QUANTITIES
-        ]
-        system |= found.system
-    return [*names, *system]
+    summed, found = quantities.SUMMED_QUANTITIES, _reported(scene)
+    names = [f"{name}.{n}" for name, each in found for n in each.blocks if n not in summed]
+    return [*names, *dict.fromkeys(n for _, each in found for n in each.system)]
 
 
 def sum_names(scene: Scene) -> list[str]:
     """Names of the works and heats of asperites that are summed over their surface."""
-    return [
-        f"{surface.name}.{name}"
-        for surface in scene.surfaces
-        for found in [_reported(scene, surface)]
-        for name in [*found.asperites, *found.blocks]
-        if name in WORKS
-    ]
+    found = _reported(scene)
+    tables = [(name, table) for name, each in found for table in (each.asperites, each.blocks)]
+    return [f"{name}.{work}" for name, table in tables for work in table if work in WORKS]
 
 
-def _reported(scene: Scene, surface: Surface) -> quantities.Reported:
-    return quantities.reported(scene.output.ledger, quantities.present_names(scene, surface))
+def _reported(scene: Scene) -> list[tuple[str, quantities.Reported]]:
+    """The quantities that a scene reports, by surface."""
+    present = [(each.name, quantities.present_names(scene, each)) for each in scene.surfaces]
+    return [(name, quantities.reported(scene.output.ledger, own)) for name, own in present]
 
 
 def is_interval(name: str) -> bool:

@@ -127,7 +127,13 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
     for row, name in enumerate(records.CONSTANTS):
         if name in (records.ASPERITE.names or ()):
             table[row] = asperites[name]
-    _refer_to_bars(table, asperites)
+    # On driven bars they refer to the bar's centre; see `kernels.levers`.
+    driven = asperites["pivot"] > 0.0
+    a = asperites[driven]
+    table[records.INERTIA, driven] += a["mass"] * a["pivot"] ** 2
+    table[records.MASS, driven] = np.inf
+    table[records.L1, driven] += a["pivot"]
+    table[records.L2, driven] = 0.0
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
     table[records.INERTIA, rigid] = np.inf
     table[records.INVERSE_MASS] = 1.0 / table[records.MASS]
@@ -139,16 +145,6 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
     mobility = table[records.INVERSE_INERTIA] + np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
     return table
-
-
-def _refer_to_bars(table: np.ndarray, asperites: np.ndarray) -> None:
-    """Refer the constants of asperites on driven bars to the bar's centre; see `kernels.levers`."""
-    driven = asperites["pivot"] > 0.0
-    a = asperites[driven]
-    table[records.INERTIA, driven] += a["mass"] * a["pivot"] ** 2
-    table[records.MASS, driven] = np.inf
-    table[records.L1, driven] += a["pivot"]
-    table[records.L2, driven] = 0.0
 
 
 def _oscillators(baths: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:

@@ -18,7 +18,7 @@ from tribo import validation as check
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
-from tribo.validation import InputError, is_list, must_be
+from tribo.validation import is_list, must_be
 
 # Signature of the method that a plug-in needs, as messages quote it.
 ENERGY_AT = "energy_at(self, x, y)"
@@ -122,14 +122,9 @@ def as_field_potential(value: Any) -> Any:
     return value
 
 
-def from_table(table: object, folder: Path) -> Field:
+def from_table(table: Any, folder: Path) -> Field:
     """The field that a table of a scene file describes."""
-    if not isinstance(table, dict):
-        raise must_be("", "a table", table)
-    parameters = dict(table)
-    for key in ("kind", "on"):
-        if key not in parameters:
-            raise InputError(key, "is missing")
+    parameters = check.known_keys(table, table, ["kind", "on"])
     settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
     if plugins.is_named(kind):

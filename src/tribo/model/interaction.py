@@ -55,10 +55,14 @@ class Interaction:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        if isinstance(self.potential, Live):
-            self._check_live()
-        else:
+        if not isinstance(self.potential, Live):
             put(self, "potential", as_potential(self.potential))
+        elif self.species is not None:
+            raise InputError(
+                "species", "cannot go with a calculator, which takes the elements of the bobs"
+            )
+        elif self.between is not None and self.between[0] == self.between[1]:
+            raise must_be("between", "two different surfaces for a calculator", self.between)
         for key, kind in (("between", "surfaces"), ("species", "species")):
             names = getattr(self, key)
             if names is None:
@@ -66,11 +70,3 @@ class Interaction:
             if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
                 raise must_be(key, f"the names of two {kind}", names)
             put(self, key, tuple(names))
-
-    def _check_live(self) -> None:
-        if self.species is not None:
-            raise InputError(
-                "species", "cannot go with a calculator, which takes the elements of the bobs"
-            )
-        if self.between is not None and self.between[0] == self.between[1]:
-            raise must_be("between", "two different surfaces for a calculator", self.between)

@@ -78,10 +78,8 @@ def _each(key: str, value: object, read: Callable[[Any], object]) -> tuple[Any, 
     return tuple(part(read)(f"{key}[{i}]", item) for i, item in enumerate(value))
 
 
-def _interaction(table: object, folder: Path) -> Interaction:
-    if not isinstance(table, dict):
-        raise must_be("", "a table", table)
-    parameters = dict(table)
+def _interaction(table: Any, folder: Path) -> Interaction:
+    parameters = known_keys(table, table)
     between, species = parameters.pop("between", None), parameters.pop("species", None)
     return Interaction(potentials.from_table(parameters, folder), between, species)
 

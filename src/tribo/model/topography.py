@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import validation as check
-from tribo.model.tables import ComparedByValue
+from tribo.model.tables import ComparedByValue, table_of
 from tribo.validation import InputError, inside, must_be
 
 # Metres in a unit of length, by the names that SurfaceTopography gives the units of files.
@@ -246,9 +246,5 @@ def as_table(topography: Topography, folder: Path) -> dict[str, object]:
     path = Path(topography.topography)
     home = folder.absolute()
     place = path.relative_to(home) if path.is_relative_to(home) else path
-    table: dict[str, object] = {"topography": place.as_posix(), "detrend": topography.detrend}
-    if topography.unit is not None:
-        table["unit"] = topography.unit
-    if topography.origin is not None:
-        table["origin"] = list(topography.origin)
-    return table
+    table = table_of(topography) | {"topography": place.as_posix()}
+    return {key: table[key] for key in KEYS if key in table}
