@@ -131,8 +131,7 @@ def _model() -> Axes:
         Picture(ax, now, point_length(ax, *box[:2]))
         _model_lengths(ax, now)
         _model_angles(ax, now)
-        _model_positions(ax, now)
-        _model_forces(ax, now)
+        _model_arrows(ax, now)
         frame(ax, box)
     return ax
 
@@ -165,36 +164,30 @@ def _model_angles(ax: Axes, now: Pose) -> None:
     note(ax, (0.36, -1.75), r"$\theta$")
 
 
-def _model_positions(ax: Axes, now: Pose) -> None:
-    origin = np.array([-2.4, -3.45])
-    for axis, text in zip(1.3 * np.eye(2), ("$x$", "$y$"), strict=True):
-        arrow(ax, origin, origin + axis, linewidth=0.6, linestyle=(0, (4, 2)), mutation_scale=6)
-        note(ax, origin + 1.12 * axis, text)
-    for tip, shift, text in (
-        (now.cms[0], (0.35, -0.05), r"$\vec{r}_{\rm cm}$"),
-        (now.bobs[0], (0.1, 0.25), r"$\vec{r}_1$"),
-        (now.bars[0], (-0.3, 0.1), r"$\vec{r}_2$"),
+def _model_arrows(ax: Axes, now: Pose) -> None:
+    """The axes, positions and forces, each with its name."""
+    origin, cm, bob, bar = np.array([-2.4, -3.45]), now.cms[0], now.bobs[0], now.bars[0]
+    left, right = now.ends[0]
+    axis = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "mutation_scale": 6}
+    vector = {"linewidth": 0.7, "mutation_scale": 6}
+    force = {"linewidth": 1.5, "mutation_scale": 10, "color": FORCE_COLOUR}
+    # The place of a name is a part of the way from the start to the tip, and a shift from there.
+    for start, step, part, shift, text, look in (
+        (origin, (1.3, 0.0), 1.12, (0.0, 0.0), "$x$", axis),
+        (origin, (0.0, 1.3), 1.12, (0.0, 0.0), "$y$", axis),
+        (origin, cm - origin, 0.5, (0.35, -0.05), r"$\vec{r}_{\rm cm}$", vector),
+        (origin, bob - origin, 0.5, (0.1, 0.25), r"$\vec{r}_1$", vector),
+        (origin, bar - origin, 0.5, (-0.3, 0.1), r"$\vec{r}_2$", vector),
+        (bar, left - bar, 1.0, (-0.3, 0.0), r"$\vec{r}_L$", vector),
+        (bar, right - bar, 1.0, (0.3, 0.0), r"$\vec{r}_R$", vector),
+        (bob, (1.4, 1.1), 1.0, (0.2, 0.1), r"$\vec{f}_1$", force),
+        (bar, (-1.2, 1.05), 1.0, (-0.2, 0.1), r"$\vec{f}_2$", force),
+        (left, (-0.2, -0.9), 1.0, (-0.25, 0.0), r"$\vec{f}_L$", force),
+        (right, (0.4, 0.95), 1.0, (0.3, 0.0), r"$\vec{f}_R$", force),
     ):
-        arrow(ax, origin, tip, linewidth=0.7, mutation_scale=6)
-        note(ax, 0.5 * (origin + tip) + shift, text)
-    for end, shift, text in (
-        (now.ends[0, 0], (-0.3, 0.0), r"$\vec{r}_L$"),
-        (now.ends[0, 1], (0.3, 0.0), r"$\vec{r}_R$"),
-    ):
-        arrow(ax, now.bars[0], end, linewidth=0.7, mutation_scale=6)
-        note(ax, end + shift, text)
-
-
-def _model_forces(ax: Axes, now: Pose) -> None:
-    for start, force, shift, text in (
-        (now.bobs[0], (1.4, 1.1), (0.2, 0.1), r"$\vec{f}_1$"),
-        (now.bars[0], (-1.2, 1.05), (-0.2, 0.1), r"$\vec{f}_2$"),
-        (now.ends[0, 0], (-0.2, -0.9), (-0.25, 0.0), r"$\vec{f}_L$"),
-        (now.ends[0, 1], (0.4, 0.95), (0.3, 0.0), r"$\vec{f}_R$"),
-    ):
-        tip = start + np.array(force)
-        arrow(ax, start, tip, linewidth=1.5, color=FORCE_COLOUR, mutation_scale=10)
-        note(ax, tip + shift, text, color=FORCE_COLOUR)
+        arrow(ax, start, start + np.array(step), **look)
+        place = start + part * np.array(step) + shift
+        note(ax, place, text, color=look.get("color", "black"))
 
 
 ALL_THREE = ("bar", "cm", "bob")

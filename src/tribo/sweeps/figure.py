@@ -5,8 +5,6 @@ from __future__ import annotations
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tribo.ledger.quantities import AVERAGED
 from tribo.plotting.curves import DASHES
 from tribo.plotting.style import WIDE, drawing_on
@@ -63,14 +61,24 @@ def sweep_lines(
     if len(lines) > MOST_LINES:
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
-        for number, places in enumerate(lines):
-            at = dict(zip(others, places, strict=True))
+        values = data[key].values
+        places = values if values.dtype.kind in "fiu" else values.astype(str)  # or categories
+        for number, indices in enumerate(lines):
+            at = dict(zip(others, indices, strict=True))
             half = None if bars is None else bars.isel(at).values
             label = ", ".join(f"{other} = {data[other].values[at[other]]}" for other in others)
             how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
             how["linestyle"] = DASHES[number % len(DASHES)]
-            ax.errorbar(_places(data, key), drawn.isel(at).values, half, label=label, **how)
-        _label(ax, data, key, name, others, meaning)
+            ax.errorbar(places, drawn.isel(at).values, half, label=label, **how)
+        at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
+        ax.set(xlabel=key, ylabel=f"{name}{at_end}")
+        title = f"bars: {meaning}" if meaning else None
+        if others:
+            above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
+            small: Any = {"title_fontsize": "small", "fontsize": "small"}
+            ax.legend(frameon=False, title=title, **above, **small)
+        elif title is not None:
+            ax.set_title(title, fontsize="small")
     return ax
 
 
@@ -104,23 +112,3 @@ def quantities(data: xarray.Dataset) -> list[str]:
     names = [str(name) for name in data.data_vars if data[name].dims == keys]
     means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
-
-
-def _places(data: xarray.Dataset, key: str) -> np.ndarray:
-    """The values of a key; words as matplotlib's categories."""
-    values = data[key].values
-    return values if values.dtype.kind in "fiu" else values.astype(str)
-
-
-def _label(
-    ax: Axes, data: xarray.Dataset, key: str, name: str, others: list[str], meaning: str
-) -> None:
-    """Names of the axes, and what lines and bars are."""
-    at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
-    ax.set(xlabel=key, ylabel=f"{name}{at_end}")
-    title = f"bars: {meaning}" if meaning else None
-    if others:
-        above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
-        ax.legend(frameon=False, title=title, title_fontsize="small", fontsize="small", **above)
-    elif title is not None:
-        ax.set_title(title, fontsize="small")
