@@ -21,8 +21,8 @@ from tribo.results.run_result import RunResult
 from tribo.validation import InputError, as_path, integer
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from PIL.Image import Image
 
 # Names of files end on one of these, each with matplotlib's writer for it.
@@ -127,16 +127,23 @@ class Film:
         self._picture = Picture(above, self._pose(0), 1.0 / scale, typical_swing(result))
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
-        self._works = _named_works(result, surface)
-        self.lines = _curves(below, result, self._works)
-        (self._now,) = below.plot([], [], color=INK, linewidth=0.6)
-        below.set_ylabel(f"work on {surface}" if self._works else "")
+        works = works_of(result, surface, None)
+        names = [name for work in DRAWN for name in (work, f"{work}_ps") if name in works]
+        names = [name for name in names if "int" not in name or np.any(works[name])]
+        self._works = {name: works[name] for name in names}
+        self.lines: dict[str, Line2D] = {}
         self._values = {}
-        for row, name in enumerate(self._works):
-            y, colour = (CURVES - 0.24 - 0.2 * row) / total, self.lines[name].get_color()
+        for row, (name, values) in enumerate(self._works.items()):
+            line = look(name)
+            below.plot(result.t, values, **line | {"alpha": 0.2})
+            (self.lines[name],) = below.plot([], [], **line)
+            y, colour = (CURVES - 0.24 - 0.2 * row) / total, line["color"]
             word = "pseudowork" if name.endswith("_ps") else WORKS[name].meaning
             self.figure.text(0.74, y, f"{symbol(name)} {word}", color=colour)
             self._values[name] = self.figure.text(0.99, y, "", color=colour, ha="right")
+        (self._now,) = below.plot([], [], color=INK, linewidth=0.6)
+        below.set(xlim=(result.t[0], result.t[-1]), ylabel=f"work on {surface}" if names else "")
+        below.set_xlabel("$t$", labelpad=1.0)
         self._limits = below.get_ylim()
         self._moving = [*self._picture.artists, *self.lines.values(), self._now, self._clock]
         self._moving += self._values.values()
@@ -170,21 +177,3 @@ class Film:
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
             self._values[name].set_text(f"{values[sample]: .4f}")
-
-
-def _named_works(result: RunResult, surface: str) -> dict[str, np.ndarray]:
-    """The works that are drawn, by name, of a surface; none where they are not kept."""
-    works = works_of(result, surface, None)
-    names = [name for work in DRAWN for name in (work, f"{work}_ps") if name in works]
-    return {name: works[name] for name in names if "int" not in name or np.any(works[name])}
-
-
-def _curves(ax: Axes, result: RunResult, works: dict[str, np.ndarray]) -> dict[str, Any]:
-    """Faint curves of all times, and a line for each that `show` fills."""
-    lines = {}
-    for name, values in works.items():
-        ax.plot(result.t, values, **look(name) | {"alpha": 0.2})
-        (lines[name],) = ax.plot([], [], **look(name))
-    ax.set_xlim(result.t[0], result.t[-1])
-    ax.set_xlabel("$t$", labelpad=1.0)
-    return lines

@@ -47,16 +47,12 @@ def card_figure(curves: Curves, title: str) -> Figure:
 
     with style():
         figure = Figure(figsize=(COLUMN, 1.35 * COLUMN), layout="constrained")
-        energy, force, disagreement = figure.subplots(3, 1)
+        energy, force, disagreement = figure.subplots(3, 1, sharex=True)
         _curve(energy, curves, curves.energy, ENERGY, "$U$")
         _curve(force, curves, curves.force, FORCE, "$F$")
         _disagreement(disagreement, curves)
         energy.set_title(title, fontsize=8.0, wrap=True)
-        energy.tick_params(labelbottom=False)
-        force.tick_params(labelbottom=False)
-        for ax in (energy, force, disagreement):
-            _distances(ax, curves)
-        disagreement.set_xlabel("$r$")
+        _distances(disagreement, curves)
         if math.isfinite(curves.cutoff):
             for ax in (energy, force, disagreement):
                 ax.axvline(curves.cutoff, color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
@@ -77,7 +73,7 @@ def _distances(ax: Axes, curves: Curves) -> None:
     if few:
         ax.xaxis.set_major_formatter(lambda r, _: f"{r:g}")
     ax.xaxis.set_minor_formatter(NullFormatter())
-    ax.set_xlim(curves.r[0], curves.r[-1])
+    ax.set(xlim=(curves.r[0], curves.r[-1]), xlabel="$r$")
 
 
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
