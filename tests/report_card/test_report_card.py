@@ -449,6 +449,7 @@ def test_json(run):
         (["gravity"], "potential: must be "),
         (["coulomb"], "strength: is missing"),
         (["coulomb", "strength"], "parameter: must be KEY=VALUE, got 'strength'"),
+        (["coulomb", "strength=1", "strength=2"], "parameter strength: is given twice"),
         (["coulomb", "strength=strong"], "strength: must be a number, got 'strong'"),
         (["coulomb", "strength=1", "cutoff=3", "at_cutoff=bend"], "at_cutoff: must be "),
         (["none.py:None", "s=1"], "potential: there is no file"),

@@ -102,7 +102,7 @@ def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
     if options.sampler is not None:
         sampler = _sampler_named(options.sampler, scene, vary, options.seed)
     names = ("members", "at", "statistics", "out", "resume", "threads", "seed")
-    widths = (shared.split("--half-width", text) for text in options.half_width)
+    widths = shared.by_key("--half-width", options.half_width).items()
     half_width = {name: shared.as_number(f"--half-width {name}", size) for name, size in widths}
     return {
         **{name: getattr(options, name) for name in names},

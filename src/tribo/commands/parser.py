@@ -241,7 +241,7 @@ def _check(options: argparse.Namespace) -> int:
     from tribo.report_card import check
 
     shared.check_figure(options.figure)
-    pairs = (shared.split("parameter", text) for text in options.parameters)
+    pairs = shared.by_key("parameter", options.parameters).items()
     table = {"potential": options.potential} | {name: shared.parsed(value) for name, value in pairs}
     report = check(from_table(table, Path.cwd()))
     if options.figure is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -123,12 +124,7 @@ def load_with_values(options: argparse.Namespace) -> Scene:
     """The scene in the file with the values of --set.  Raises InputError."""
     from tribo.model.parameters import with_values
 
-    values: dict[str, object] = {}
-    for text in options.set:
-        key, value = split("--set", text)
-        if key in values:
-            raise InputError(f"--set {key}", "is given twice; give each key once")
-        values[key] = parsed(value)
+    values = {key: parsed(value) for key, value in by_key("--set", options.set).items()}
     scene = load(options)
     try:
         return with_values(scene, values) if values else scene
@@ -136,12 +132,18 @@ def load_with_values(options: argparse.Namespace) -> Scene:
         raise InputError(f"--set {error.field}", error.problem) from None
 
 
-def split(option: str, text: str) -> tuple[str, str]:
-    """The key and the value of "key=value".  Raises InputError about the option."""
-    key, sign, value = text.partition("=")
-    if not sign or not key.strip() or not value.strip():
-        raise must_be(option, "KEY=VALUE", text)
-    return key.strip(), value.strip()
+def by_key(option: str, texts: Iterable[str]) -> dict[str, str]:
+    """The values of texts as "key=value" by their keys.  Raises InputError about the option."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        key = ",".join(map(str.strip, name.split(",")))  # a sweep may join several
+        if not key or not value.strip():
+            raise must_be(option, "KEY=VALUE", text)
+        if key in found:
+            raise InputError(f"{option} {key}", "is given twice; give each key once")
+        found[key] = value.strip()
+    return found
 
 
 def parsed(text: str) -> object:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.commands.scene_options import check_figure, load, parsed_list, split
+from tribo.commands.scene_options import by_key, check_figure, load, parsed_list
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.validation import InputError
@@ -55,14 +55,10 @@ def _values_of(texts: list[str]) -> dict[Keys, list[object]]:
 
     Keys with commas between them are swept together: "upper.velocity,duration=[0.5,40],[0.25,80]".
     """
-    values: dict[Keys, list[object]] = {}
-    for text in texts:
-        name, listed = split("--set", text)
-        key: Keys = tuple(map(str.strip, name.split(","))) if "," in name else name
-        if key in values:
-            raise InputError(f"--set {name}", "is given twice; give all values of a key at once")
-        values[key] = parsed_list("--set", listed)
-    return values
+    return {
+        tuple(name.split(",")) if "," in name else name: parsed_list("--set", listed)
+        for name, listed in by_key("--set", texts).items()
+    }
 
 
 def _as_json(data: xarray.Dataset) -> str:

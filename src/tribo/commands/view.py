@@ -51,10 +51,7 @@ def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
     from tribo.sliders import sliders_of
 
     given: dict[str, Any] = {}
-    for text in options.slider:
-        key, values = shared.split("--slider", text)
-        if key in given:
-            raise InputError(f"--slider {key}", "is given twice; give each key once")
+    for key, values in shared.by_key("--slider", options.slider).items():
         low, sign, high = values.partition(":")
         if sign:
             given[key] = tuple(shared.as_number(f"--slider {key}", end) for end in (low, high))
