@@ -44,6 +44,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     """
     scene = result.scene
     frames = _frames(result, bath)
+    surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
     works = {surface.name: works_of(result, surface.name, None) for surface in scene.surfaces}
     notes, dots = list(result.notes), {}
     if bath:
@@ -52,6 +53,8 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
             "Dots are bath oscillators in order of frequency, displaced "
             f"{magnification(result):.3g} times as far from their bars as in the run."
         )
+    for surface in surfaces:
+        surface["dots"] = packed(dots[surface["name"]]) if surface["name"] in dots else None
     return {
         "title": scene.title or "A run of tribo",
         "status": str(result.status),
@@ -61,7 +64,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         "notes": notes,
         "times": packed(result.t, exact=True),
         "frames": packed(frames),
-        "surfaces": [_drawn(result, s, frames, dots.get(s.name)) for s in scene.surfaces],
+        "surfaces": surfaces,
         "forces": _forces(result, frames),
         "groups": _groups(result, works),
     }
@@ -79,10 +82,8 @@ def _frames(result: RunResult, bath: bool) -> np.ndarray:
     return np.unique(np.linspace(0, samples - 1, most).round().astype(int))
 
 
-def _drawn(
-    result: RunResult, surface: Surface, frames: np.ndarray, dots: np.ndarray | None
-) -> dict[str, Any]:
-    """Sizes of the asperites of a surface, and their places and bath oscillators at each frame."""
+def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str, Any]:
+    """Sizes of the asperites of a surface, and their places at each frame."""
     table = result[surface.name]
     missing = [name for name in PLACES if name not in table]
     if missing:
@@ -106,7 +107,6 @@ def _drawn(
         "bonds": packed(joined_bars(surface)),
         # Of each place frame after frame, asperite after asperite.
         "places": {name: packed(table[name][frames]) for name in PLACES},
-        "dots": None if dots is None else packed(dots),
     }
 
 
