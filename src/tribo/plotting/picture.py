@@ -69,11 +69,10 @@ class Picture:
             line: Any = {"colors": INK, "linewidths": 0.7}
             self._parts["bonds"] = LineCollection([], **line)
             self._parts["springs"] = LineCollection([], **line | {"linewidths": 0.4})
-            for name, colours in (
-                *(("bars", bars), ("rods", ROD_COLOUR), ("bobs", BOB_COLOUR)),
-                *(("pivots", INK), ("cms", CM_COLOUR)),
-            ):
-                self._parts[name] = PolyCollection([], facecolors=colours, **edge)
+            colours: dict[str, Any] = {"bars": bars, "rods": ROD_COLOUR, "bobs": BOB_COLOUR}
+            colours |= {"pivots": INK, "cms": CM_COLOUR}
+            for name, colour in colours.items():
+                self._parts[name] = PolyCollection([], facecolors=colour, **edge)
             for k, part in enumerate(self._parts.values()):
                 part.set_zorder(2.1 + 0.1 * k)
                 ax.add_collection(part, autolim=False)

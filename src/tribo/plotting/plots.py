@@ -120,10 +120,8 @@ class Plots:
             The result has no works, or none of single asperites.
         """
         name = self._surface(surface)
-        if self._result.scene.output.ledger == "none":
-            one = '"asperites" for works of single asperites'
-            wanted = '"asperites" or "surfaces" for works' if asperite is None else one
-            raise must_be("output.ledger", wanted, "none")
+        if asperite is None and self._result.scene.output.ledger == "none":
+            raise must_be("output.ledger", '"asperites" or "surfaces" for works', "none")
         works = works_of(self._result, name, asperite)
         is_new = ax is None
         with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
