@@ -50,10 +50,6 @@ class Watched(NamedTuple):
             return cls(some.t.copy(), touching(layout, some), np.empty(0), np.empty((0, 2)))
         return cls(some.t.copy(), touching(layout, some), samples.t.copy(), _works(layout, samples))
 
-    @classmethod
-    def joined(cls, parts: list[Self]) -> Self:
-        return cls(*map(np.concatenate, zip(*parts, strict=True)))
-
 
 def look_interval(times: int) -> int:
     """The number of samples from one look for contact to the next."""
@@ -108,8 +104,8 @@ class StreamedLedger:
         self._layout = layout
         self._guarded = guarded and layout.model.ledger is not None
         self._known = 0.0  # see `first_lost`
-        self._portions: list[dict[str, np.ndarray]] = []  # series by full names, and times
-        self._watched: list[Watched] = []
+        # Series by full names, their times, and what notes need, each with the name in a file.
+        self._portions: list[dict[str, np.ndarray]] = []
         self._written = 0  # portions that `new_arrays` has returned
 
     def add(self, samples: Samples, earlier: int) -> tuple[int, Status] | None:
@@ -134,36 +130,33 @@ class StreamedLedger:
 
     @property
     def watched(self) -> Watched:
-        return Watched.joined(self._watched)
+        return Watched(**_joined(self._portions, WATCHED))
 
     def _keep(self, samples: Samples, ledger: Ledger) -> None:
         """Keep what notes need of new samples, and the series that the scene asks for."""
-        done = sum(portion[TIMES].size for portion in self._portions)
+        done = sum(portion[SERIES + TIMES].size for portion in self._portions)
         every, keep = look_interval(self._layout.times.size), self._layout.scene.output.keep
-        self._watched.append(Watched.of(self._layout, samples, -done % every, every))
+        watched = Watched.of(self._layout, samples, -done % every, every)
         some = Ledger(ledger.t, {}, ledger.blocks, ledger.system)
         series = {TIMES: ledger.t} | (some if keep is None else ledger.only(keep)).flat()
         # Copies: the loop writes the next portion into the same arrays.
-        self._portions.append({name: np.array(values) for name, values in series.items()})
+        portion = {SERIES + name: np.array(values) for name, values in series.items()}
+        self._portions.append(portion | {WATCHED + k: v for k, v in watched._asdict().items()})
 
     def new_arrays(self) -> dict[str, np.ndarray]:
         """The portions since the last call, and what the next one needs, as arrays for a file."""
-        new, watched = self._portions[self._written :], self._watched[self._written :]
-        self._written = len(self._portions)
-        arrays = {SERIES + name: values for name, values in _joined(new).items()}
-        arrays["known"] = np.array(self._known)
-        return arrays | {WATCHED + k: v for k, v in Watched.joined(watched)._asdict().items()}
+        new, self._written = self._portions[self._written :], len(self._portions)
+        return _joined(new) | {"known": np.array(self._known)}
 
     def take_back(self, arrays: dict[str, np.ndarray]) -> None:
         """Take in portions from the arrays of a file."""
-        names = [name for name in arrays if name.startswith(SERIES)]
-        self._portions.append({name.removeprefix(SERIES): arrays[name] for name in names})
-        self._watched.append(Watched(*(arrays[WATCHED + name] for name in Watched._fields)))
+        names = [name for name in arrays if name.startswith((SERIES, WATCHED))]
+        self._portions.append({name: arrays[name] for name in names})
         self._written, self._known = len(self._portions), float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:
         """All series; those of asperites that are left out are at the ends of `samples`."""
-        layout, series = self._layout, _joined(self._portions)
+        layout, series = self._layout, _joined(self._portions, SERIES)
         kept = tuple(layout.scene.output.keep or ())
         found = Ledger.of_flat(series.pop(TIMES), series, layout.parts, kept)
         if kept:
@@ -189,8 +182,10 @@ def portion_size(layout: Layout) -> int:
     return max(1, PORTION_BYTES // _sample_bytes(layout))
 
 
-def _joined(portions: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    return {name: np.concatenate([each[name] for each in portions]) for name in portions[0]}
+def _joined(portions: list[dict[str, np.ndarray]], of: str = "") -> dict[str, np.ndarray]:
+    """Portions one after another, of what has names that begin with `of`, without that."""
+    names = [name for name in portions[0] if name.startswith(of)]
+    return {k.removeprefix(of): np.concatenate([each[k] for each in portions]) for k in names}
 
 
 def _sample_bytes(layout: Layout) -> int:

@@ -120,40 +120,25 @@ def sweep(
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
+        import xarray
+
         if statistics or half_width is not None:
             own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
             own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
             ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
-            data = point_by_point(grid, ensemble_at, target.frames, progress, began)
-        else:
-            by, store = how._replace(progress=progress), MemberStore(target.frames)
-            data = _together(grid, request, variation, number, store, by, began)
-        return target.saved(data)
+            return target.saved(point_by_point(grid, ensemble_at, target.frames, progress, began))
+        # All points by one engine, those that one plan serves side by side.
+        kept = request.kept(lay_out(request.recorded(scene.with_heights())))
+        sets, order, simulation = point_sets(grid, request, variation, number)
+        by, store = how, MemberStore(target.frames)
+        if progress is not None:
+            by = how._replace(progress=lambda done: progress(done // (number or 1)))
+        interrupted = by.collect(runs_of(sets, store.done, by, simulation), store)
+        table = Table(grid, order, kept, store.values(), None if number is None else sets[0])
+        attributes = common_attributes(scene, interrupted, table.notes(), began)
+        attributes["keep"] = json.dumps(kept.names)
+        return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 
     others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
     identity = request.identity(scene, variation, others)
     return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
-
-
-def _together(
-    grid: Grid,
-    request: Request,
-    variation: Variation,
-    number: int | None,
-    store: MemberStore,
-    how: Execution,
-    began: float,
-) -> xarray.Dataset:
-    """All points by one engine, those that one plan serves side by side."""
-    import xarray
-
-    kept = request.kept(lay_out(request.recorded(grid.scene.with_heights())))
-    sets, order, simulation = point_sets(grid, request, variation, number)
-    report = how.progress
-    if report is not None:
-        how = how._replace(progress=lambda done: report(done // (number or 1)))
-    interrupted = how.collect(runs_of(sets, store.done, how, simulation), store)
-    table = Table(grid, order, kept, store.values(), None if number is None else sets[0])
-    attributes = common_attributes(grid.scene, interrupted, table.notes(), began)
-    attributes["keep"] = json.dumps(kept.names)
-    return xarray.Dataset(table.variables(), table.coordinates, attributes)

@@ -73,30 +73,25 @@ def point_sets(
     """
     inner, simulation = _served_by_one_plan(grid, request, variation)
     outer = [axis for axis in grid.axes if axis not in inner]
-    sets = []
-    for places in np.ndindex(*(len(axis.rows) for axis in outer)):
-        # Together with the first values of the others.
-        own = values_at(outer, places) | values_at(inner, [0] * len(inner))
-        scene = with_values(grid.scene, own).with_heights()
-        of_scene = Variation(scene, variation.vary, variation.seed)
-        sets.append(_set_of(scene, request, inner, of_scene, members))
-    return sets, outer + inner, simulation
-
-
-def _set_of(
-    scene: Scene, request: Request, inner: list[Axis], variation: Variation, members: int | None
-) -> PointSet:
-    """The points of a scene whose other values are those of some axes."""
-    places = np.array(list(np.ndindex(*(len(axis.rows) for axis in inner)))).T
+    outside, within = (
+        list(np.ndindex(*(len(axis.rows) for axis in axes))) for axes in (outer, inner)
+    )
     swept = {
-        key: np.array([axis.rows[place][k] for place in own], float)
-        for axis, own in zip(inner, places, strict=True)
+        key: np.array([axis.rows[place[i]][k] for place in within], float)
+        for i, axis in enumerate(inner)
         for k, name in enumerate(axis.keys)
-        for key in _of_surfaces(scene, [name])
+        for key in _of_surfaces(grid.scene, [name])
     }
-    drawn = variation.members(np.arange(members or 1))
-    seeds = np.array([scene.seed]) if members is None else drawn.seeds
-    return PointSet(scene, request, swept, places.shape[1], drawn.values, seeds, variation.seed)
+    sets = []
+    for place in outside:
+        # Together with the first values of the others.
+        own = values_at(outer, place) | values_at(inner, [0] * len(inner))
+        scene = with_values(grid.scene, own).with_heights()
+        drawn = Variation(scene, variation.vary, variation.seed).members(np.arange(members or 1))
+        seeds = np.array([scene.seed]) if members is None else drawn.seeds
+        points = len(within), drawn.values, seeds, variation.seed
+        sets.append(PointSet(scene, request, swept, *points))
+    return sets, outer + inner, simulation
 
 
 def _served_by_one_plan(
