@@ -10,7 +10,7 @@ run at a level below the cheapest one, and compared with rougher runs.
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import NamedTuple, Self
@@ -238,11 +238,12 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     chosen = _cheapest(runs, variation, count, scales)
     if runs.own_numbers:  # each member is compared with a run at the level that is chosen
         return chosen._replace(level=max(FLOOR, chosen.level / ROUGHER))
-    pilot = Pilot(runs, runs.begin(variation.sample(count, runs.pilot)), threads)
-    plan, error = pilot.with_most_evaluations(chosen)
+    starts = runs.begin(variation.sample(count, runs.pilot))
+    plan, error = _with_most_evaluations(runs, chosen, starts, threads)
     while error > ROOM and plan.level > runs.finest:
         level = plan.level * max(LOWERED, ROOM / error)
-        plan, error = pilot.with_most_evaluations(plan._replace(level=max(runs.finest, level)))
+        plan = plan._replace(level=max(runs.finest, level))
+        plan, error = _with_most_evaluations(runs, plan, starts, threads)
     return plan
 
 
@@ -269,47 +270,41 @@ def _cheapest(
     return best
 
 
-class Pilot:
-    """Members by which it is found whom to check."""
+def _with_most_evaluations(
+    runs: CheckedRuns, plan: CheckedPlan, starts: MemberStarts, threads: int
+) -> tuple[CheckedPlan, float]:
+    """The plan with the evaluations above which to check, and the largest error of others.
 
-    def __init__(self, runs: CheckedRuns, starts: MemberStarts, threads: int) -> None:
-        self._runs, self._starts, self._threads = runs, starts, threads
-        self._piece = min(PIECE, runs.chunk)
+    Both are of a pilot, members with the `starts`.
+    """
+    piece = min(PIECE, runs.chunk)
 
-    def with_most_evaluations(self, plan: CheckedPlan) -> tuple[CheckedPlan, float]:
-        """The plan with the evaluations above which to check, and the largest error of others."""
-        runs = self._runs
-        counts = np.concatenate(self._each(lambda some: runs.run(plan, some).counts, self._starts))
-        evaluations = counts[:, EVALUATIONS]
-        complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
-        order = complete[np.argsort(-evaluations[complete], kind="stable")]
-        stop, size, missed = 0, BATCH, np.array([], int)
-        while stop < order.size:
-            batch, stop = order[stop : stop + size], stop + size
-            bad = batch[~(self._errors(plan, batch, runs.exact) <= KEPT)]
-            if not bad.size:
-                break
-            size, missed = 2 * size, np.append(missed, bad)
-        most = int(evaluations[order[stop]]) if stop < order.size else -1
-        if missed.size:
-            most = min(most, int(evaluations[missed].min()) - 1)
-        others = np.sort(complete[evaluations[complete] <= most])[::OTHERS]
-        # Finer runs in lanes are quicker, and other members are compared with the exact method.
-        error = self._errors(plan, others, plan.method).max(initial=0.0)
-        return plan._replace(most_evaluations=most), float(error)
-
-    def _errors(self, plan: CheckedPlan, members: np.ndarray, method: str) -> np.ndarray:
+    def errors(members: np.ndarray, method: str) -> np.ndarray:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""
-        runs = self._runs
         finer = plan._replace(method=method, level=runs.finer(plan.level))
 
-        def errors(some: MemberStarts) -> np.ndarray:
+        def excess(some: MemberStarts) -> np.ndarray:
             return runs.compared(runs.run(finer, some), runs.run(plan, some))[1]
 
-        return np.concatenate([np.empty(0), *self._each(errors, self._starts.of_members(members))])
+        pieces = starts.of_members(members).pieces(piece)
+        return np.concatenate([np.empty(0), *in_threads(excess, pieces, threads)])
 
-    def _each(
-        self, task: Callable[[MemberStarts], np.ndarray], starts: MemberStarts
-    ) -> list[np.ndarray]:
-        """The results for pieces of some members, in threads."""
-        return list(in_threads(task, starts.pieces(self._piece), self._threads))
+    every = in_threads(lambda some: runs.run(plan, some).counts, starts.pieces(piece), threads)
+    counts = np.concatenate(list(every))
+    evaluations = counts[:, EVALUATIONS]
+    complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
+    order = complete[np.argsort(-evaluations[complete], kind="stable")]
+    stop, size, missed = 0, BATCH, np.array([], int)
+    while stop < order.size:
+        batch, stop = order[stop : stop + size], stop + size
+        bad = batch[~(errors(batch, runs.exact) <= KEPT)]
+        if not bad.size:
+            break
+        size, missed = 2 * size, np.append(missed, bad)
+    most = int(evaluations[order[stop]]) if stop < order.size else -1
+    if missed.size:
+        most = min(most, int(evaluations[missed].min()) - 1)
+    others = np.sort(complete[evaluations[complete] <= most])[::OTHERS]
+    # Finer runs in lanes are quicker, and other members are compared with the exact method.
+    error = errors(others, plan.method).max(initial=0.0)
+    return plan._replace(most_evaluations=most), float(error)

@@ -22,7 +22,6 @@ from tribo.results.result_file import Variable
 if TYPE_CHECKING:
     import xarray
 
-# Attributes of a data set.
 Attributes = dict[str, str | float]
 # Numbers that each run has beside its values.
 COUNTS = {

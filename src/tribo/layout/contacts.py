@@ -97,10 +97,13 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
     """All blocks, before the first selection; None where no asperite can be inactive."""
     contacts = (*model.contacts, *(model.within or ()))
     unlisted = {int(k) for each in contacts for k in each.pairs[each.rows < 0].ravel()}
-    eligible = [
-        _is_eligible(scene, k) and k not in unlisted and not model.surfaces[k].turning
-        for k in range(len(scene.surfaces))
-    ]
+    eligible = []
+    for k, surface in enumerate(scene.surfaces):
+        # Nothing but contact acts on its asperites, and its bars move uniformly.
+        uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
+        acted_on = scene.has_uncancelled_forces(surface) or surface.swing_reservoir is not None
+        turning = surface.bath.inertias.size > 0 or model.surfaces[k].turning
+        eligible.append(uniform and not (acted_on or turning or k in unlisted))
     if model.calculators is not None or not any(eligible):
         return None
     count, surfaces = model.each.shape[1], model.surfaces
@@ -113,14 +116,6 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
         selected=np.full(1, np.nan),
         margin=MARGIN * skin,
     )
-
-
-def _is_eligible(scene: Scene, index: int) -> bool:
-    """Whether nothing but contact acts on a surface's asperites, and its bars move uniformly."""
-    surface = scene.surfaces[index]
-    uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
-    acted_on = scene.has_uncancelled_forces(surface) or surface.swing_reservoir is not None
-    return uniform and not acted_on and surface.bath.inertias.size == 0
 
 
 def empty_boxes(count: int) -> Boxes:

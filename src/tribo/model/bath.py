@@ -66,10 +66,8 @@ class Bath(ComparedByValue):
             given = getattr(self, rates)
             put(self, rates, check.vector(rates, given, check.POSITIVE, count, "rad / time"))
         check.fields(self, temperature=check.one(check.NOT_NEGATIVE, "energy"))
-        if self.spectrum is not None:
-            self._take_from_spectrum()
-
-    def _take_from_spectrum(self) -> None:
+        if self.spectrum is None:
+            return
         if not isinstance(self.spectrum, Spectrum):
             raise must_be("spectrum", "a tribo.Spectrum", self.spectrum)
         own = self.spectrum.oscillators()
@@ -78,7 +76,7 @@ class Bath(ComparedByValue):
             raise InputError("masses", "cannot go with spectrum; give one or the other")
         for name, values in zip(("masses", "frequencies"), own, strict=True):
             values.flags.writeable = False
-            object.__setattr__(self, name, values)
+            put(self, name, values)
 
     def __bool__(self) -> bool:
         return self.masses.size + self.inertias.size > 0
@@ -107,7 +105,11 @@ def as_bath(value: object) -> Bath:
     table = check.known_keys(value, KEYS)
     settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
     if "spectrum" in table:
-        settings["spectrum"] = _spectrum(table)
+        kind: Kind = check.choice("spectrum", table["spectrum"], KINDS)
+        if "oscillators" in table:
+            raise InputError("oscillators", "cannot go with spectrum; give one or the other")
+        check.known_keys(table, table, SPECTRAL_KEYS)
+        settings["spectrum"] = Spectrum(kind, *(table[key] for key in SPECTRAL_KEYS))
     else:
         for key in SPECTRAL_KEYS:
             if key in table:
@@ -115,14 +117,6 @@ def as_bath(value: object) -> Bath:
         settings["masses"], settings["frequencies"] = _listed(table, "oscillators", "mass")
     settings["inertias"], settings["torsional_frequencies"] = _listed(table, "torsional", "inertia")
     return Bath(**settings)
-
-
-def _spectrum(table: dict[str, Any]) -> Spectrum:
-    kind: Kind = check.choice("spectrum", table["spectrum"], KINDS)
-    if "oscillators" in table:
-        raise InputError("oscillators", "cannot go with spectrum; give one or the other")
-    check.known_keys(table, table, SPECTRAL_KEYS)
-    return Spectrum(kind, *(table[key] for key in SPECTRAL_KEYS))
 
 
 def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], list[float]]:

@@ -10,7 +10,6 @@ from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, scalar, short_repr
 
-# A value of a key.
 Value = float | int | str | bool
 # One key, or several that are swept together.
 Keys = str | tuple[str, ...]
