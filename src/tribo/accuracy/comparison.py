@@ -151,8 +151,8 @@ def error_bounds(
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
     scales = scales_of(layout, tops, float(found.speed), float(found.internal))
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
-    # The rounding of an angle is relative to the angle, and what amplifies it to one radian.
-    grown = (amplification or 0.0) * max(1.0, float(found.swing))
+    # The rounding of the start, which all runs share, is relative to its angles.
+    grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
     least = rounding(grown, fine.steps) + LEAST * strictest(accuracy)
     chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED

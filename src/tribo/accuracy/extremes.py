@@ -31,7 +31,6 @@ class Extremes(NamedTuple):
     terms: np.ndarray  # the rounding of terms: see tribo.accuracy.roundoff.rounding_of_terms
     speed: float | np.ndarray  # the largest of a bob relative to the mean of initial velocities
     internal: float | np.ndarray  # the largest internal energy of an asperite
-    swing: float = 0.0  # the largest angle from rest [rad]; not of members
 
     def join(self, other: Extremes) -> Extremes:
         """Those of two portions."""
@@ -76,7 +75,6 @@ def _extremes(
         terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
         speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
         internal=largest(motion.energy[:count]),
-        swing=largest(motion.swing[:count]),
     )
 
 

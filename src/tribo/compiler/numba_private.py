@@ -61,6 +61,16 @@ def cpu_features() -> str:
     return str(found.flatten())
 
 
+def own_reference(context, builder, kind, value):  # type: ignore[no-untyped-def]
+    """What an intrinsic returns of its arguments: the caller releases the arrays in it.
+
+    Native kernels do not count references.
+    """
+    if context.enable_nrt:
+        context.nrt.incref(builder, kind, value)
+    return value
+
+
 if NATIVE:
     from llvmlite.binding import parse_assembly as parse_assembly
     from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]

@@ -20,13 +20,18 @@ from tribo.compiler.lanes import (
     sum_of_lanes,
 )
 from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
-from tribo.compiler.numba_private import cgutils
+from tribo.compiler.numba_private import cgutils, own_reference
 from tribo.compiler.plugin_methods import like
 
 
 def _is_plain(kind: Any, number: types.Type) -> bool:
     numbers: tuple[types.Type, ...] = getattr(kind, "types", ())
     return bool(numbers) and all(each == number for each in numbers)
+
+
+def _as_it_is(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """The first argument."""
+    return own_reference(context, builder, sig.return_type, args[0])
 
 
 @intrinsic
@@ -36,7 +41,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
     Without a `table` of numbers, and where there are others than floats, it is `shared` as it is.
     """
     if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
-        return shared(shared, table, rows, first), lambda context, builder, sig, args: args[0]
+        return shared(shared, table, rows, first), _as_it_is
     count = len(shared.types)
 
     def build(context, builder, sig, args):
@@ -52,7 +57,7 @@ def numbers_in_lanes(typing_context, shared, table, rows, first):
 def numbers_at_lane(typing_context, each, i):
     """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
     if not _is_plain(each, lanes):
-        return each(each, i), lambda context, builder, sig, args: args[0]
+        return each(each, i), _as_it_is
 
     def build(context, builder, sig, args):
         place = builder.trunc(args[1], _INDEX)
@@ -83,7 +88,7 @@ def with_numbers(typing_context, potential, table, row):
     def build(context, builder, sig, args):
         value, array, index = args
         if not plain:
-            return value
+            return _as_it_is(context, builder, sig, args)
         data = context.make_array(sig.args[1])(context, builder, array).data
         first = builder.mul(index, ir.Constant(index.type, len(potential.types)))
         for k in range(len(potential.types)):

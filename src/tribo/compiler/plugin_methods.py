@@ -21,7 +21,7 @@ from numba import extending, jit, njit, typeof, types
 
 from tribo.compiler.jit import COUNTED, KERNEL, LINKED, OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
-from tribo.compiler.numba_private import cgutils
+from tribo.compiler.numba_private import cgutils, own_reference
 
 # Methods of plug-ins, each with its number of arguments after self.
 METHOD_ARGUMENTS = {
@@ -151,7 +151,8 @@ def constructor(cls: Any) -> Any:
         def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
             given = cgutils.unpack_tuple(builder, arguments[0])
             each = zip(given, signature.args[0].types, kinds, strict=True)
-            return context.make_tuple(builder, kind, [context.cast(builder, *one) for one in each])
+            made = context.make_tuple(builder, kind, [context.cast(builder, *one) for one in each])
+            return own_reference(context, builder, kind, made)
 
         return kind(members), code
 

@@ -16,14 +16,14 @@ from llvmlite import ir
 from numba import config, extending, types
 
 from tribo.compiler.jit import KERNEL
-from tribo.compiler.numba_private import NATIVE, cgutils
+from tribo.compiler.numba_private import NATIVE, cgutils, own_reference
 from tribo.compiler.plugin_methods import PluginType, plugin_type
 
 if NATIVE:
     from tribo.compiler.tuple_types import KernelTuple
 
 # Tuples of these modules have arrays for kernels; those of plug-ins stay what their authors expect.
-OURS = ("tribo.kernels.", "tribo.integrators.")
+OURS = ("tribo.kernels.", "tribo.integrators.", "tribo.lanes.")
 
 
 class PointerType(types.Type):
@@ -95,7 +95,8 @@ def _pointers(typing_context, arrays):
     """
 
     def build(context, builder, sig, args):
-        return _value_of(context, builder, sig.args[0], sig.return_type, args[0])
+        value = _value_of(context, builder, sig.args[0], sig.return_type, args[0])
+        return own_reference(context, builder, sig.return_type, value)  # with arrays of plug-ins
 
     return types.Tuple([_argument_type(each) for each in arrays])(arrays), build
 
