@@ -6,6 +6,7 @@ import pytest
 from numba import njit
 
 from tribo.compiler import lanes, lanes_functions, lanes_memory
+from tribo.compiler.pointers import CheckedArray
 
 
 @njit
@@ -128,3 +129,12 @@ def test_small_arrays_stand_side_by_side():
     for array in (*small, lanes_memory.room((2, 10**5))):
         assert array.ctypes.data % 64 == 0 and array.flags.c_contiguous and not np.any(array)
         array[:] = 1.0
+
+
+def test_blocks_at_an_end_where_nothing_is_compiled():
+    """Slices end with the array; what a register has beyond is zero, and is not stored."""
+    array = np.arange(10.0).view(CheckedArray)
+    eight = lanes_memory._eight_of(array, 5)
+    assert eight.tolist() == [5.0, 6.0, 7.0, 8.0, 9.0, 0.0, 0.0, 0.0]
+    lanes_memory._set_eight(array, 5, eight + 1.0)
+    assert array[5:10].tolist() == [6.0, 7.0, 8.0, 9.0, 10.0]

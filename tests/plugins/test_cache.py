@@ -13,9 +13,15 @@ import pytest
 
 import tribo
 from tribo.compiler import jit
-from tribo.compiler.cache import CodeFiles
 from tribo.compiler.jit import COMPILED, code_stamp, is_compiled, package_stamp, time_loop
+from tribo.compiler.numba_private import NATIVE
 from tribo.kernels.probe import contact_probe
+
+if NATIVE:
+    from tribo.compiler.cache import CodeFiles
+
+# The plain way keeps code in numba's own files.
+own_files = pytest.mark.skipif(not NATIVE, reason="numba keeps the files")
 
 PLUGIN = """
 from typing import NamedTuple
@@ -312,6 +318,7 @@ def test_stamps_leave_out_what_is_kept_beside_compiled_code(copy):
     assert (package_stamp.__wrapped__(), code_stamp.__wrapped__()) == before
 
 
+@own_files
 def test_damaged_files_are_compiled_again(place):
     """By two processes at once; afterwards the files are whole again."""
     place.write("one", PLUGIN)
@@ -333,6 +340,7 @@ def test_damaged_files_are_compiled_again(place):
     assert again.keys() == whole.keys() and all(again[path] > 0.9 * whole[path] for path in whole)
 
 
+@own_files
 def test_no_damage_goes_unnoticed(tmp_path):
     """A file with any bit changed, cut short or of another function is not used."""
     index = SimpleNamespace(_cache_path=tmp_path, _index_name="loop-1.nbi", _source_stamp=(1, 2))
@@ -354,6 +362,7 @@ def test_no_damage_goes_unnoticed(tmp_path):
     assert CodeFiles(index).load(key) is None
 
 
+@own_files
 def test_no_folder_for_files(monkeypatch):
     """Loops are compiled without a cache where none can be written."""
 

@@ -166,11 +166,11 @@ def _address(context, builder, kind, array, i):
 
 def _eight_of(array, i):
     """Where numba does not compile: the elements that an array has, and zeros beyond."""
-    return np.append(array[i : i + LANES], np.zeros(LANES))[:LANES]
+    return np.append(array[i : min(i + LANES, array.size)], np.zeros(LANES))[:LANES]
 
 
 def _set_eight(array, i, x):
-    own = array[i : i + LANES]
+    own = array[i : min(i + LANES, array.size)]
     own[:] = x[: own.size]
 
 
