@@ -147,6 +147,7 @@ def test_values_of_plug_ins():
         ("uper.theta", 1.0, "uper.theta", 'did you mean "upper.theta"?'),
         ("upper.tetha", 1.0, "upper.tetha", 'did you mean "theta"?'),
         ("upper.asperite.mass", 1.0, "upper.asperite.mass", "is not a known key"),
+        ("upper.m1", 1.0, "upper.m1", 'did you mean "upper.asperite.m1"?'),
         ("upper.asperite.kappa", -1.0, "upper.asperite.kappa", "must not be negative"),
         ("upper.drive.load", "heavy", "upper.drive.load", "must be a number"),
         ("lower.drive.stiffness", 1.0, "lower.drive.stiffness", "is not a known key"),

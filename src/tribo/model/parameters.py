@@ -204,7 +204,11 @@ def _value_of_part(surface: Surface, part: str, name: str) -> object:
 
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
     with inside(surface.name):
-        own = known_keys(of_parts.get(surface.name, {}), OF_SURFACE)
+        given = of_parts.get(surface.name, {})
+        for key in sorted(given.keys() & table_of(surface.asperite).keys() - {*OF_SURFACE}):
+            hint = f'did you mean "{surface.name}.asperite.{key}"?'
+            raise InputError(key, f"is not a known key; {hint}")
+        own = known_keys(given, OF_SURFACE)
         if "velocity" in own and not is_list(own["velocity"]):
             velocity = number("velocity", own["velocity"], unit="length / time")
             own["velocity"] = (velocity, surface.velocity[1])
