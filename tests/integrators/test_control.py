@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from tribo.integrators import step_control as control
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import MIN_GROWTH, SAFETY, count_of_steps, growth_factor
+from tribo.kernels.records import CLOCK
 from tribo.lanes.refill import leave_member, next_member, queue_of
 
 
@@ -31,6 +33,22 @@ def test_growth_of_a_step(name):
     assert growth(0.0, order, most) == most == growth(1e-300, order, most)
     assert growth(1e300, order, most) == MIN_GROWTH == growth(math.nan, order, most)
     assert growth(math.inf, order, most) == 0.5
+
+
+def test_which_steps_are_taken(monkeypatch):
+    """Those of an error of 1 at most, whose end is finite and before the next encounter."""
+    monkeypatch.setattr(control, "reject_step", control.reject_step.py_func)
+    check_error, check_arrival = control.check_error.py_func, control.check_arrival.py_func
+    for error in (0.0, 1.0, 1.001, math.inf, math.nan):
+        clock = np.zeros(1, CLOCK).view(np.recarray)[0]
+        assert check_error(clock, 0.5, error, 0.25) is (error <= 1.0)
+        assert (clock.h, clock.rejected) == ((0.0, 0) if error <= 1.0 else (0.125, 1))
+    for rate, finite in ((0.0, True), (2.0, True), (2.001, True), (math.nan, True), (0.0, False)):
+        clock = np.zeros(1, CLOCK).view(np.recarray)[0]
+        taken = finite and rate <= 2.0
+        assert check_arrival(clock, 0.5, rate, finite) is taken
+        assert clock.encounter_rate == (rate if taken else 0.0)
+        assert (clock.h, clock.rejected) == ((0.0, 0) if taken else (0.25, 1))
 
 
 def test_lanes_take_members_in_order():
