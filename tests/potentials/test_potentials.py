@@ -717,3 +717,17 @@ def test_notes_on_smoothness(at_cutoff, method, note):
     scene = pair(Coulomb(0.2).with_cutoff(1.8, at_cutoff), duration=0.2)
     notes = run_notes(lay_out(scene), METHODS[method], None)
     assert (not notes) if note is None else notes[0].startswith(note)
+
+
+def test_no_function_of_a_user_is_written_to():
+    """The methods of this package are documented; a function without documentation stays so."""
+
+    def inverse(self, r):
+        return self.s / r
+
+    class Own(tribo.Potential):
+        s: float
+        energy = inverse
+
+    assert inverse.__doc__ is None and Own(0.2).force(2.0) == pytest.approx(0.05)
+    assert "[energy]" in tribo.Coulomb.energy.__doc__ and "positive" in tribo.Morse.force.__doc__

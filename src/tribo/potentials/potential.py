@@ -46,7 +46,7 @@ OF_TUPLES = (
 )
 
 
-# The documentation of methods that have none of their own.
+# The documentation of this package's methods that have none of their own.
 DOCUMENTATION = {
     "energy": "Energy U(r) [energy] at distance r [length], for a coupling of 1.",
     "force": "Force -dU/dr [energy / length] for a coupling of 1, positive if it repels.",
@@ -100,8 +100,9 @@ class PotentialType(type):
         """A class with its fields, those of its parents first."""
         methods = following(namespace) | namespace
         for each in DOCUMENTATION.keys() & methods.keys():
-            if not methods[each].__doc__:
-                methods[each].__doc__ = DOCUMENTATION[each]
+            method = methods[each]
+            if not method.__doc__ and method.__module__.startswith("tribo."):  # none of a user's
+                method.__doc__ = DOCUMENTATION[each]
         cls: Any = super().__new__(mcs, name, bases, {"__slots__": ()} | methods)
         kinds = inspect.get_annotations(cls)
         own = [each for each, kind in kinds.items() if "ClassVar" not in str(kind)]
