@@ -17,7 +17,7 @@ from scipy.special import expit
 import tribo
 from tribo import paper, plotting
 from tribo.plotting.marks import note
-from tribo.plotting.style import CYCLE
+from tribo.plotting.style import CYCLE, NOTE_SIZE
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "measured"
 NUMBERS = FOLDER / "statistics.json"
@@ -115,9 +115,9 @@ def detailed(members: int) -> dict:
                 ax.errorbar(middle, ratio, width, elinewidth=0.6, label=label, **look)
         found["reversed run of case A"] = returned
         ax.axvline(-returned, color=plotting.INK, linewidth=0.6, linestyle=":")
-        note(ax, (-returned, 5.8), "reversed run, $T=1$", (4, 0), ha="left", fontsize=7)
+        note(ax, (-returned, 5.8), "reversed run, $T=1$", (4, 0), ha="left", fontsize=NOTE_SIZE)
         ax.set(xlabel="$|w|/T$", ylabel="$\\ln P(w)/P(-w)$", xlim=(0, 6), ylim=(-0.3, 6.3))
-        ax.legend(frameon=False, fontsize=7, loc="lower right")
+        ax.legend(loc="lower right")
     plotting.save(ax, FOLDER / "statistics_detailed.png")
     return found
 
@@ -149,7 +149,7 @@ def integral(members: int) -> dict:
             }
         ax.axhline(1.0, color=plotting.INK, linewidth=0.6)
         ax.set(xlabel="$t$", ylabel="$\\langle e^{-w/T}\\rangle$")
-        ax.legend(frameon=False, loc="lower left")
+        ax.legend(loc="lower left")
     plotting.save(ax, FOLDER / "statistics_integral.png")
     return found
 
@@ -177,7 +177,7 @@ def tuning(members: int) -> dict:
                 "largest_excess_in_standard_errors": float(np.max(excess[:-1])),
             }
         ax.set(xlabel="$ε/E$", ylabel="share that ends with $e_1+e_2\\leq ε$")
-        ax.legend(frameon=False, fontsize=7, title="case A, $E$", title_fontsize=7)
+        ax.legend(title="case A, $E$")
     plotting.save(ax, FOLDER / "statistics_tuning.png")
     return found
 
@@ -228,7 +228,7 @@ def dissipation(members: int) -> dict:
                 ax.errorbar(0.2, value, 1.96 * wide, label=label, **style)
         ax.axhline(1.0, color=plotting.INK, linewidth=0.5)
         ax.set(xscale="log", xlabel="strength", ylabel="$2T\\langle w\\rangle$ / spread")
-        ax.legend(frameon=False, fontsize=7)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_dissipation.png")
     return found
 

@@ -312,7 +312,7 @@ class Table:
                 ax.set(xscale="linear" if study == "load" else "log")
             static = study in ("static", "angle")
             ax.set(ylabel=f"{'static ' * static}friction per asperite")
-            ax.legend(frameon=False)
+            ax.legend()
         return plotting.save(ax, folder / f"friction_{study}.png")
 
 

@@ -162,7 +162,7 @@ def draw(found: dict) -> None:
         ax.set(xscale="log", xlabel="$v/\\omega\\sigma$", ylabel="friction force / $n s^2$")
         ax.set(yscale="log", ylim=(0.01, 20.0))
         plain_ticks(ax, (0.5, 0.7, 1.0, 1.4, 2.0))
-        ax.legend(frameon=False, fontsize=7, ncol=2)
+        ax.legend(ncol=2)
     plotting.save(ax, FOLDER / "statistics_rows.png")
 
 

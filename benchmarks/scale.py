@@ -6,8 +6,8 @@ neighbour list, two samples) is reported apart.  It prints nanoseconds per asper
 ratio to those of the smallest size, the seconds that building and laying out the scene take, and
 the peak memory.  A constant ratio means that the time is linear in the number of asperites.
 
-With --inactive it slides a grid of 10 x 10 over one of 100 x 100 instead, most of which is out of
-reach, and over one of 10 x 10.  It prints the microseconds of a step of both, and their ratio.
+With --inactive it slides a grid of 10 × 10 over one of 100 × 100 instead, most of which is out of
+reach, and over one of 10 × 10.  It prints the microseconds of a step of both, and their ratio.
 
     python benchmarks/scale.py [--json] [--most 1000000]
     python benchmarks/scale.py --inactive [--json]

@@ -89,7 +89,7 @@ def one_energy() -> dict:
             }
         ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
         ax.set(xlabel="$\\omega a/v$", ylabel="mean gain of the pair", ylim=(-0.1, 1.2))
-        ax.legend(frameon=False, fontsize=7)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_one_energy_strong.png")
     return found
 
@@ -170,7 +170,7 @@ def draw_block(found: dict) -> None:
         ax.set_yscale("symlog", linthresh=0.05)
         ax.set_yticks((-1.0, -0.1, 0.0, 0.1, 1.0), ("$-1$", "$-0.1$", "0", "0.1", "1"))
         plain_ticks(ax, (0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5))
-        ax.legend(frameon=False, fontsize=7)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_block.png")
 
 

@@ -17,6 +17,7 @@ from scipy.stats import qmc, t
 
 import tribo
 from tribo import plotting
+from tribo.plotting.style import NOTE_SIZE
 
 # Rods so long that a bob's height changes by less than 1e-5 of the width of the potential.
 LENGTH = 1e4
@@ -114,9 +115,9 @@ def speeds(_members: int) -> dict:
             xlabel="$v/\\omega b$ or $v/\\omega\\sigma$", ylabel="gain / $s^2$", ylim=(5e-5, None)
         )
         inset.set(xlabel="$s$ at $v=1$", ylabel="gain / closed form")
-        inset.tick_params(labelsize=7)
+        inset.tick_params(labelsize=NOTE_SIZE)
         plain_ticks(ax, (0.3, 0.5, 1.0, 2.0, 5.0, 10.0))
-        ax.legend(frameon=False)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_speeds.png")
     return found
 
@@ -162,7 +163,7 @@ def one_energy(_members: int) -> dict:
         ax.plot(reduced, strong, "x", markersize=4, color=COLOURS[1], label="$s=0.5$")
         ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
         ax.set(xlabel="$\\omega a/v$", ylabel="mean gain / $s^2$")
-        ax.legend(frameon=False, fontsize=7)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_one_energy.png")
     scale = float(np.max(np.abs(closed)))
     return {
@@ -240,7 +241,7 @@ def two_temperatures(_members: int) -> dict:
         ax.axhline(0.0, color=plotting.INK, linewidth=0.5)
         ax.axvline(frequencies[1], color=plotting.INK, linewidth=0.5, linestyle=":")
         ax.set(xlabel="$T_2/T_1$", ylabel="mean work against friction / $s^2$")
-        ax.legend(frameon=False, fontsize=7)
+        ax.legend()
     plotting.save(ax, FOLDER / "statistics_two_temperatures.png")
     return {
         "temperature_ratio": cold.tolist(),

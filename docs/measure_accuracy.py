@@ -68,7 +68,7 @@ NAMES = {
     **{letter: f"case {letter}" for letter in "ABCD"},
     "rows": "rows of 64, Morse",
     "grid": "grids of 144, Lennard-Jones with a switch",
-    "bath": "a pair with 2 x 200 oscillators",
+    "bath": "a pair with 2 \N{MULTIPLICATION SIGN} 200 oscillators",
 }
 
 

@@ -89,7 +89,7 @@ def figure(path: Path) -> None:
         ax.tick_params(axis="y", which="both", length=0)
         ax.minorticks_off()
         ax.set_xlabel("time per asperite and step (ns)")
-        ax.legend(frameon=False)
+        ax.legend()
     save(ax, path)
 
 

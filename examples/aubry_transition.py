@@ -48,9 +48,9 @@ def main(folder="."):
             ax.plot(strengths, values, label=f"{q} atoms")
         ax.axvline(0.971635, color="0.5", lw=0.7, ls=":")
         for x, word in ((0.94, "sliding"), (1.0, "pinned")):
-            ax.text(x, 6e-4, word, ha="center", color=tribo.plotting.INK)
+            ax.text(x, 6e-4, word, ha="center", fontsize=7.5, color=tribo.plotting.INK)
         ax.set(xlabel="strength $K$", ylabel="magnitude of the residue", yscale="log")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/aubry_transition.png")
     return {"critical strength": critical}
 

@@ -54,7 +54,7 @@ def main(folder="."):
         ax.loglog(SIZES, fits, "o", ms=4, color="#0b62a4", label="fits")
         ax.loglog(SIZES, misfits, "s", ms=4, color="#d55e00", label="does not fit")
         ax.set(xlabel="asperites $N$", ylabel="static friction per asperite")
-        ax.legend(loc="lower left", frameon=False)
+        ax.legend(loc="lower left")
     tribo.plotting.save(ax, f"{folder}/commensurate_rows.png")
     ratios = np.array([fits[-1], SIZES[-1] * misfits[-1]]) / fits[0]
     return dict(zip(("F_N / F_1 of 256 that fit", "N F_N / F_1 of 256"), ratios, strict=True))

@@ -53,7 +53,7 @@ def main(folder="."):
         )
         ax.plot(FORCES, found, "o", ms=4, color=tribo.plotting.INK, label="simulation")
         ax.set(xlabel="force / static friction", ylabel=r"velocity $\gamma v / F_c$")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/depinning.png")
     return {"velocity at 0.9 F_c": found[1], "velocity at 1.25 F_c": found[3]}
 

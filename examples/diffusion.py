@@ -55,7 +55,7 @@ def main(folder=".", particles=8000):
         look = {"fmt": "o", "ms": 3, "capsize": 2, "color": tribo.plotting.INK}
         ax.errorbar(BARRIERS, found, half_width, label="simulation", **look)
         ax.set(xlabel="$A / T$", ylabel=r"$D\,\gamma / T$", ylim=(0.0, 1.1))
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/diffusion.png")
     shown = {f"D gamma / T at A / T = {b:g}": d for b, d in zip(BARRIERS, found, strict=True)}
     return shown | {"half-width at A / T = 2": half_width[-1]}

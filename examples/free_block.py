@@ -62,7 +62,7 @@ def main(folder="."):
             label="mean over a period",
         )
         ax.set(xlabel="$t$", ylabel="speed of the block")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/free_block.png")
     late = t > 0.9 * t[-1]
     lost = [SPEED - each[late].mean() for each in (speed, expected)]

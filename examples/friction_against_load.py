@@ -52,7 +52,7 @@ def main(folder="."):
         ax.plot([0.0, 0.45], [0.0, 0.45 * SLOPE], color="#d55e00", label="slope of the spheres")
         ax.plot(LOADS, found, "o", ms=4, color=tribo.plotting.INK, label="simulation")
         ax.set(xlabel="load", ylabel="static friction", xlim=(0, None), ylim=(0, None))
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/friction_against_load.png")
     return {"friction / load": np.polyfit(LOADS, found, 1)[0], "slope of the spheres": SLOPE}
 

@@ -58,7 +58,7 @@ def main(folder="."):
         look = {"fmt": "o", "ms": 3, "capsize": 2, "color": tribo.plotting.INK}
         ax.errorbar(SPEEDS, found, half_width, label="simulation", **look)
         ax.set(xlabel="speed", ylabel=r"friction / $(2\pi A/a)$", ylim=(0.1, 0.32))
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/friction_against_speed.png")
     ratio = found / np.interp(SPEEDS, fine, theory)
     return {f"friction / Kramers at {v:g}": r for v, r in zip(SPEEDS, ratio, strict=True)}

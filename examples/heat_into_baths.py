@@ -55,7 +55,7 @@ def main(folder="."):
         swing.plot(TIMES, exact, color=tribo.plotting.INK, lw=0.8, ls="--", label="continuum")
         swing.set(xlabel="$t$", ylabel="energy of the swing", xlim=(0, 260))
         error.set(xlabel="$t$", ylabel="difference from the continuum", ylim=(1e-8, 2))
-        swing.legend(frameon=False)
+        swing.legend()
     tribo.plotting.save(figure, f"{folder}/heat_into_baths.png")
     return shown
 

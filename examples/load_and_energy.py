@@ -1,4 +1,4 @@
-"""Friction of a rough surface of 16 x 16 asperites grows with the load.
+"""Friction of a rough surface of 16 × 16 asperites grows with the load.
 
 Springs pull the upper bars, each of which bears a load and carries a Drude bath.  The lower bars
 are held, and reservoirs damp their swings.  The power law is a fit to one pair of surfaces, for
@@ -53,11 +53,11 @@ def main(folder="."):
             xlim=(0, None),
             ylim=(0, None),
         )
-        law.legend(frameon=False)
+        law.legend()
         budget.stackplot(results[-1].t, *parts.values(), labels=parts)
         budget.plot(results[-1].t, upper.w2, color=tribo.plotting.INK, label="drive")
         budget.set(xlabel="$t$", ylabel="energy", xlim=(0, 60))
-        budget.legend(loc="upper left", frameon=False, reverse=True)
+        budget.legend(loc="upper left", reverse=True)
     tribo.plotting.save(figure, f"{folder}/load_and_energy.png")
     gap = np.abs(upper.w2 - sum(parts.values())).max() / upper.w2[-1]
     return {"exponent": exponent, "largest gap / work, to 0.001": round(gap, 3)}

@@ -34,8 +34,8 @@ def draw(potential, t, work, change, path):
         balance.plot(t, work, color=tribo.plotting.INK, label="work of the drives")
         balance.plot(t, change, "--", color="#d55e00", label="change of energy")
         balance.set(xlabel="$t$", ylabel="energy", ylim=(-1.0, 0.6))
-        law.legend(frameon=False)
-        balance.legend(frameon=False, loc="upper right")
+        law.legend()
+        balance.legend(loc="upper right")
     tribo.plotting.save(figure, path)
 
 

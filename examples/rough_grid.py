@@ -1,6 +1,6 @@
 """A rough grid carries its load on a few asperites, as Greenwood and Williamson predict.
 
-A flat grid of 64 x 64 asperites moves down onto a rough grid, each asperite above one of the other
+A flat grid of 64 × 64 asperites moves down onto a rough grid, each asperite above one of the other
 grid.  Asperites in contact repel each other like elastic spheres of diameter D (Hertz).  For
 heights of normal density phi, and the flat grid at a distance d + D from their mean, theory gives
 
@@ -61,7 +61,7 @@ def main(folder="."):
         law.plot(loads, shares, color="#d55e00", label="Greenwood and Williamson")
         law.plot(load, share, "o", ms=3, color=tribo.plotting.INK, label="simulation")
         law.set(xlabel="load per asperite", ylabel="share in contact", xlim=0, ylim=0)
-        law.legend(frameon=False)
+        law.legend()
     tribo.plotting.save(figure, f"{folder}/rough_grid.png")
     doubled = np.interp([load[k], 2.0 * load[k]], load, share)
     return {

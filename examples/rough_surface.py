@@ -50,7 +50,7 @@ def main(folder="."):
         below.stackplot(result.t, *parts, labels=("contact", "surfaces", "heat in the reservoirs"))
         below.plot(result.t, work, color=tribo.plotting.INK, label="work of drives and reservoirs")
         below.set(xlabel="$t$", ylabel="energy", xlim=(0.0, result.t[-1]), ylim=(0.0, None))
-        below.legend(loc="upper left", frameon=False, reverse=True)
+        below.legend(loc="upper left", reverse=True)
     tribo.plotting.save(figure, f"{folder}/rough_surface.png")
     gap = np.abs(work - sum(parts)).max() / work[-1]
     return {"heat / work": heat[-1] / work[-1], "largest gap / work": gap}

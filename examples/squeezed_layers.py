@@ -64,7 +64,7 @@ def main(folder="."):
         steps.plot(load, gap, color=tribo.plotting.INK, label="simulation")
         steps.plot(STRENGTHS, GAPS, "o", ms=4, color="#d55e00", label="a layer breaks, closed form")
         steps.set(xlabel="load", ylabel="gap $r$", xlim=(0.0, load[-1]))
-        steps.legend(frameon=False)
+        steps.legend()
     tribo.plotting.save(figure, f"{folder}/squeezed_layers.png")
     ratios = zip(("first", "second", "third"), broken / STRENGTHS, strict=True)
     return {f"load of the {k} break / closed form": ratio for k, ratio in ratios}

@@ -56,13 +56,13 @@ def main(folder="."):
         for k in (-1, 0):
             saw.plot(pulls[k][0], pulls[k][1] / (Q * A), label=rf"$\eta = {ETAS[k]}$")
         saw.set(xlabel="stage / $a$", ylabel=r"pull / $(2\pi A/a)$", xlim=(0, 3), ylim=(-1.2, 1.5))
-        saw.legend(frameon=False, ncol=2)
+        saw.legend(ncol=2)
         loss.plot(
             fine, [jump_energy(eta) / A for eta in fine], color="#d55e00", label="closed form"
         )
         loss.plot(ETAS, works / A, "o", ms=4, color=tribo.plotting.INK, label="simulation")
         loss.set(xlabel=r"$\eta$", ylabel="work in a period / $A$")
-        loss.legend(frameon=False)
+        loss.legend()
     tribo.plotting.save(figure, f"{folder}/stick_slip.png")
     return {"work for eta = 0.7": works[0], "work / jump for eta = 4": works[-1] / jump_energy(4.0)}
 

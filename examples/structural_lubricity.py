@@ -52,7 +52,7 @@ def main(folder="."):
         ax.plot(N * misfit, closed_form, color="#d55e00", label="closed form")
         ax.plot(N * MISFITS, found, "o", ms=3, color=tribo.plotting.INK, label="simulation")
         ax.set(xlabel="misfit $N (s - a) / a$", ylabel="static friction $F_N / (N F_1)$")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/structural_lubricity.png")
     return {"friction with a spacing that fits": found[0], "with a misfit of 1/(2N)": found[1]}
 

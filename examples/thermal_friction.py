@@ -51,7 +51,7 @@ def main(folder="."):
             shown[f"friction at T = {temperature:g}"], half = friction(data)
             shown[f"half-width at T = {temperature:g}"] = half
         ax.set(xlabel="distance of the stage / $a$", ylabel="work of the pull / $A$")
-        ax.legend(loc="upper left", frameon=False)
+        ax.legend(loc="upper left")
     tribo.plotting.save(ax, f"{folder}/thermal_friction.png")
     return shown
 

@@ -42,7 +42,7 @@ def main(folder="."):
         time = forward.t[-1] + back.t
         ax.plot(time, back["upper"].theta, color="#d55e00", label="reversed")
         ax.set(xlabel="$t$", ylabel=r"$\theta$ (rad)")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/time_reversal.png")
     gained, lost = (run["upper"].delta_e_int[-1, 0] for run in (forward, back))
     return {

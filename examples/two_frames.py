@@ -36,7 +36,7 @@ def main(folder="."):
         ax.plot(VELOCITIES, pseudowork, "s--", ms=3, color="#1f8a70", label="its pseudowork")
         ax.plot(VELOCITIES, internal, "^-", ms=3, color="#d55e00", label="internal energy")
         ax.set(xlabel="velocity $u$ of all surfaces", ylabel="energy")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/two_frames.png")
     return {
         "internal energy": internal[0],

@@ -57,7 +57,7 @@ def main(folder="."):
             label="simulation",
         )
         ax.set(xlabel=r"$q v / \sqrt{\kappa / I}$", ylabel="friction / closed form at the peak")
-        ax.legend(frameon=False)
+        ax.legend()
     tribo.plotting.save(ax, f"{folder}/washboard_resonance.png")
     peak = np.argmin(np.abs(FREQUENCIES - 1.0))
     return {"friction / closed form at the resonance": found[peak] / closed_form(1.0)}

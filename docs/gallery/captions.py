@@ -118,7 +118,7 @@ CAPTIONS = {
     ),
     "rough_grid": (
         "pressed",
-        "Left: heights of a rough grid of 64 x 64 asperites; orange squares mark those "
+        "Left: heights of a rough grid of $64 \\times 64$ asperites; orange squares mark those "
         "that touch a flat grid when a tenth of them are in contact. Right: share in contact "
         "against the load, and the theory of Greenwood and Williamson. Twice the load of "
         "the left map multiplies the share in contact by {1:.2f}.",
@@ -131,7 +131,7 @@ CAPTIONS = {
     ),
     "load_and_energy": (
         "pull",
-        "Left: friction of a rough grid of 16 x 16 asperites against the load, with 95 "
+        "Left: friction of a rough grid of $16 \\times 16$ asperites against the load, with 95 "
         "% intervals and a power law. Right: the work of the drive under the largest "
         "load, and the energies that it becomes. The exponent of the power law is "
         "{0:.2f}.",

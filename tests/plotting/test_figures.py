@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib import rcParams
+from matplotlib.figure import Figure
 
 import tribo
 from tribo import paper, plotting
@@ -11,7 +13,7 @@ from tribo.paper import figures as paper_figures
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import pose
 from tribo.plotting.snapshots import encounter_times
-from tribo.plotting.style import FILES, drawing_on
+from tribo.plotting.style import FILES, NOTE_SIZE, drawing_on
 from tribo.plotting.works import spread
 from tribo.validation import InputError
 
@@ -165,6 +167,22 @@ def test_figures_show_themselves():
     shown = result.plot.work("upper", ax=ax)
     assert shown is ax and not hasattr(shown, "_repr_png_")
     plt.close(figure)
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_legends_have_one_size(own):
+    """Every legend has no frame and the text of notes, also on Axes of another style."""
+    result = tribo.simulate(tribo.paper.scene("A"))
+    for draw in (
+        result.plot.angles,
+        lambda ax: plotting.histogram([1.0, 2.0], "W", ax=ax),
+        lambda ax: plotting.reflected_histogram([1.0, -2.0], ax=ax),
+    ):
+        shown = draw(ax=Figure().add_subplot() if own else None).get_legend()
+        assert {text.get_fontsize() for text in shown.get_texts()} == {NOTE_SIZE}
+        assert not shown.get_frame_on()
+    with plotting.style():
+        assert rcParams["legend.fontsize"] == rcParams["legend.title_fontsize"] == NOTE_SIZE
 
 
 def test_works_in_words():

@@ -427,6 +427,11 @@ def test_a_wrong_file(run, tmp_path):
     assert 3e-8 < line["value"] <= 1.01e-7
     assert line["grade"] == round(np.log10(line["value"] / 2.0**-52), 1)
     assert line["where"] > 0.0
+    report = check(from_table({"potential": "own.py:Wrong", "epsilon": 1, "sigma": 1}, tmp_path))
+    assert (report.potential, report.title) == (
+        "own.py:Wrong epsilon=1 sigma=1",
+        "Wrong epsilon=1 sigma=1",
+    )
 
 
 def test_json(run):
@@ -524,7 +529,8 @@ def test_figure_shows_the_curves():
     from tribo.report_card.figure import card_figure
 
     report = check(LennardJones(1.0, 1.0).with_cutoff(3.0))
-    energy, force, disagreement = card_figure(report.curves, report.potential).axes
+    energy, force, disagreement = card_figure(report.curves, report.title).axes
+    assert energy.get_title() == report.title == report.potential
     for ax, values in ((energy, report.curves.energy), (force, report.curves.force)):
         line = max(ax.get_lines(), key=lambda line: len(line.get_xdata()))
         assert np.array_equal(line.get_xdata(), report.curves.r)

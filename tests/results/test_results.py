@@ -464,7 +464,7 @@ def test_interrupted_run_keeps_what_it_has():
         stopped = caught.value.result
         assert stopped.status == "Interrupted" and stopped.t.size >= 1
         assert not stopped.met
-        assert "the result has the samples up to there" in str(stopped)
+        assert "the result contains the samples up to there" in str(stopped)
 
 
 def test_progress_is_told():

@@ -53,5 +53,5 @@ MEANINGS = {
     Status.PASSED_THROUGH: "surfaces passed through each other: most bars of one are beyond all "
     "bobs of the other; give a smaller load, stronger contact, or denser asperites",
     Status.CALCULATOR_FAILED: "an ASE calculator raised an error, which the notes quote",
-    Status.INTERRUPTED: "the run was interrupted; the result has the samples up to there",
+    Status.INTERRUPTED: "the run was interrupted; the result contains the samples up to there",
 }

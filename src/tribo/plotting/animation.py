@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.files import checked_target, replace_file
-from tribo.plotting.marks import EDGE, POINTS_PER_INCH, frame
+from tribo.plotting.marks import EDGE, POINTS_PER_INCH, frame, with_minus
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import Pose, pose
 from tribo.plotting.snapshots import typical_swing
@@ -176,4 +176,4 @@ class Film:
         self._now.set_data([t[sample]] * 2, self._limits)
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
-            self._values[name].set_text(f"{values[sample]: .4f}")
+            self._values[name].set_text(with_minus(f"{values[sample]: .4f}"))

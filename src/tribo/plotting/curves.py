@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.model.surface import Surface
-from tribo.plotting.style import CYCLE
+from tribo.plotting.style import CYCLE, NOTE_SIZE
 from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
@@ -37,18 +37,23 @@ def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
     legend(ax)
 
 
-def legend(ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = ()) -> Legend:
-    """Names of lines, or of all, above the graph, clear of the curves, at most three in a row."""
+def legend(
+    ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = (), **properties: Any
+) -> Legend:
+    """Names of lines, or of all, in tribo's size also on Axes of another style.
+
+    They stand above the graph, clear of the curves, at most three in a row, unless the properties
+    of ``Axes.legend`` name another place or number of columns.
+    """
     handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
     number = max(1, len(labels))
-    return ax.legend(
-        handles,
-        labels,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        ncols=math.ceil(number / math.ceil(number / 3)),
-        frameon=False,
-        fontsize=7.5,
-        borderaxespad=0.2,
-        columnspacing=1.2,
-    )
+    above: dict[str, Any] = {
+        "loc": "lower center",
+        "bbox_to_anchor": (0.5, 1.0),
+        "ncols": math.ceil(number / math.ceil(number / 3)),
+        "borderaxespad": 0.2,
+        "columnspacing": 1.2,
+    }
+    text: dict[str, Any] = {"frameon": False, "fontsize": NOTE_SIZE, "title_fontsize": NOTE_SIZE}
+    place = properties if "loc" in properties else above | properties
+    return ax.legend(handles, labels, **text | place)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tribo.plotting.curves import legend
+from tribo.plotting.marks import with_minus
 from tribo.plotting.style import COLUMN, CYCLE, INK, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import POSITIVE, InputError, integer, number, vector
@@ -49,9 +51,10 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
         ax.stairs(counts, edges, fill=True, **FILLED)
         ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
-        ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=f"mean {mean:.4g} ± {half:.1g}")
+        shown = with_minus(f"mean {mean:.4g} ± {half:.1g}")
+        ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=shown)
         ax.set(xlabel=label, ylabel="members", ylim=(0.0, counts.max() * (1.0 + ABOVE)))
-        ax.legend(frameon=False, fontsize=7, loc="upper left", ncols=2)
+        legend(ax, loc="upper left", ncols=2)
     return ax
 
 
@@ -106,5 +109,5 @@ def reflected_histogram(
         low = density[density > 0.0]
         ax.set(yscale="log", xlabel=label, ylabel="density", xlim=(-top, top))
         ax.set_ylim(0.5 * low.min(), 3.0 * low.max())
-        ax.legend(frameon=False, fontsize=7, loc="upper left")
+        legend(ax, loc="upper left")
     return ax

@@ -43,6 +43,11 @@ def note(
     ax.annotate(text, xy=_pair(position), xytext=offset, textcoords="offset points", **where)
 
 
+def with_minus(text: str) -> str:
+    """A text of numbers, with minus signs for its hyphens."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
 def _pair(position: ArrayLike) -> tuple[float, float]:
     x, y = np.asarray(position, float)
     return float(x), float(y)

@@ -11,7 +11,7 @@ import numpy as np
 from tribo.layout.scene_records import resting_bobs
 from tribo.plotting import snapshots
 from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing_of
-from tribo.plotting.marks import note
+from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on, figure_of, style
 from tribo.plotting.works import WORKS, draw_works, total, works_of
@@ -161,7 +161,7 @@ class Plots:
                 line: dict[str, Any] = {"linewidth": WORK_WIDTH, "linestyle": WORK_DASHES}
                 ax.plot(result.t, work, color=INK, label=label, **line)
                 if not self._label:
-                    text = f"gap {np.max(np.abs(below - work)):.1e}"
+                    text = with_minus(f"gap {np.max(np.abs(below - work)):.1e}")
                     place = {"xycoords": "axes fraction", "ha": "right"}
                     note(ax, (1.0, 0.0), text, (0.0, -GAP_BELOW), **place)
             finish(ax, result, "energy")
@@ -188,9 +188,9 @@ class Plots:
         result, name = self._result, self._surface(surface)
         found = friction_force(result, name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            interval = f" ± {found.half_width:.1g}" * math.isfinite(found.half_width)
+            interval = f" ± {found.half_width:.1g}" if math.isfinite(found.half_width) else ""
             low, high = found.mean - found.half_width, found.mean + found.half_width
-            later, label = [found.after, result.t[-1]], f"{found.mean:.3g}{interval}"
+            later, label = [found.after, result.t[-1]], with_minus(f"{found.mean:.3g}{interval}")
             ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
             ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=WIDTH, label=label)
             ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)

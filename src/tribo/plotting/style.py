@@ -21,6 +21,8 @@ COLUMN, WIDE, PAGE = 3.375, 5.1, 6.2
 FILES = (".png", ".pdf", ".svg")
 # Colour of text, edges and arrows.
 INK = "#1a1a1a"
+# Size of notes in a figure, and of legends, as in tribo.mplstyle [points].
+NOTE_SIZE = 7.5
 # Colours of lines, in order; people with any colour vision can tell the first two apart.
 CYCLE = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from tribo.plugins.classes import is_named
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import as_potential
 from tribo.potentials.tables import as_table
@@ -69,25 +70,26 @@ def check(
         *check_agreement(scan),
         *check_ase(scan, ase, symbols),
     ]
-    return Report(_named(as_table(scan.potential)), tuple(checks), found)
+    table = as_table(scan.potential)
+    return Report(_named(table), _named(table, short=True), tuple(checks), found)
 
 
-def _named(table: dict[str, object]) -> str:
-    """A potential's name and parameters, as on a command line."""
+def _named(table: dict[str, object], short: bool = False) -> str:
+    """A potential's name and parameters, as on a command line; the short name has no file."""
     values = dict(table)
     name = str(values.pop("potential"))
-    if ".py:" in name:
-        name = name.rpartition("/")[2]
-    return " ".join([name, *(f"{key}={_as_text(value)}" for key, value in values.items())])
+    if is_named(name):
+        name = name.rpartition(":" if short else "/")[2]
+    return " ".join([name, *(f"{key}={_as_text(value, short)}" for key, value in values.items())])
 
 
-def _as_text(value: object) -> str:
+def _as_text(value: object, short: bool) -> str:
     """A parameter: a number, a word, a potential, several potentials, or many numbers."""
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, dict):
-        return f"({_named(value)})"
+        return f"({_named(value, short)})"
     if isinstance(value, list):
-        dicts = [item for item in value if isinstance(item, dict)]
-        return " + ".join(map(_as_text, dicts)) if dicts else f"[{len(value)} numbers]"
+        dicts = [_as_text(item, short) for item in value if isinstance(item, dict)]
+        return " + ".join(dicts) if dicts else f"[{len(value)} numbers]"
     return str(value)

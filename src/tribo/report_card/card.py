@@ -93,6 +93,7 @@ class Report:
     """The report card of a potential; ``report["force"]`` is one of its checks."""
 
     potential: str  # its name and parameters
+    title: str  # the same without the file or module of a user's class, for the figure
     checks: tuple[Check, ...]
     curves: Curves  # energy, force and their disagreement, for the figure
 
@@ -114,7 +115,7 @@ class Report:
 
     def save_figure(self, path: str | Path) -> Path:
         """Draw energy, force, their disagreement and the cutoff; as :func:`tribo.plotting.save`."""
-        return save(card_figure(self.curves, self.potential), path)
+        return save(card_figure(self.curves, self.title), path)
 
     def __str__(self) -> str:
         r = self.curves.r

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.accuracy.scales import EPSILON
-from tribo.plotting.style import COLUMN, INK, style
+from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +56,7 @@ def card_figure(curves: Curves, title: str) -> Figure:
         if math.isfinite(curves.cutoff):
             for ax in (energy, force, disagreement):
                 ax.axvline(curves.cutoff, color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
-            top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "fontsize": 7.5}
+            top: Any = {"xytext": (-3, -4), "textcoords": "offset points", "fontsize": NOTE_SIZE}
             top |= {"xycoords": energy.get_xaxis_transform(), "ha": "right", "va": "top"}
             energy.annotate("cutoff", (curves.cutoff, 1.0), **top)
         figure.align_ylabels([energy, force, disagreement])
@@ -100,5 +100,5 @@ def _disagreement(ax: Axes, curves: Curves) -> None:
     top = float(np.nanmax(curves.disagreement, initial=curves.bound))
     ax.set_ylim(FLOOR, 30.0 * min(top, 1e3))
     ax.set_ylabel("relative $|F + dU/dr|$")
-    style: Any = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 7.5, "color": BOUND}
-    ax.annotate("bound", (curves.r[0], curves.bound), **style)
+    place: Any = {"xytext": (4, 3), "textcoords": "offset points"}
+    ax.annotate("bound", (curves.r[0], curves.bound), fontsize=NOTE_SIZE, color=BOUND, **place)

@@ -6,8 +6,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.curves import DASHES
-from tribo.plotting.style import WIDE, drawing_on
+from tribo.plotting.curves import DASHES, legend
+from tribo.plotting.style import NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, must_be_one_of
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 # Lines that can still be told apart.
 MOST_LINES = 12
-# Columns of the legend.
-COLUMNS = 3
 # What error bars show, by the ending of the variable that has them, the first that there is.
 BARS = {
     "_half_width": "95 % interval of the mean over members",
@@ -74,11 +72,9 @@ def sweep_lines(
         ax.set(xlabel=key, ylabel=f"{name}{at_end}")
         title = f"bars: {meaning}" if meaning else None
         if others:
-            above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
-            small: Any = {"title_fontsize": "small", "fontsize": "small"}
-            ax.legend(frameon=False, title=title, **above, **small)
+            legend(ax, title=title)
         elif title is not None:
-            ax.set_title(title, fontsize="small")
+            ax.set_title(title, fontsize=NOTE_SIZE)
     return ax
 
 

@@ -273,6 +273,6 @@ class WorkPrecision:
             self.plot("seconds", left)
             self.plot("force_evaluations", right).set_ylabel("")
             front, *handles = left.get_legend_handles_labels()[0]
-            style: Any = {"loc": "outside right", "fontsize": 7.5, "frameon": False}
-            figure.legend(handles=[*handles, front], **style)
+            place: Any = {"loc": "outside right"}  # unknown to the types of matplotlib
+            figure.legend(handles=[*handles, front], **place)
             return plotting.save(figure, path)
