@@ -13,8 +13,7 @@ from unittest import mock
 import numpy as np
 from tools.mutation.registers import registers_as_arrays
 from tools.mutation.scenes import SCENES
-
-from support import reference
+from tools.mutation.start import start_of
 
 EPSILON = np.finfo(float).eps
 
@@ -91,9 +90,9 @@ def arguments_of_a_drive() -> str:
     model.bobs[[[FX], [FY]], layout.places.columns] = fx, fy
     CALLS.clear()
     custom_drives(model, model.drives, t, q, v)
-    expected_model = reference.Model(table)
-    motion = expected_model.motion(t, expected_model.start())
-    expected = [np.full(count, t), *motion.r2, *motion.v2, fx, fy]
+    start = start_of(table)
+    bar = start.bar + start.velocity * t
+    expected = [np.full(count, t), *bar, *start.bar_velocity, fx, fy]
     names = ("t", "x", "y", "vx", "vy", "fx", "fy")
     for name, found, truth in zip(names, np.array(CALLS).T, expected, strict=True):
         if not np.allclose(found, truth, 0.0, 1e-13):

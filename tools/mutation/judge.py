@@ -26,16 +26,17 @@ from tools.mutation.formulas import FORMULAS
 from tools.mutation.loops import LOOPS
 from tools.mutation.registers import registers_as_arrays
 from tools.mutation.scenes import COULOMB, LOWER, PAIRS, SCENES
+from tools.mutation.start import start_of
 
 from support import inactive, reference
 from support.laws import identities, kind, tables
 from support.package import SOURCE
 
 ALL = SCENES | PAIRS
-IDENTITIES_ALONE = ("held", "open", "swinging", "damped twice", "twisting", "waves", "damped")
+IDENTITIES_ALONE = ("damped twice", "waves", "damped")
 NO_REFERENCE = {"surfaces": {}, "blocks": {}, "system": {}, "scales": {"energy": 0.5}}
 WEAK = COULOMB | {"strength": 1e-15}
-SOLVED = 1e-10  # relative error of a step of the independent solver: the checks allow 1e-7
+SOLVED = 1e-10  # relative error of the independent solver: the checks allow 1e-7
 HANGS = 3.0  # times the processor time that a check takes without a mutant
 LONGER = 8.0  # a check of the cost may take, in units of the check that it belongs to
 
@@ -50,7 +51,7 @@ def solution(name):
         return NO_REFERENCE | {"no law": "w_ps is the sum of the pseudoworks"}
     if name in IDENTITIES_ALONE:
         return NO_REFERENCE
-    return reference.solve(ALL[name], rtol=SOLVED, atol_factor=0.1 * SOLVED)
+    return reference.solve(ALL[name], wanted=SOLVED).end
 
 
 def scene_of(table):
@@ -232,6 +233,19 @@ class Pushed(NamedTuple):
         return f, 2.0 * f * twist, -3.0 * f * np.cos(t), f + 0.5 * f * nu
 
 
+def touching(table, start, first, second):
+    """Which pairs of bobs have a contact, in a scene whose contacts are of all species."""
+    contacts = table["interaction"]
+    contacts = [contacts] if isinstance(contacts, dict) else contacts
+    names = [surface["name"] for surface in table["surface"]]
+    of = np.repeat(names, start.counts)
+    met = of[first] != of[second]
+    for contact in contacts:
+        one, other = contact.get("between", names)
+        met |= (of[first] == one) & (of[second] == other)
+    return met
+
+
 class Encounters(NamedTuple):
     """A first step is refused if a pair of bobs can cover its distance in it, and no other.
 
@@ -242,15 +256,14 @@ class Encounters(NamedTuple):
 
     def __call__(self):
         table = ALL[self.scene]
-        model = reference.Model(table)
-        motion = model.motion(0.0, model.start())
-        swing = np.sqrt(motion.omega**2 + model.kappa / model.inertia * motion.twist**2)
-        rate = 0.0
-        for contact in model.contacts:
-            first, second = np.array([pair[:2] for pair in contact.pairs]).T
-            speed = np.hypot(*(motion.v[:, first] - motion.v[:, second]))
-            speed += (model.l1 * swing)[first] + (model.l1 * swing)[second]
-            rate = max(rate, np.max(speed / model.separation(contact, motion)[1]))
+        start = start_of(table)
+        swing = np.hypot(start.omega, start.frequency * start.twist)
+        first, second = np.triu_indices(start.omega.size, 1)
+        speed = np.hypot(*(start.velocity[:, first] - start.velocity[:, second]))
+        speed += (start.arm * swing)[first] + (start.arm * swing)[second]
+        places = np.vstack([start.bob, start.depth])
+        distance = np.linalg.norm(places[:, first] - places[:, second], axis=0)
+        rate = np.max((speed / distance)[touching(table, start, first, second)])
         for part in (0.99, 1.01):
             h = part / rate
             run = simulate(table | {"duration": 4.0 * h}, method="midpoint", step=h)
@@ -312,14 +325,15 @@ class Torsional(NamedTuple):
 
 
 class Thermal(NamedTuple):
-    """Bars that start at rest: variance T (1 - exp(-2 x)) / mass along and across their arc.
+    """Reservoirs on bars and swings give pendulums at rest the covariance of linear friction.
 
-    x = gamma * step / mass, and the mass along the arc is 1 / (1 / M + l2^2 / I).
+    Of the velocity v of the centre of mass along the arc, across it, and of the rate omega: with
+    the force F = -gamma (v - l2 omega) + noise on the bar, M v' = F and I omega' = -l2 F + T, where
+    T = -gamma omega + noise is the torque of a reservoir on the swing.
     """
 
     step: float
-    gamma: float
-    temperature: float
+    reservoirs: list[dict[str, float | str]]
 
     def __call__(self):
         count = 1000
@@ -331,32 +345,36 @@ class Thermal(NamedTuple):
             "spacing": [1.0, 0.0],
             "drive": "free",
             "initial": {"theta": 0.7},
-            "langevin": {"gamma": self.gamma, "temperature": self.temperature},
+            "langevin": self.reservoirs,
         }
         far = LOWER | {"depth": 10.0}
         table = {"duration": self.step, "interaction": WEAK, "surface": [surface, far]}
         run = simulate(table | {"output": {"samples": 2}}, method="verlet", step=self.step)
-        end = {name: values[-1] for name, values in run["upper"].items()}
-        a = {name: float(asperite[name]) for name in ("m1", "m2", "length")}
-        mass = a["m1"] + a["m2"]
-        l2 = a["length"] * a["m1"] / mass
-        inertia = a["m1"] * a["m2"] / mass * a["length"] ** 2
+        vx, vy, omega = (run["upper"][name][-1] for name in ("vx_cm", "vy_cm", "omega"))
         tx, ty = np.cos(0.7), np.sin(0.7)  # at the kick, half a step of rest before and after
-        x = end["vx_cm"] - l2 * end["omega"] * tx
-        y = end["vy_cm"] - l2 * end["omega"] * ty
-        arc, across = 1.0 / mass + l2**2 / inertia, 1.0 / mass
-        for name, velocity, mobility in (
-            ("along", tx * x + ty * y, arc),
-            ("across", tx * y - ty * x, across),
-        ):
-            kept = np.exp(-2.0 * self.gamma * mobility * self.step)
-            expected = self.temperature * mobility * (1.0 - kept)
-            found = np.mean(velocity**2)
-            if abs(found / expected - 1.0) > 5.0 * np.sqrt(2.0 / count):
-                return f"variance {name} the arc {found:.4f}, expected {expected:.4f}"
-            if abs(np.mean(velocity)) > 5.0 * np.sqrt(expected / count):
-                return f"drift {name} the arc"
+        found = np.array([tx * vx + ty * vy, tx * vy - ty * vx, omega])
+        expected = self.covariance(*(float(asperite[name]) for name in ("m1", "m2", "length")))
+        deviation = np.sqrt(np.diag(expected)) + 1e-12  # of the weak contact
+        if np.any(abs(np.mean(found, axis=1)) > 5.0 * deviation / np.sqrt(count)):
+            return "drift"
+        off = abs(found @ found.T / count - expected)
+        if np.any(off > 5.0 * np.sqrt(2.0 / count) * np.outer(deviation, deviation)):
+            return f"covariance {found @ found.T / count}, expected {expected}"
         return ""
+
+    def covariance(self, m1, m2, length):
+        """Of the three velocities after the step: the integral of exp(-A t) Q exp(-A^T t)."""
+        l2 = length * m1 / (m1 + m2)
+        inverse = np.diag([1.0 / (m1 + m2), 1.0 / (m1 + m2), (m1 + m2) / (m1 * m2 * length**2)])
+        friction, noise = np.zeros((2, 3, 3))
+        for reservoir in self.reservoirs:
+            arms = [[1.0, 0.0, -l2], [0.0, 1.0, 0.0]]
+            arms = np.array([[0.0, 0.0, 1.0]] if reservoir.get("on") == "swing" else arms)
+            friction += reservoir["gamma"] * arms.T @ arms
+            noise += 2.0 * reservoir["gamma"] * reservoir["temperature"] * arms.T @ arms
+        a, q = inverse @ friction, inverse @ noise @ inverse
+        both = expm(self.step * np.block([[-a, q], [np.zeros((3, 3)), a.T]]))  # after van Loan
+        return both[:3, 3:] @ both[:3, :3].T
 
 
 class Ledgers(NamedTuple):
@@ -395,12 +413,12 @@ class Friction(NamedTuple):
 
     def __call__(self):
         table = ALL["open"] | {"duration": self.step, "field": [], "interaction": WEAK}
-        model = reference.Model(without_reservoirs(table))
-        motion = model.motion(0.0, model.start())
+        start = start_of(table)
         run = simulate(table, method=self.method, step=self.step)
-        for surface, part in zip(table["surface"], model.slices, strict=True):
+        for surface, part in zip(table["surface"], start.parts, strict=True):
             gamma, velocity = surface["langevin"]["gamma"], surface["langevin"]["velocity"]
-            wanted = -gamma * (motion.v2[:, part] - np.array(velocity)[:, None]) / model.M[part]
+            wanted = -gamma * (start.bar_velocity[:, part] - np.array(velocity)[:, None])
+            wanted /= start.mass[part]
             own = run[surface["name"]]
             found = np.array([np.diff(own[q], axis=0)[0] for q in ("vx_cm", "vy_cm")]) / self.step
             if surface["name"] == "lower":  # which its drive keeps at its velocity along x
@@ -545,12 +563,6 @@ def asperites_out_of_reach() -> str:
     return inactive.check_paths(turning) or inactive.check(clamped)
 
 
-def without_reservoirs(table):
-    """The table as the independent solver takes it."""
-    surfaces = [{k: v for k, v in s.items() if k != "langevin"} for s in table["surface"]]
-    return table | {"surface": surfaces}
-
-
 CHECKS: dict[str, Callable[[], str]] = (
     FORMULAS
     | LOOPS
@@ -575,14 +587,21 @@ for _method in ("midpoint", "verlet"):
 CHECKS["drag, midpoint"] = Dragged("midpoint", 0.05, 1e-12)
 CHECKS["drag, verlet"] = Dragged("verlet", 0.05, 5e-5)  # two methods of second order
 CHECKS["verlet, pushed"] = Steps("pushed", "verlet", 0.1, 2, 1e-5)
-CHECKS["thermal kicks"] = Thermal(0.1, 4.0, 0.5)
+ON_BAR = {"gamma": 4.0, "temperature": 0.5}
+ON_SWING = {"gamma": 3.0, "temperature": 0.2, "on": "swing"}
+CHECKS["thermal kicks of bars"] = Thermal(0.1, [ON_BAR])
+CHECKS["thermal kicks of swings"] = Thermal(0.1, [ON_SWING])
+CHECKS["thermal kicks of both"] = Thermal(0.1, [ON_BAR, ON_SWING])
 for _scene in ("slid", "pulled", "slid, slowly"):
     CHECKS[f"encounters, {_scene}"] = Encounters(_scene)
 CHECKS["verlet, open"] = Steps("open", "verlet", 0.05, 2, 1e-5)  # its identities are exact
 CHECKS["kahan-li-6, loaded"] = Steps("loaded", "kahan-li-6", 0.25, 6, 1e-5)
 CHECKS["verlet and midpoint, damped"] = Agrees("damped", "verlet", "midpoint", 0.05, 1e-3)
-for _scene in ("held", "swinging", "damped twice"):
-    CHECKS[f"verlet and midpoint, {_scene}"] = Agrees(_scene, "verlet", "midpoint", 0.05, 1e-3)
+CHECKS["verlet and midpoint, damped twice"] = Agrees(
+    "damped twice", "verlet", "midpoint", 0.05, 1e-3
+)
+for _scene in ("held", "swinging"):
+    CHECKS[f"verlet, {_scene}"] = Steps(_scene, "verlet", 0.05, 2, 1e-3)
 CHECKS["rk4, slid"] = Steps("slid", "rk4", 0.1, 4, 1e-4)
 CHECKS["rk4, slid, streamed"] = Limited(
     CHECKS["rk4, slid"], {"ledger.sinks.SERIES_BYTES": 0, "ledger.sinks.PORTION_BYTES": 0}

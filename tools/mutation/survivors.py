@@ -58,9 +58,6 @@ EQUIVALENT = {
     "ledger/totals.py: SurfaceSeries.pseudowork: slot >= 0 -> slot >= 1": (
         "the first slots are those of contact; no surface has slot 0"
     ),
-    "ledger/totals.py: SystemSeries.applied: f.account >= 0 -> f.account >= 1": (
-        "the first slots are those of contact; no field has slot 0"
-    ),
     "kernels/samples.py: initial_state: 0 if splits else n -> 1 if splits else n": (
         "splitting methods do not read the acceleration of a state: one number of memory"
     ),

@@ -1,0 +1,39 @@
+"""The tool that changes the equations has checks that pass, and tables that fit the source."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from support.reference import compiler
+
+ROOT = Path(__file__).parents[1]
+# Checks of each kind that take a second.
+QUICK = ("midpoint, open", "friction, midpoint", "encounters, slid", "verlet, pushed")
+QUICK_CHECKS = f"""
+from tools.mutation import judge
+from tools.mutation.__main__ import stale
+
+judge.uncompiled()
+assert not (left := list(stale())), left
+for name in (*judge.FORMULAS, *{QUICK}):
+    assert not (said := judge.CHECKS[name]()), (name, said)
+"""
+ALL_CHECKS = """
+from tools.mutation import judge
+
+judge.uncompiled()
+assert not (said := judge.complaints()), said
+"""
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+
+
+@pytest.mark.parametrize(
+    "code", [QUICK_CHECKS, pytest.param(ALL_CHECKS, marks=pytest.mark.slow)], ids=["quick", "all"]
+)
+def test_checks_pass_without_a_mutant(code):
+    """Uncompiled, in a process of their own."""
+    found = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
