@@ -14,10 +14,11 @@ asperites on driven bars have no motion of their own, so that every sample is a 
 rough surface is a grid of pendulums on driven bars, at a fixed height over a rigid grid; its load
 is the mean of the contact force along y.
 
-Every point is kept in a file of JSON lines, and a study that was interrupted goes on from there.
+With --points, finished points are stored in a file of JSON lines, from which a study that was
+interrupted continues.  docs/measured/friction_points.jsonl has those of the figures in the pages:
 
-    python benchmarks/friction_laws.py STUDY ... [--side 16] [--seeds 3] [--points FILE]
-        [--figures DIR] [--json]
+    python benchmarks/friction_laws.py static angle load speed --side 64
+        --points docs/measured/friction_points.jsonl --figures docs/measured
 """
 
 import argparse
