@@ -9,8 +9,9 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import exp1, expi
 
-from tribo import InputError
-from tribo.model.bath import Bath, as_bath, as_table, thermal_start, thermal_torsional_start
+from tribo import InputError, Scene, Surface
+from tribo.layout.layout import lay_out
+from tribo.model.bath import Bath, as_bath, as_table
 from tribo.model.spectrum import (
     KINDS,
     Spectrum,
@@ -436,10 +437,20 @@ def test_wrong_spectra_and_bars():
 # A warm start ------------------------------------------------------------------------------------
 
 
+def start(bath, count, seed=5):
+    """Displacements x, y and velocities x, y (count, n), and angles and rates (count, k)."""
+    surface = Surface("a", shape=(count, 1), bars="free", bath=bath)
+    layout = lay_out(Scene((surface,), (), 1.0, seed=seed))
+    n = bath.masses.size
+    q, v = layout.start.reshape(2, -1)[:, layout.core :].reshape(2, count, -1)
+    places, velocities = (np.split(each, [n, 2 * n], axis=1) for each in (q, v))
+    return (*places[:2], *velocities[:2]), (places[2], velocities[2])
+
+
 def test_thermal_start_shares_the_energy_evenly():
     bath = as_bath(LISTED)
     count = 20_000
-    drawn = thermal_start(bath, np.random.default_rng(5), count)
+    drawn, _ = start(bath, count)
     variances = 0.5 / bath.stiffnesses, 0.5 / bath.masses
     error = np.sqrt(2.0 / count)  # standard deviation of a variance, relative
     for values, variance in zip(drawn, np.repeat(variances, 2, axis=0), strict=True):
@@ -452,22 +463,21 @@ def test_thermal_start_shares_the_energy_evenly():
 
 
 def test_thermal_torsional_start():
-    bath = as_bath(LISTED)
     count = 20_000
-    angles, rates = thermal_torsional_start(bath, np.random.default_rng(5), count)
+    _, (angles, rates) = start(as_bath(LISTED), count)
     assert angles.shape == rates.shape == (count, 1)
     assert np.mean(angles**2) == pytest.approx(0.5 / (0.3 * 16.0), rel=4 * np.sqrt(2.0 / count))
     assert np.mean(rates**2) == pytest.approx(0.5 / 0.3, rel=4 * np.sqrt(2.0 / count))
 
 
 def test_a_cold_start_is_at_rest():
-    rng = np.random.default_rng(0)
-    cold = as_bath(DRUDE | {"torsional": LISTED["torsional"]})
-    for values in (*thermal_start(cold, rng, 3), *thermal_torsional_start(cold, rng, 3)):
+    linear, torsional = start(as_bath(DRUDE | {"torsional": LISTED["torsional"]}), 3)
+    for values in (*linear, *torsional):
         np.testing.assert_array_equal(values, 0.0)
-    assert thermal_start(as_bath(DRUDE), rng, 3)[0].shape == (3, 8)
+    assert linear[0].shape == (3, 8)
 
 
-def test_the_generator_decides_the_draw():
-    one, other = (thermal_start(as_bath(LISTED), np.random.default_rng(s), 2) for s in (7, 7))
-    np.testing.assert_array_equal(one, other)
+def test_the_seed_decides_the_draw():
+    one, same, other = (start(as_bath(LISTED), 2, seed)[0] for seed in (7, 7, 8))
+    np.testing.assert_array_equal(one, same)
+    assert not np.any(np.equal(one, other))

@@ -128,7 +128,7 @@ class _Accelerations:
         layout = self._layout
         q = np.zeros(layout.coordinates)
         q[: layout.core] = u * self.lengths
-        hang_baths(self._asperites, layout.scene, layout.parts, q)
+        hang_baths(self._asperites, layout.scene, q)
         return q
 
     def __call__(self, u: np.ndarray) -> np.ndarray:

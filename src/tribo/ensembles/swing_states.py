@@ -135,8 +135,7 @@ class JointStart:
         self._stops = np.cumsum([surface.count for surface in surfaces])
         self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
         self._inertia = np.concatenate([_swing_inertia(surface) for surface in surfaces])
-        phi = [(s.initial.for_each(s.count)["phi"], np.zeros(s.count)) for s in surfaces]
-        self._phi = np.concatenate([zero if given is None else given for given, zero in phi])
+        self._phi = np.concatenate([s.initial.for_each(s.count)["phi"] for s in surfaces])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         self.dimensions = states.uniforms(self._phi.size) + self._phi.size  # numbers of a member
         self.block = max(1, BLOCK // self.dimensions)  # members that are drawn at once

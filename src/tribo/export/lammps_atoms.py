@@ -48,21 +48,20 @@ class Atoms:
 def atoms_of(scene: Scene) -> Atoms:
     """The asperites of a scene as atoms.  Raises InputError if too many have their own mass."""
     kinds: list[Kind] = []
-    parts, first = [], 0
+    parts = []
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     for index, surface in enumerate(scene.surfaces):
         numbers, own = _kinds(surface, index, surface.each["mass"])
         bobs, bars = _start(scene, index)
-        velocities = np.zeros((surface.count, 3))
-        velocities[:, :2] = surface.velocity + _given(surface, "vx", "vy")
+        initial, velocities = surface.initial.for_each(surface.count), np.zeros((surface.count, 3))
+        velocities[:, :2] = surface.velocity + np.column_stack([initial["vx"], initial["vy"]])
         ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
         if surface.springs.turned:  # no bond has their force
             ends, strengths = ends[:0], strengths[:0]
         constant = _constant_forces(scene, surface, bobs, bars, ends, strengths)
         of_atoms = len(kinds) + numbers, bobs, velocities, surface.each["charge"]
-        parts.append((*of_atoms, first + ends, strengths, constant))
+        parts.append((*of_atoms, scene.parts[surface.name].start + ends, strengths, constant))
         kinds += own
-        first += surface.count
     if len(kinds) > MOST_KINDS:
         raise InputError(
             "surface.asperite",
@@ -83,23 +82,14 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
     each, bobs = surface.each, surface.resting_bobs(seed=[scene.seed, index, 0])
-    phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
-    if swing is None:
-        swing = np.zeros(surface.count) if phi is None else phi
+    initial, swing = surface.initial.for_each(surface.count), surface.initial_swing
+    swing = initial["phi"] if swing is None else swing
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
-    bars = _given(surface, "x", "y")
+    bars = np.column_stack([initial["x"], initial["y"]])
     if not isinstance(surface.drive, DrivenBars):
         bars -= each["l2"][:, None] * turn
     bobs[:, :2] += bars + (each["l1"] + each["l2"])[:, None] * turn
     return bobs, bars
-
-
-def _given(surface: Surface, *names: str) -> np.ndarray:
-    """(n, names) initial values of a surface, 0 where none is given."""
-    each = surface.initial.for_each(surface.count)
-    return np.column_stack(
-        [np.zeros(surface.count) if (v := each[name]) is None else v for name in names]
-    )
 
 
 def _constant_forces(

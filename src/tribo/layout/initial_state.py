@@ -23,7 +23,7 @@ class InitialState:
         model = layout.model
         self._has_baths = any(item is not None for item in (model.bath, model.torsional))
         self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
-        self._scene = layout.asperites, layout.scene, layout.parts
+        self._scene = layout.asperites, layout.scene
         self._slots = cache(partial(_slots, layout))
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -58,13 +57,17 @@ class Layout:
     places: slots.Places  # where the kernels have what y and s have
     room: tuple[int, int]  # coordinates and accounts of the kernels
     origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
-    parts: dict[str, slice]  # surface -> slice of its asperites
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
     beginning: float = 0.0  # time at which the run starts
     numbers: MemberNumbers | None = None
     member_times: int = 1  # at which samples have rows of all members
+
+    @property
+    def parts(self) -> dict[str, slice]:
+        """Surface -> slice of its asperites."""
+        return self.scene.parts
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -242,12 +245,7 @@ class Layout:
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
-    stops = itertools.accumulate(surface.count for surface in scene.surfaces)
-    parts = {
-        surface.name: slice(stop - surface.count, stop)
-        for surface, stop in zip(scene.surfaces, stops, strict=True)
-    }
-    asperites, physics = scene_records(scene, parts)
+    asperites, physics = scene_records(scene)
     origin = np.array(scene.surfaces[0].first_bob[:2])
     kept = scene.output.ledger != "none"
     sliding = slots.slide(scene) & kept
@@ -259,7 +257,7 @@ def lay_out(scene: Scene) -> Layout:
     if scene.output.ledger == "surfaces":
         for name in slots.GROUPS:  # only lanes have accounts
             asperites[name] = -1
-    start = start_of(asperites, scene, parts, mine)
+    start = start_of(asperites, scene, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     calculators, calls = contacts.calculators(scene, [own[:, 2] for own in bobs])
     between, within, rows, skin = contacts.lay_out_contacts(scene)
@@ -295,7 +293,6 @@ def lay_out(scene: Scene) -> Layout:
         places=places,
         room=(theirs.coordinates, theirs.accounts),
         origin=origin,
-        parts=parts,
         calculator_calls=calls,
         rows=rows,
         skin=skin,

@@ -40,12 +40,12 @@ class MemberNumbers(NamedTuple):
         return self._replace(asperites=asperites)
 
 
-def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np.ndarray]:
+def scene_records(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """The asperites and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
-        own, record = asperites[parts[surface.name]], surfaces[k : k + 1]
+        own, record = asperites[scene.parts[surface.name]], surfaces[k : k + 1]
         _fill_surface(record, surface, scene.surfaces[0])
         fill_parameters(own, surface, surface.each, resting_bobs(scene, k))
         own["surface"] = k
@@ -53,7 +53,7 @@ def scene_records(scene: Scene, parts: dict[str, slice]) -> tuple[np.ndarray, np
             own[name] = record[name]
         initial = surface.initial.for_each(surface.count)
         for name in ("phi", "nu"):
-            own[name] = 0.0 if initial[name] is None else initial[name]
+            own[name] = initial[name]
         record["mass"] = np.sum(own["mass"])
         record["total_mass"] = record["mass"] + surface.count * float(np.sum(surface.bath.masses))
         record["inverse_total_mass"] = 1.0 / record["total_mass"]
@@ -160,11 +160,10 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
     """All lattice springs between bars with the columns (n, members); None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables, chains, count = [], [], 0
+    tables, chains = [], []
     for k, surface in enumerate(scene.surfaces):
         ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
-        i, j = (count + ends).T
-        count += surface.count
+        i, j = (scene.parts[surface.name].start + ends).T
         table = np.zeros((3, len(ends)))
         table[records.STIFFNESS] = stiffness
         turned = surface.springs.turned

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from tribo.layout.slots import Numbering
-from tribo.model.bath import Bath, thermal_start, thermal_torsional_start
+from tribo.model.bath import Bath
 from tribo.model.scene import Scene
-
-Parts = dict[str, slice]  # surface -> its asperites
 
 
 class Draws:
@@ -22,32 +20,25 @@ class Draws:
         return np.array([own.standard_normal(shape) for own in self._generators])
 
 
-def start_of(asperites: np.ndarray, scene: Scene, parts: Parts, numbering: Numbering) -> np.ndarray:
+def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * numbering.coordinates)
-    q, v = y[: numbering.coordinates], y[numbering.coordinates :]
-    for surface in scene.surfaces:
-        part = parts[surface.name]
-        initial = surface.initial.for_each(surface.count)
-        phi, nu = asperites["phi"][part], asperites["nu"][part]
+    q, v = np.split(y, 2)
+    for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
+        own, initial = asperites[part], surface.initial.for_each(surface.count)
         swing = surface.initial_swing
-        q[part] = phi if swing is None else swing
-        v[part] = 0.0 if initial["omega"] is None else initial["omega"]
-        turning = asperites["dof_phi"][part]
-        if surface.bars != "clamped":
-            q[turning], v[turning] = phi, nu
-        for name, values in (("x", q), ("y", q), ("vx", v), ("vy", v)):
-            given = initial[name]
-            if given is not None:
-                values[asperites[f"dof_{name[-1]}"][part]] = given
-    draw_starts(asperites, scene, parts, y[None], [scene.seed])
-    start_baths(asperites, scene, parts, y[None], [scene.seed])
+        q[part] = initial["phi"] if swing is None else swing
+        v[part] = initial["omega"]
+        for name, rate in (("phi", "nu"), ("x", "vx"), ("y", "vy")):
+            slots = own[f"dof_{name}"]
+            if slots[0] >= 0:
+                q[slots], v[slots] = initial[name], initial[rate]
+    draw_starts(asperites, scene, y[None], [scene.seed])
+    start_baths(asperites, scene, y[None], [scene.seed])
     return y
 
 
-def draw_starts(
-    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
-) -> None:
+def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Sequence[int]) -> None:
     """Draw swings and rates of surfaces that start at a temperature, in y (runs, 2 coordinates).
 
     Energies of torsion springs and of motion have Boltzmann's distribution.
@@ -57,7 +48,7 @@ def draw_starts(
         temperature = surface.initial.temperature
         if not temperature:
             continue
-        part, draws = parts[surface.name], Draws(seeds, index, 3)
+        part, draws = scene.parts[surface.name], Draws(seeds, index, 3)
         own = asperites[part]
 
         def drawn(inertia: np.ndarray, T: float = temperature, draws: Draws = draws) -> np.ndarray:
@@ -76,20 +67,29 @@ def draw_starts(
             v[:, own["dof_y"]] = drawn(own["mass"])
 
 
-def start_baths(
-    asperites: np.ndarray, scene: Scene, parts: Parts, y: np.ndarray, seeds: Sequence[int]
-) -> None:
-    """Start oscillators at the bars, or drawn about them at temperature T, likewise."""
+def start_baths(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Sequence[int]) -> None:
+    """Start oscillators at the bars, or drawn about them at a temperature T, likewise.
+
+    Their variances are T / (m w^2) of displacements, in each direction, and T / m of velocities;
+    those of torsional ones have the moment of inertia in place of the mass m.
+    """
     q, v = np.split(y, 2, axis=1)
-    hang_baths(asperites, scene, parts, q)
+    hang_baths(asperites, scene, q)
     for index, surface in enumerate(scene.surfaces):
-        bath, own = surface.bath, asperites[parts[surface.name]]
-        if bath.temperature > 0.0:
-            draws, slots = Draws(seeds, index, 1), np.concatenate(_bath_slots(own, bath), axis=1)
-            dx, dy, vx, vy = thermal_start(bath, draws, own.size)
-            turn, rate = thermal_torsional_start(bath, draws, own.size)
-            q[:, slots] += np.concatenate([dx, dy, turn], axis=2)
-            v[:, slots] = np.concatenate([vx, vy, rate], axis=2)
+        bath = surface.bath
+        if bath.temperature == 0.0:
+            continue
+        draws = Draws(seeds, index, 1)
+        *linear, torsional = _bath_slots(asperites[scene.parts[surface.name]], bath)
+        for masses, frequencies, directions in (
+            (bath.masses, bath.frequencies, linear),
+            (bath.inertias, bath.torsional_frequencies, [torsional]),
+        ):
+            speed = np.sqrt(bath.temperature / masses)
+            for slots in directions:
+                q[:, slots] += speed / frequencies * draws.standard_normal(slots.shape)
+            for slots in directions:
+                v[:, slots] = speed * draws.standard_normal(slots.shape)
 
 
 def _bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
@@ -99,10 +99,10 @@ def _bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
     return np.split(slots, [n, 2 * n], axis=1)
 
 
-def hang_baths(asperites: np.ndarray, scene: Scene, parts: Parts, q: np.ndarray) -> None:
+def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:
     """Put all oscillators of q, (..., coordinates), at their bars, where they exert no force."""
-    for surface in scene.surfaces:
-        own, swing = asperites[parts[surface.name]], q[..., parts[surface.name]]
+    for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
+        own, swing = asperites[part], q[..., part]
         # Displacements of the bars from their uniform motion at rest: driven bars stay in place.
         arm = (own["l2"] - own["pivot"]) * own["facing"]
         x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2

@@ -6,7 +6,7 @@ and zero rest length.  A torsional one is a moment of inertia tied to the bar's 
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -147,43 +147,3 @@ def as_table(bath: Bath) -> dict[str, Any]:
     if bath.temperature:
         table["temperature"] = bath.temperature
     return table
-
-
-class Normal(Protocol):
-    """A generator of normal deviates, as numpy's; it may return those of several runs."""
-
-    def standard_normal(self, size: tuple[int, ...], /) -> np.ndarray:
-        """Deviates of shape `size`, or (runs, *size)."""
-
-
-def thermal_start(
-    bath: Bath, rng: Normal, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Displacements x, y and velocities x, y of the oscillators of `count` bars, each (count, n).
-
-    They are drawn at the bath's temperature T, relative to the bar's centre and to the surface's
-    velocity: variances T / (m w^2) and T / m in each direction, all independent.
-    """
-    spread, speed = _thermal_spreads(bath.temperature, bath.masses, bath.frequencies)
-    shape = (count, bath.masses.size)
-    dx, dy = spread * rng.standard_normal(shape), spread * rng.standard_normal(shape)
-    vx, vy = speed * rng.standard_normal(shape), speed * rng.standard_normal(shape)
-    return dx, dy, vx, vy
-
-
-def thermal_torsional_start(bath: Bath, rng: Normal, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Angles relative to phi [rad] and rates of the torsional oscillators, each (count, k).
-
-    Variances T / (I w^2) and T / I.
-    """
-    spread, speed = _thermal_spreads(bath.temperature, bath.inertias, bath.torsional_frequencies)
-    shape = (count, bath.inertias.size)
-    return spread * rng.standard_normal(shape), speed * rng.standard_normal(shape)
-
-
-def _thermal_spreads(
-    temperature: float, sizes: np.ndarray, frequencies: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Standard deviations of displacement and velocity at a temperature."""
-    speed = np.sqrt(temperature / sizes)
-    return speed / frequencies, speed

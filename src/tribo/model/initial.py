@@ -77,9 +77,7 @@ class Initial(ComparedByValue):
             if self.temperature and getattr(self, name) is not None:
                 raise InputError(name, "cannot go with temperature, which draws the start")
 
-    def for_each(self, count: int) -> dict[str, np.ndarray | None]:
-        """Each angle, displacement and rate as an array of `count`; None if it is not given."""
-        given = ((name, getattr(self, name)) for name in UNITS | DISPLACEMENTS)
-        return {
-            name: None if value is None else broadcast(name, value, count) for name, value in given
-        }
+    def for_each(self, count: int) -> dict[str, np.ndarray]:
+        """Each angle, displacement and rate as an array of `count`; 0 if it is not given."""
+        given = {name: getattr(self, name) for name in UNITS | DISPLACEMENTS}
+        return {k: broadcast(k, 0.0 if v is None else v, count) for k, v in given.items()}

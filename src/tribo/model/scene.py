@@ -251,6 +251,13 @@ class Scene(ComparedByValue):
         """Number of asperites."""
         return sum(surface.count for surface in self.surfaces)
 
+    @cached_property
+    def parts(self) -> dict[str, slice]:
+        """Surface -> the place of its asperites among all, which follow surface after surface."""
+        stops = list(itertools.accumulate(surface.count for surface in self.surfaces))
+        names = (surface.name for surface in self.surfaces)
+        return dict(zip(names, map(slice, [0, *stops], stops), strict=True))
+
     @property
     def smoothness(self) -> float:
         """Number of continuous derivatives of all potentials; 0 if one jumps."""

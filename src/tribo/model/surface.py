@@ -273,8 +273,10 @@ class Surface(ComparedByValue):
     @property
     def initial_swing(self) -> np.ndarray | None:
         """(n,) initial angles theta - rest [rad], from `theta` or `swing`; None without either."""
-        each = self.initial.for_each(self.count)
-        return each["swing"] if each["theta"] is None else each["theta"] - self.rest
+        given, each = self.initial, self.initial.for_each(self.count)
+        if given.theta is not None:
+            return each["theta"] - self.rest
+        return None if given.swing is None else each["swing"]
 
     def resting_bobs(
         self, origin: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: int | list[int] = 0

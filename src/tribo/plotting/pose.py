@@ -78,18 +78,17 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
     outside of the run, and where places are not kept.
     """
     sample = nearest_sample(result, t)
-    surfaces = result.scene.surfaces
-    starts = np.cumsum([0, *(s.count for s in surfaces)]).tolist()
+    surfaces, parts = result.scene.surfaces, result.scene.parts
     places = [_places(result, surface, t) for surface in surfaces]
     aside = [np.asarray(s.resting_bobs()[:, 2:] * OBLIQUE) for s in surfaces]
     shifts = dict(zip((s.name for s in surfaces), aside, strict=True))
     dots = oscillator_dots(result, np.array([sample])) if bath else {}
     rows = [(d[0] + shifts[name][:, None]).reshape(-1, 2) for name, d in dots.items()]
-    joined = [joined_bars(s) + start for s, start in zip(surfaces, starts, strict=False)]
+    joined = [joined_bars(s) + parts[s.name].start for s in surfaces]
     shift = np.concatenate(aside)
     bars, cms, bobs, phi, theta = map(np.concatenate, zip(*places, strict=True))
     return Pose(
-        parts={s.name: slice(starts[k], starts[k + 1]) for k, s in enumerate(surfaces)},
+        parts=parts,
         bars=bars + shift,
         cms=cms + shift,
         bobs=bobs + shift,
