@@ -42,24 +42,18 @@ def checked_target(field: str, path: Path) -> Path:
     return path
 
 
-def netcdf_path(field: str, path: Path, others: str = "") -> Path:
-    """A path that ends on .nc; `others` are endings for which a caller writes other formats.
+def netcdf_target(field: str, path: Path, others: str = "") -> Path:
+    """The NetCDF file that a path names, behind links; for `others` a caller writes other formats.
 
     Raises InputError about `field`, which says what writes figures and pages.
     """
+    target = checked_target(field, path)
     if path.suffix.lower() != NETCDF:
         raise InputError(
             field,
             f"must end on .nc{others}, as it is a NetCDF file{others and ' or a table'}, got "
             f"{str(path)!r}; tribo.plotting.save writes figures, and result.to_html a page",
         )
-    return path
-
-
-def netcdf_target(field: str, path: Path) -> Path:
-    """The NetCDF file that a path names, behind links.  Raises InputError about `field`."""
-    target = checked_target(field, path)
-    netcdf_path(field, path)
     return target
 
 

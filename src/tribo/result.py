@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import netcdf_path, replace_file, strict_json
+from tribo.files import netcdf_target, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
 from tribo.results import depinning, force_averages, report, result_file
@@ -86,7 +86,7 @@ class Result(RunResult):
 
             save_csv(self, path)
         else:
-            result_file.save(self, netcdf_path("path", path, " or .csv"))
+            result_file.save(self, netcdf_target("path", path, " or .csv"))
 
     @property
     def plot(self) -> Plots:

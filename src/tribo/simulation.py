@@ -20,12 +20,12 @@ from tribo.loops.journal import PART, Journal
 from tribo.loops.saved_state import Origin, State, continued, digest_of
 from tribo.loops.select import Integrator
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
-from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import ProgressBar, Shown, reported, shown
 from tribo.result import Result, load_result
 from tribo.threads.shared_run import threads_of
-from tribo.validation import TriboWarning, as_path, boolean, inside
+from tribo.validation import TriboWarning, as_path, boolean, inside, instance
 
 
 def prepare(
@@ -124,7 +124,7 @@ def _task(
     threads: int | None,
 ) -> _Task:
     """What is asked for.  Raises InputError."""
-    scene = checked_scene(scene)
+    scene = instance(Scene)("scene", scene)
     if boolean("allow_unresolved", allow_unresolved):
         scene = replace(scene, numerics=replace(scene.numerics, allow_unresolved=True))
     layout, origin = lay_out(scene), None

@@ -13,7 +13,7 @@ from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.simulation import simulate
-from tribo.validation import is_list, must_be, must_be_one_of, number
+from tribo.validation import is_list, must_be, number, one_of
 from tribo.viewer.contents import MOST_ARROWS, contents
 from tribo.viewer.html import document
 
@@ -47,10 +47,7 @@ class Slider:
     def checked(self, value: object) -> Any:
         """A value that was asked for.  Raises InputError outside of what can be chosen."""
         if self.values is not None:
-            for each in self.values:
-                if type(each) is type(value) and each == value:
-                    return each
-            raise must_be_one_of(self.key, self.values, value)
+            return one_of(self.key, value, self.values)
         found = number(self.key, value)
         if not self.low <= found <= self.high:
             raise must_be(self.key, f"from {self.low:g} to {self.high:g}", found)
@@ -94,12 +91,10 @@ def _slider(scene: Scene, key: str, given: object) -> Slider:
 
 def shown(scene: Scene, bath: bool = False) -> Scene:
     """The scene with the series that a page draws: forces of few asperites, heat of baths."""
-    series = list(scene.output.series)
+    series = [*scene.output.series, *["oscillators"] * bath]
     if scene.output.keep is None:
-        series += ["forces"] * (scene.count <= MOST_ARROWS and "forces" not in series)
-        has_bath = any(s.bath.masses.size + s.bath.inertias.size for s in scene.surfaces)
-        series += ["energies"] * (has_bath and "energies" not in series)
-    series += ["oscillators"] * (bath and "oscillators" not in series)
+        series += ["forces"] * (scene.count <= MOST_ARROWS)
+        series += ["energies"] * any(surface.bath for surface in scene.surfaces)
     return replace(scene, output=replace(scene.output, series=tuple(series)))
 
 
@@ -124,10 +119,8 @@ class Playing:
         """The run at some values.  Raises InputError as `run`."""
         if not isinstance(values, dict):
             raise must_be("values", "a value for each key", values)
-        for key in values:
-            if key not in self._sliders:
-                raise must_be_one_of(str(key), self._sliders, key)
-        checked = {key: self._sliders[key].checked(value) for key, value in values.items()}
+        known = self._sliders
+        checked = {k: known[one_of(str(k), k, known)].checked(v) for k, v in values.items()}
         return simulate(with_values(self._scene, checked), progress=False)
 
     def source(self) -> dict[str, Any]:

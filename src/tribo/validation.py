@@ -18,6 +18,7 @@ from typing import Any, TypeGuard, TypeVar
 import numpy as np
 
 Word = TypeVar("Word", bound=str)
+Option = TypeVar("Option")
 
 Condition = tuple[str, Callable[[float], bool]]
 # Takes the name of a field and its value, and returns that in the form on which the package relies.
@@ -47,11 +48,6 @@ class InputError(ValueError):
 def must_be(field: str, wanted: str, value: object) -> InputError:
     """The error of a field whose value is not what is wanted; to be raised."""
     return InputError(field, f"must be {wanted}, got {short_repr(value)}")
-
-
-def must_be_one_of(field: str, options: Iterable[object], value: object) -> InputError:
-    """The error of a field whose value is none of some names; to be raised."""
-    return InputError(field, f"must be one of {shortened(options)}, got {short_repr(value)}")
 
 
 def shortened(names: Iterable[object]) -> str:
@@ -200,6 +196,26 @@ def choice(field: str, value: object, options: Iterable[Word]) -> Word:
             return option
     words = " or ".join(f'"{o}"' for o in options)
     raise must_be(field, f"{words}", value)
+
+
+def one_of(field: str, value: object, options: Iterable[Option]) -> Option:
+    """One of some names, or of other values, of which those are equal that are so in JSON."""
+    options = list(options)
+    for option in options:
+        if option == value and isinstance(option, bool) == isinstance(value, bool):
+            return option
+    raise must_be(field, f"one of {shortened(options)}", value)
+
+
+def instance(kind: type) -> Check:
+    """The check of a field that is an object of a public class."""
+
+    def check(field: str, value: object) -> object:
+        if not isinstance(value, kind):
+            raise must_be(field, f"a tribo.{kind.__name__}", value)
+        return value
+
+    return check
 
 
 def boolean(field: str, value: object) -> bool:

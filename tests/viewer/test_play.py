@@ -105,6 +105,12 @@ def test_values_that_are_refused(server, body, sentence):
     assert status == 400 and sentence in json.loads(content)["error"]
 
 
+def test_a_whole_number_of_a_list():
+    """JavaScript sends 1.0 as 1."""
+    playing = Playing(SCENE, sliders_of(SCENE, {"duration": [0.5, 1.0]}))
+    assert playing.simulated({"duration": 1}).scene.duration == 1.0
+
+
 def test_limits(server):
     """Long bodies and those without a length are not read; evaluations are bounded."""
     assert asked(server, body=b" " * (MOST_BYTES + 1))[0] == 413

@@ -19,8 +19,9 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import asperite_name, closest_bobs
 from tribo.loops.saved_state import State, state_at_rest
 from tribo.model.fields import Corrugation
-from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene import Scene
 from tribo.threads.writable_memory import Probe
+from tribo.validation import instance
 
 # Steps until the search is given up: bobs have then moved up to 40 rods.
 MOST_STEPS = 400
@@ -87,7 +88,7 @@ def relax(scene: Scene) -> State:
     InputError
         If `scene` is not a Scene, or a plug-in does not compile.
     """
-    layout = lay_out(checked_scene(scene))
+    layout = lay_out(instance(Scene)("scene", scene))
     motion = _Accelerations(layout)
     u = layout.start[: layout.core] / motion.lengths
     for _ in range(MOST_ESCAPES):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tribo.model.scene import Scene
 from tribo.model.scene_file import load_scene
-from tribo.validation import must_be_one_of
+from tribo.validation import one_of
 
 FOLDER = Path(__file__).parent
 # The key of a reference for the time at which a run stops; other keys are as "upper.theta".
@@ -59,7 +59,4 @@ def _entry(name: str, table: dict[str, object]) -> HardScene:
 def chosen(names: Sequence[str] = ()) -> list[HardScene]:
     """Entries by their names; all of them without names. Raises InputError for an unknown name."""
     entries = all_entries()
-    for name in names:
-        if name not in entries:
-            raise must_be_one_of("name", entries, name)
-    return [entries[name] for name in names or entries]
+    return [entries[one_of("name", name, entries)] for name in names or entries]

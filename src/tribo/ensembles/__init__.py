@@ -26,11 +26,11 @@ from tribo.ensembles.request import END, SAMPLES, Request, checked_names
 from tribo.ensembles.runner import Execution, Runs, planned, policy_of
 from tribo.ensembles.statistics import coordinates_of, variables_of
 from tribo.ensembles.stores import MemberStore, StatisticsStore, Target, in_file
-from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.progress import Shown
 from tribo.simulation import prepare
-from tribo.validation import InputError, boolean, choice, integer, short_repr
+from tribo.validation import InputError, boolean, choice, instance, integer, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -140,7 +140,7 @@ def ensemble(
         the data set of the complete members, if enough were, with the status "Interrupted".
     """
     began = time.perf_counter()
-    scene = checked_scene(scene).with_heights()
+    scene = instance(Scene)("scene", scene).with_heights()
     if keep is None and half_width is None:
         keep = scene.output.keep
     for name, other in (("sampler", sampler), ("keep", keep)):

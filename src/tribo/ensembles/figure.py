@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from tribo.plotting.curves import legend
 from tribo.plotting.style import CYCLE, INK, WIDE, drawing_on
 from tribo.results.averages import interval
-from tribo.validation import InputError, must_be_one_of
+from tribo.validation import InputError, one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -34,8 +34,7 @@ def mean_band(data: xarray.Dataset, name: str, ax: Axes | None = None) -> Axes:
         The axes to draw on; by default a new figure.
     """
     known = [str(key) for key in data.data_vars if data[key].dims == ("member", "time")]
-    if name not in known:
-        raise must_be_one_of("name", known, name)
+    one_of("name", name, known)
     time = data["time"].values
     complete = data[name].values[data["status"].values == "completed"]
     shown = complete[:MOST_MEMBERS]

@@ -24,7 +24,7 @@ from tribo.results.averages import CONFIDENCE, interval, members_needed
 from tribo.results.notes import run_notes
 from tribo.results.result_file import Variable
 from tribo.simulation import from_settings
-from tribo.validation import POSITIVE, InputError, inside, must_be_one_of, number, short_repr
+from tribo.validation import POSITIVE, InputError, inside, number, one_of, short_repr
 
 if TYPE_CHECKING:
     import xarray
@@ -101,8 +101,7 @@ def checked_half_width(scene: Scene, half_width: object) -> dict[str, float]:
         raise InputError("half_width", f"{wanted}, got {short_repr(half_width)}")
     known = kept_values.total_names(scene) + kept_values.sum_names(scene)
     for name in half_width:
-        if name not in known:
-            raise must_be_one_of("half_width", known, name)
+        one_of("half_width", name, known)
     with inside("half_width"):
         return {name: number(name, value, POSITIVE) for name, value in half_width.items()}
 

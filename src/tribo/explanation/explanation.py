@@ -20,9 +20,9 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.general import GeneralLoop
 from tribo.model.effects import EFFECTS, Effect, reason_for
-from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene import Scene
 from tribo.threads.shared_run import Threads, threads_of
-from tribo.validation import inside
+from tribo.validation import inside, instance
 
 # Time of a run from which on the explanation says what makes it slow [s].
 LONG = 45 * 60.0
@@ -224,7 +224,7 @@ def explain(scene: Scene) -> Explanation:
     InputError
         As for :func:`tribo.prepare`.
     """
-    scene = checked_scene(scene)
+    scene = instance(Scene)("scene", scene)
     layout, given = lay_out(scene), scene.numerics
     check_keep(layout)
     with inside("numerics"):

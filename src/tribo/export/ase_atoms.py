@@ -13,7 +13,7 @@ from ase.data import atomic_numbers
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be, must_be_one_of
+from tribo.validation import InputError, must_be, one_of
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
 PLACEHOLDER = "X"
@@ -61,10 +61,8 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
 
 def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[str]:
     """The elements of all bobs, and the placeholder of all bars."""
-    names = [surface.name for surface in surfaces]
     for name, symbol in symbols.items():
-        if name not in names:
-            raise must_be_one_of("symbols", names, name)
+        one_of("symbols", name, [surface.name for surface in surfaces])
         if symbol not in atomic_numbers:
             raise must_be(f"symbols[{name!r}]", "the symbol of an element", symbol)
     bobs = [

@@ -7,7 +7,6 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
 from tribo.model.drives import DrivenBars, Forced
-from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
@@ -56,7 +55,8 @@ def lay_out_contacts(
         inner, potential = any(one == other for one, other in pairs), interaction.potential
         if isinstance(potential, Live):
             potential = ZeroForce(potential.length, potential.reach)
-        both, kinds = np.array(pairs, np.int64).reshape(-1, 2), _kinds(scene, interaction)
+        both, named = np.array(pairs, np.int64).reshape(-1, 2), interaction.species
+        kinds = None if named is None else np.searchsorted(scene.species, named)
         contact = Contact(potential, both, np.array(first, np.int64), kinds)
         (within if inner else between).append(contact)
     if not between:  # kernels cannot iterate over an empty tuple: a contact without pairs
@@ -172,13 +172,6 @@ def species(scene: Scene, columns: np.ndarray, count: int) -> np.ndarray | None:
     species = room((count,))
     species[columns] = np.searchsorted(scene.species, names)[:, None]
     return species
-
-
-def _kinds(scene: Scene, interaction: Interaction) -> np.ndarray | None:
-    """Indices of the two species that an interaction is between; None for all species."""
-    if interaction.species is None:
-        return None
-    return np.searchsorted(scene.species, interaction.species)
 
 
 def is_shared(scene: Scene, contacts: tuple[Contact, ...]) -> bool:

@@ -105,13 +105,8 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
         "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
-        "acc_internal": [
-            bool(s.springs)
-            or s.bath.masses.size + s.bath.inertias.size > 0
-            or scene.has_contact_within(s)
-            for s in own
-        ],
-        "acc_field": [any(s.name in item.on for item in scene.fields) for s in own],
+        "acc_internal": [bool(s.springs or s.bath or scene.has_contact_within(s)) for s in own],
+        "acc_field": [scene.has_field(s) for s in own],
         "acc_thermal": [s.bar_reservoir is not None for s in own],
         "acc_swing": [s.swing_reservoir is not None for s in own],
     }

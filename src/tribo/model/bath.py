@@ -68,9 +68,7 @@ class Bath(ComparedByValue):
         check.fields(self, temperature=check.one(check.NOT_NEGATIVE, "energy"))
         if self.spectrum is None:
             return
-        if not isinstance(self.spectrum, Spectrum):
-            raise must_be("spectrum", "a tribo.Spectrum", self.spectrum)
-        own = self.spectrum.oscillators()
+        own = check.instance(Spectrum)("spectrum", self.spectrum).oscillators()
         given = (self.masses, self.frequencies)
         if self.masses.size and not all(map(np.array_equal, given, own)):
             raise InputError("masses", "cannot go with spectrum; give one or the other")

@@ -13,7 +13,6 @@ from tribo.model.interaction import Interaction
 from tribo.model.surface import Surface
 from tribo.potentials.from_ase import Live
 from tribo.potentials.tables import as_table
-from tribo.validation import short_repr
 
 
 class Effect(StrEnum):
@@ -74,16 +73,11 @@ def potential_name(item: Interaction) -> str:
     """The name of a potential in a scene file."""
     if isinstance(item.potential, Live):
         return type(item.potential.calculator).__name__
-    return _spelled(as_table(item.potential)["potential"], short_repr)
-
-
-def _spelled(value: object, otherwise: Callable[[object], str]) -> str:
-    """A name in quotation marks, or else what `otherwise` gives."""
-    return f'"{value}"' if isinstance(value, str) else otherwise(value)
+    return f'"{as_table(item.potential)["potential"]}"'
 
 
 def _class(value: object) -> str:
-    return _spelled(value, lambda plugin: type(plugin).__name__)
+    return f'"{value}"' if isinstance(value, str) else type(value).__name__
 
 
 def _surfaces(key: str, value: Callable[[Surface], object | None]) -> Finder:

@@ -30,8 +30,14 @@ from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
 from tribo.model.tables import changed, table_of
 from tribo.plugins.classes import instance
-from tribo.potentials.potential import AT_CUTOFF
-from tribo.potentials.tables import CUTOFF_KEYS, MADE, class_named, from_table
+from tribo.potentials.tables import (
+    CUTOFF_KEYS,
+    MADE,
+    class_named,
+    from_table,
+    with_settings,
+    without_cutoff,
+)
 from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
 
 # The values of the scene itself that have keys.
@@ -181,12 +187,8 @@ def _is_number(value: object) -> bool:
 
 def _values_of(potential: Any) -> dict[str, Any]:
     """The parameters of a potential or field, with those of its cutoff."""
-    if not hasattr(potential, "_asdict"):
-        return {}
-    values: dict[str, Any] = potential._asdict()
-    if type(potential) in AT_CUTOFF.values():
-        return _values_of(values.pop("potential")) | values
-    return values
+    inner, cutoff = without_cutoff(potential)
+    return inner._asdict() | cutoff if hasattr(inner, "_asdict") else {}
 
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
@@ -262,23 +264,15 @@ def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
         raise InputError(next(iter(own)), "is not a known key; a calculator has none")
     cutoff = {key: value for key, value in own.items() if key in CUTOFF_KEYS}
     rest = {key: value for key, value in own.items() if key not in CUTOFF_KEYS}
-    for word, kind in AT_CUTOFF.items():
-        if type(potential) is kind:
-            present = potential._asdict() | {"at_cutoff": word}
-            potential = present.pop("potential")
-            if "cutoff" in cutoff and "switch_from" in present:
-                ratio = number("cutoff", cutoff["cutoff"], POSITIVE, "length") / present["cutoff"]
-                present["switch_from"] *= ratio
-            if "at_cutoff" in cutoff:
-                present.pop("switch_from", None)
-            cutoff = present | cutoff
+    potential, present = without_cutoff(potential)
+    if "cutoff" in cutoff and "switch_from" in present:
+        ratio = number("cutoff", cutoff["cutoff"], POSITIVE, "length") / present["cutoff"]
+        present["switch_from"] *= ratio
+    if "at_cutoff" in cutoff:
+        present.pop("switch_from", None)
     if rest:
         potential = instance(type(potential), potential._asdict() | rest)
-    if not cutoff:
-        return potential
-    if "cutoff" not in cutoff:
-        raise InputError(next(iter(cutoff)), "needs a cutoff")
-    return potential.with_cutoff(**cutoff)
+    return with_settings(potential, present | cutoff)
 
 
 def _changed_field(field: Field, own: Mapping[str, Any]) -> Field:

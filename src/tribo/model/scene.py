@@ -95,10 +95,7 @@ class Scene(ComparedByValue):
             raise must_be("duration", f"at least {check.SHORTEST_DURATION:g} [time]", self.duration)
         if not isinstance(self.title, str):
             raise must_be("title", "text", self.title)
-        for name, kind in (("output", Output), ("numerics", Numerics)):
-            value = getattr(self, name)
-            if not isinstance(value, kind):
-                raise must_be(name, f"a tribo.{kind.__name__}", value)
+        check.fields(self, output=check.instance(Output), numerics=check.instance(Numerics))
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
@@ -117,8 +114,7 @@ class Scene(ComparedByValue):
         if not isinstance(self.surfaces, (list, tuple)) or not self.surfaces:
             raise InputError("surface", "is missing; give at least one surface")
         for i, surface in enumerate(self.surfaces):
-            if not isinstance(surface, Surface):
-                raise must_be(f"surface[{i}]", "a tribo.Surface", surface)
+            check.instance(Surface)(f"surface[{i}]", surface)
             if surface.name in [s.name for s in self.surfaces[:i]]:
                 raise InputError(
                     f"surface[{i}].name",
@@ -149,8 +145,7 @@ class Scene(ComparedByValue):
             raise must_be("field", "a list of fields", value)
         names = [s.name for s in self.surfaces]
         for i, item in enumerate(value):
-            if not isinstance(item, Field):
-                raise must_be(f"field[{i}]", "a tribo.Field", item)
+            check.instance(Field)(f"field[{i}]", item)
             _check_names(f"field[{i}].on", item.on, "surfaces", names)
         return tuple(value)
 
@@ -354,13 +349,6 @@ class Scene(ComparedByValue):
             "field": [fields.as_table(item) for item in self.fields],
             "surface": [surface_table(surface) for surface in self.surfaces],
         }
-
-
-def checked_scene(scene: object) -> Scene:
-    """The scene of a call.  Raises InputError about anything else."""
-    if not isinstance(scene, Scene):
-        raise must_be("scene", "a tribo.Scene", scene)
-    return scene
 
 
 def _check_names(field: str, given: Sequence[str] | None, kind: str, known: Sequence[str]) -> None:

@@ -136,11 +136,8 @@ class Surface(ComparedByValue):
             raise InputError("bath.torsional", 'cannot go with clamped bars; set bars = "free"')
         check.fields(self, langevin=part(as_langevin), species=self._checked_species)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
-            value = getattr(self, key)
-            if not isinstance(value, kind):
-                raise must_be(key, f"a tribo.{kind.__name__}", value)
             with inside(key):
-                value.for_each(self.count)
+                check.instance(kind)("", getattr(self, key)).for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
         if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):

@@ -75,11 +75,23 @@ def from_table(table: object, folder: Path) -> Any:
         potential = MADE[name](parameters, folder)
     else:
         potential = as_potential(plugins.instance(class_named(name, folder), parameters))
-    if not cutoff:
-        return potential
-    if "cutoff" not in cutoff:
+    return with_settings(potential, cutoff)
+
+
+def with_settings(potential: Potential, cutoff: dict[str, Any]) -> Potential:
+    """The potential with the cutoff that some of `CUTOFF_KEYS` describe; unchanged without any."""
+    if cutoff and "cutoff" not in cutoff:
         raise InputError(next(iter(cutoff)), "needs a cutoff")
-    return potential.with_cutoff(**cutoff)
+    return potential.with_cutoff(**cutoff) if cutoff else potential
+
+
+def without_cutoff(potential: Any) -> tuple[Any, dict[str, Any]]:
+    """The potential without its cutoff, and the settings of that."""
+    for word, kind in AT_CUTOFF.items():
+        if type(potential) is kind:
+            settings = potential._asdict() | {"at_cutoff": word}
+            return settings.pop("potential"), settings
+    return potential, {}
 
 
 def class_named(name: object, folder: Path) -> type:
@@ -100,10 +112,9 @@ def as_table(potential: Any) -> dict[str, Any]:
     """The table of a scene file that `from_table` reads."""
     if isinstance(potential, from_ase.Live):
         return {"potential": "ase"} | from_ase.as_table(potential)
-    for word, kind in AT_CUTOFF.items():
-        if type(potential) is kind:
-            settings: dict[str, Any] = potential._asdict() | {"at_cutoff": word}
-            return as_table(settings.pop("potential")) | settings
+    inner, cutoff = without_cutoff(potential)
+    if cutoff:
+        return as_table(inner) | cutoff
     if isinstance(potential, Sum):
         return {"potential": "sum", "of": [as_table(part) for part in _parts(potential)]}
     if isinstance(potential, Scaled):

@@ -20,13 +20,13 @@ from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target, in_file
 from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
-from tribo.model.scene import Scene, checked_scene
+from tribo.model.scene import Scene
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import point_sets, runs_of
-from tribo.validation import InputError, boolean, choice, integer
+from tribo.validation import InputError, boolean, choice, instance, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -96,7 +96,7 @@ def sweep(
         As for :func:`ensemble`; runs that were not finished are "not run".
     """
     began = time.perf_counter()
-    grid = Grid(checked_scene(scene), values)
+    grid = Grid(instance(Scene)("scene", scene), values)
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)

@@ -9,7 +9,7 @@ from tribo.ledger.quantities import AVERAGED
 from tribo.plotting.curves import DASHES, legend
 from tribo.plotting.style import NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
-from tribo.validation import InputError, must_be_one_of
+from tribo.validation import InputError, one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -47,12 +47,8 @@ def sweep_lines(
         The axes to draw on; by default a new figure.
     """
     keys = keys_of(data)
-    known = quantities(data)
-    if name not in known:
-        raise must_be_one_of("name", known, name)
-    key = keys[0] if against is None else against
-    if key not in keys:
-        raise must_be_one_of("against", keys, against)
+    one_of("name", name, quantities(data))
+    key = keys[0] if against is None else one_of("against", against, keys)
     drawn, bars, meaning = _points(data, name, averaged=key != SEED)
     others = [other for other in keys if other != key and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))

@@ -12,13 +12,13 @@ import numpy as np
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.ledger.quantities import EVERY_QUANTITY, Table
 from tribo.model.drives import Forced
+from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
 from tribo.plotting.pose import has_spring, joined_bars
 from tribo.plotting.works import total, works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
-from tribo.viewer.sentence import sentence
 
 # Numbers that are drawn: places of each asperite, at each time that is drawn.
 PLACES = ("x_bar", "y_bar", "phi", "x_bob", "y_bob")
@@ -32,6 +32,8 @@ DIGITS = 6
 SINGLE = (1e-36, 1e38)
 # What is known of the errors, by whether the accuracy was met.
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
+# Works that differ by less than this part of their size are called equal.
+EQUAL = 1e-6
 # The curves that a page opens with, where they are recorded.
 DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "W", "W_ps", "heat", "heat_bath")
 
@@ -60,7 +62,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         "status": str(result.status),
         "method": result.method,
         "accuracy": ACCURACY[result.met],
-        "sentence": sentence(scene, works),
+        "sentence": _sentence(scene, works),
         "notes": notes,
         "times": packed(result.t, exact=True),
         "frames": packed(frames),
@@ -68,6 +70,37 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         "forces": _forces(result, frames),
         "groups": _groups(result, works),
     }
+
+
+def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
+    """What the work of friction says about the motion of the bobs of the first moving surface.
+
+    `of_surfaces` has the works on each.  Empty where no works of the contact force are recorded.
+    """
+    moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
+    works = of_surfaces[moving.name]
+    if "w1" not in works or "w1_ps" not in works:
+        return ""
+    work, pseudowork = (float(works[name][-1]) for name in ("w1", "w1_ps"))
+    size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
+    if abs(work - pseudowork) <= EQUAL * size:
+        return (
+            f'The work of friction on "{moving.name}" equals its pseudowork: friction\'s point of '
+            "action has moved as far as the block."
+        )
+    alone = moving.count == 1
+    bobs = f'The {"bob" if alone else "bobs"} of "{moving.name}"'
+    numbers = f"the work of friction ({work:.3g}) and its pseudowork ({pseudowork:.3g})"
+    if work * pseudowork < 0.0:
+        return f"{bobs} swing{'s' * alone} against the block: {numbers} have opposite signs."
+    lag = abs(work) < abs(pseudowork)
+    seen = f"lag{'s' * alone}" if lag else f"run{'s' * alone} ahead"
+    less = "less" if lag else "more"
+    return (
+        f"{bobs} {seen}: friction's point of action moves {less} than the block, so the work of "
+        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} in magnitude than its "
+        f"pseudowork ({pseudowork:.3g})."
+    )
 
 
 def _frames(result: RunResult, bath: bool) -> np.ndarray:

@@ -19,7 +19,7 @@ from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, must_be_one_of, number
+from tribo.validation import POSITIVE, InputError, number, one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -195,8 +195,7 @@ def _checked(data: xarray.Dataset, observables: Iterable[str]) -> list[str]:
     known = [name.removesuffix(end) for name in map(str, data) if name.endswith(end)]
     known = [name for name in known if not name.endswith("_bias")]
     for name in observables:
-        if name not in known:
-            raise must_be_one_of("observables", known, name)
+        one_of("observables", name, known)
     return list(observables) or known
 
 
