@@ -4,6 +4,7 @@ A. H. Larsen et al., J. Phys.: Condens. Matter 29 (2017) 273002.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from ase import Atoms
@@ -12,8 +13,8 @@ from ase.data import atomic_numbers
 
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.model.surface import Surface
-from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be, one_of
+from tribo.results.run_result import RunResult, of_all
+from tribo.validation import must_be, one_of
 
 # The element of bars, and of bobs whose species is no element: ASE's placeholder.
 PLACEHOLDER = "X"
@@ -25,17 +26,13 @@ def to_ase(result: RunResult, symbols: Mapping[str, str] | None = None) -> list[
     """The Atoms of each sample; see :meth:`tribo.Result.to_ase`."""
     surfaces = result.scene.surfaces
     elements = _elements(surfaces, dict(symbols or {}))
-    parts = {point: [_motion(result, s, point) for s in surfaces] for point in POINTS}
-    joined = [np.concatenate(parts[point], axis=1) for point in POINTS]
-    positions, velocities = np.split(np.concatenate(joined, axis=1), 2, axis=2)
-    forces, charges = _contact_forces(result, joined[0][:, :, :3])
+    motions = [_motion(result, point) for point in POINTS]
+    positions, velocities = np.split(np.concatenate(motions, axis=1), 2, axis=2)
+    forces, charges = _contact_forces(result, motions[0][:, :, :2])
     values = [s.each for s in surfaces]
     tags = np.concatenate([np.full(s.count, k) for k, s in enumerate(surfaces)])
     masses = np.concatenate([value[mass] for mass in POINTS.values() for value in values])
-    angles = {
-        name: np.concatenate([result[s.name][name] for s in surfaces], axis=1)
-        for name in ("theta", "phi")
-    }
+    angles = {name: of_all(result, name) for name in ("theta", "phi")}
     cell = (result.scene.periodic.x or 0.0, 0.0, result.scene.periodic.z or 0.0)
     images = []
     for k, t in enumerate(result.t):
@@ -74,20 +71,18 @@ def _elements(surfaces: tuple[Surface, ...], symbols: dict[str, str]) -> list[st
     return [*known, *[PLACEHOLDER] * len(bobs)]
 
 
-def _motion(result: RunResult, surface: Surface, point: str) -> np.ndarray:
-    """(times, n, 6) positions and velocities of a point of each asperite of a surface.
+def _motion(result: RunResult, point: str) -> np.ndarray:
+    """(times, n, 6) positions and velocities of a point of each asperite.
 
     A point of a pendulum turns about its centre of mass: v = v_cm + omega x (r - r_cm).
     """
-    series = result[surface.name]
-    if len(series["theta"]) != len(result.t):
-        raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
-    x, y = series[f"x_{point}"], series[f"y_{point}"]
-    motion = np.zeros((*x.shape, 6))
-    motion[..., 0], motion[..., 1], motion[..., 2] = x, y, surface.resting_bobs()[:, 2]
-    motion[..., 3] = series["vx_cm"] - series["omega"] * (y - series["y_cm"])
-    motion[..., 4] = series["vy_cm"] + series["omega"] * (x - series["x_cm"])
-    return motion
+    all_of = partial(of_all, result)
+    x, y, omega = all_of(f"x_{point}"), all_of(f"y_{point}"), all_of("omega")
+    z = np.concatenate([surface.resting_bobs()[:, 2] for surface in result.scene.surfaces])
+    vx = all_of("vx_cm") - omega * (y - all_of("y_cm"))
+    vy = all_of("vy_cm") + omega * (x - all_of("x_cm"))
+    zero = np.zeros_like(x)
+    return np.stack([x, y, zero + z, vx, vy, zero], axis=2)
 
 
 def _contact_forces(result: RunResult, bobs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -95,5 +90,5 @@ def _contact_forces(result: RunResult, bobs: np.ndarray) -> tuple[np.ndarray, np
     forces = np.zeros((len(bobs), 2 * bobs.shape[1], 3))
     probe = ContactProbe(result.scene)
     if result.scene.interactions:
-        _, forces[:, : bobs.shape[1], :2] = probe(probe.positions(bobs[..., :2]))
+        _, forces[:, : bobs.shape[1], :2] = probe(probe.positions(bobs))
     return forces, np.array(probe.charges)

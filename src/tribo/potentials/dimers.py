@@ -87,8 +87,10 @@ def from_dimer(
 
 def _three_body(calculator: Calculator, symbols: Sequence[str], table: Table) -> float:
     """Largest difference between the energy of a triangle and the sum over its sides [eV]."""
-    unit = _minimum(table)
-    largest = 0.0
+    lowest, largest = int(np.argmin(table.values)), 0.0
+    inside = 0 < lowest < table.r.size - 1
+    # The distance of the minimum, or the middle of the table if there is none.
+    unit = float(table.r[lowest]) if inside else 0.5 * float(table.r[0] + table.r[-1])
     for one, other in LEGS:
         places = np.array([[0.0, 0.0], [one, 0.0], [0.0, other]]) * unit
         for trio in ([symbols[0], *symbols], [*symbols, symbols[1]]):
@@ -99,14 +101,6 @@ def _three_body(calculator: Calculator, symbols: Sequence[str], table: Table) ->
                 pairs += float(curve(calculator, (trio[i], trio[j]), r))
             largest = max(largest, abs(energy - pairs))
     return largest
-
-
-def _minimum(table: Table) -> float:
-    """The distance of the minimum [Angstrom], or the middle of the table if there is none."""
-    lowest = int(np.argmin(table.values))
-    if 0 < lowest < table.r.size - 1:
-        return float(table.r[lowest])
-    return 0.5 * float(table.r[0] + table.r[-1])
 
 
 def _energy(calculator: Calculator, symbols: list[str], positions: Any = None) -> float:

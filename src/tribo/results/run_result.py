@@ -40,6 +40,14 @@ def itself(value: T) -> T:
     return value
 
 
+def of_all(result: "RunResult", name: str) -> np.ndarray:
+    """(times, n) a series of all asperites.  Raises InputError where only its ends are kept."""
+    series = [result[surface.name][name] for surface in result.scene.surfaces]
+    if len(series[0]) != len(result.t):
+        raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
+    return np.concatenate(series, axis=1)
+
+
 @dataclass(frozen=True)
 class Cost:
     """Steps, evaluations and times of a run.

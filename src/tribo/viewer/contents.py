@@ -17,7 +17,7 @@ from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
 from tribo.plotting.pose import has_spring, joined_bars
 from tribo.plotting.works import total, works_of
-from tribo.results.run_result import RunResult
+from tribo.results.run_result import RunResult, of_all
 from tribo.validation import InputError
 
 # Numbers that are drawn: places of each asperite, at each time that is drawn.
@@ -157,10 +157,7 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
     found = {}
     for force in ("f1", "f2"):
         if all(f"{force}_x" in result[name] for name in names):
-            found[force] = [
-                np.concatenate([result[name][f"{force}_{axis}"][frames] for name in names], axis=1)
-                for axis in "xy"
-            ]
+            found[force] = [of_all(result, f"{force}_{axis}")[frames] for axis in "xy"]
     if not found and scene.interactions:
         contact = _contact(result, frames)
         found |= {} if contact is None else {"f1": contact}
@@ -171,11 +168,9 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
 
 def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
     """x and y of the contact forces at each frame, of all asperites, computed from their places."""
-    surfaces = result.scene.surfaces
+    bobs = np.stack([of_all(result, f"{axis}_bob")[frames] for axis in "xy"], axis=-1)
     try:
         probe = ContactProbe(result.scene)
-        places = ([result[s.name][f"{axis}_bob"][frames] for axis in "xy"] for s in surfaces)
-        bobs = np.concatenate([np.stack(both, axis=-1) for both in places], axis=1)
         _, forces = probe(probe.positions(bobs))
     except InputError:
         return None
