@@ -176,4 +176,4 @@ class Film:
         self._now.set_data([t[sample]] * 2, self._limits)
         for name, values in self._works.items():
             self.lines[name].set_data(t[: sample + 1], values[: sample + 1])
-            self._values[name].set_text(with_minus(f"{values[sample]: .4f}"))
+            self._values[name].set_text(with_minus(f"{values[sample]: z.4f}"))
