@@ -109,5 +109,5 @@ def reflected_histogram(
         low = density[density > 0.0]
         ax.set(yscale="log", xlabel=label, ylabel="density", xlim=(-top, top))
         ax.set_ylim(0.5 * low.min(), 3.0 * low.max())
-        legend(ax, loc="upper left")
+        legend(ax)
     return ax
