@@ -38,22 +38,24 @@ def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
 
 
 def legend(
-    ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = (), **properties: Any
+    ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = (), title: str | None = None
 ) -> Legend:
-    """Names of lines, or of all, in tribo's size also on Axes of another style.
+    """Names of lines, or of all, above the graph, clear of the curves, at most three in a row.
 
-    They stand above the graph, clear of the curves, at most three in a row, unless the properties
-    of ``Axes.legend`` name another place or number of columns.
+    The size is that of tribo's style also on Axes of another style.
     """
     handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
     number = max(1, len(labels))
-    above: dict[str, Any] = {
-        "loc": "lower center",
-        "bbox_to_anchor": (0.5, 1.0),
-        "ncols": math.ceil(number / math.ceil(number / 3)),
-        "borderaxespad": 0.2,
-        "columnspacing": 1.2,
-    }
-    text: dict[str, Any] = {"frameon": False, "fontsize": NOTE_SIZE, "title_fontsize": NOTE_SIZE}
-    place = properties if "loc" in properties else above | properties
-    return ax.legend(handles, labels, **text | place)
+    return ax.legend(
+        handles,
+        labels,
+        title=title,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=math.ceil(number / math.ceil(number / 3)),
+        frameon=False,
+        fontsize=NOTE_SIZE,
+        title_fontsize=NOTE_SIZE,
+        borderaxespad=0.2,
+        columnspacing=1.2,
+    )

@@ -20,8 +20,6 @@ OWN_COLOUR, MIRROR_COLOUR = CYCLE[:2]
 FILLED: dict[str, Any] = {"color": OWN_COLOUR, "alpha": 0.25, "linewidth": 0.0}
 # Height of the graph over its width.
 ASPECT = 0.7
-# Part of the height above the bars, for the legend.
-ABOVE = 0.22
 
 
 def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
@@ -53,8 +51,8 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
         shown = with_minus(f"mean {mean:.4g} ± {half:.1g}")
         ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=shown)
-        ax.set(xlabel=label, ylabel="members", ylim=(0.0, counts.max() * (1.0 + ABOVE)))
-        legend(ax, loc="upper left", ncols=2)
+        ax.set(xlabel=label, ylabel="members", ylim=(0.0, 1.05 * counts.max()))
+        legend(ax)
     return ax
 
 

@@ -13,7 +13,7 @@ from tribo.plotting import snapshots
 from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing_of
 from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
-from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on, figure_of, style
+from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figure_of, style
 from tribo.plotting.works import WORKS, draw_works, total, works_of
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
@@ -162,7 +162,7 @@ class Plots:
                 ax.plot(result.t, work, color=INK, label=label, **line)
                 if not self._label:
                     text = with_minus(f"gap {np.max(np.abs(below - work)):.1e}")
-                    place = {"xycoords": "axes fraction", "ha": "right"}
+                    place = {"xycoords": "axes fraction", "ha": "right", "fontsize": NOTE_SIZE}
                     note(ax, (1.0, 0.0), text, (0.0, -GAP_BELOW), **place)
             finish(ax, result, "energy")
         return ax
