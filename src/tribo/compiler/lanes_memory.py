@@ -6,18 +6,16 @@ block lies in two cache lines.  A few, of springs, do not, and reach beyond the 
 """
 
 import math
-import operator
 import threading
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import models, overload, register_model
 
-from tribo.compiler.jit import OVERLOAD, inlined
-from tribo.compiler.lanes import _FLOAT, _VECTOR, LANES, in_kernels, instruction, lanes
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import _VECTOR, LANES, in_kernels, lanes
 from tribo.compiler.numba_private import cgutils
-from tribo.compiler.pointers import PointerType
+from tribo.compiler.pointers import PointerType, make_pointer
 
 # Small arrays are parts of arrays of this size [floats], so that they stand side by side; those of
 # a few asperites fit into one.  A load waits for an earlier store to an address with the same last
@@ -62,86 +60,17 @@ def with_spare_lanes(values: np.ndarray) -> np.ndarray:
     return copy
 
 
-class RowsType(types.Type):
-    """The type of the rows of an array (n, 8), a pointer without a reference to the array."""
-
-    def __init__(self) -> None:
-        super().__init__(name="Rows")
-
-
-rows = RowsType()
-
-
-@register_model(RowsType)
-class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager, numba_type) -> None:
-        super().__init__(manager, numba_type, _FLOAT.as_pointer())
-
-
 @in_kernels(lambda array: array)
 def rows_of(typing_context, array):
-    """The rows of a C-contiguous array (n, 8): ``rows[k, i]`` is the number in row k, lane i.
-
-    Passing an array to a function counts a reference, which takes longer than a step's arithmetic.
-    """
+    """A pointer to a C-contiguous array (n, 8), whose rows the compiler knows to have 8 numbers."""
 
     def build(context, builder, sig, args):
-        return _data(context, builder, sig.args[0], args[0])
+        made = context.make_array(sig.args[0])(context, builder, args[0])
+        count, _ = cgutils.unpack_tuple(builder, made.shape)
+        shape = [count, ir.Constant(count.type, LANES)]
+        return make_pointer(context, builder, sig.return_type, made.data, shape)
 
-    is_array = isinstance(array, types.Array) and array.layout == "C"
-    good = (is_array or isinstance(array, PointerType)) and array.ndim == 2
-    return (rows(array), build) if good else None
-
-
-def _element(builder, data, row, i=None):
-    place = builder.mul(row, ir.Constant(row.type, LANES))
-    return builder.gep(data, [place if i is None else builder.add(place, i)])
-
-
-@instruction(lambda data, row, i: types.float64(rows, types.intp, types.intp))
-def _get(builder, data, row, i):
-    return builder.load(_element(builder, data, row, i))
-
-
-@instruction(lambda data, row, i, value: types.void(rows, types.intp, types.intp, types.float64))
-def _set(builder, data, row, i, value):
-    builder.store(value, _element(builder, data, row, i))
-
-
-@overload(operator.getitem, **OVERLOAD)
-def _getitem(data, at):
-    if isinstance(data, RowsType):
-        return lambda data, at: _get(data, at[0], at[1])
-    return None
-
-
-@overload(operator.setitem, **OVERLOAD)
-def _setitem(data, at, value):
-    if isinstance(data, RowsType):
-        return lambda data, at, value: _set(data, at[0], at[1], value)
-    return None
-
-
-def row_at(builder, data, row):
-    """The instructions that load a row of Rows."""
-    place = builder.bitcast(_element(builder, data, row), _VECTOR.as_pointer())
-    return builder.load(place, align=8)
-
-
-@instruction(lambda data, row: lanes(rows, types.intp), lambda data, row: data[row].copy())
-def load(builder, data, row):
-    """Row `row` of Rows."""
-    return row_at(builder, data, row)
-
-
-@instruction(
-    lambda data, row, x: types.void(rows, types.intp, lanes),
-    lambda data, row, x: np.copyto(data[row], x),
-)
-def store(builder, data, row, x):
-    """Write to row `row` of Rows."""
-    place = builder.bitcast(_element(builder, data, row), _VECTOR.as_pointer())
-    builder.store(x, place, align=8)
+    return PointerType(array.dtype, 2)(array), build
 
 
 def _is_row(array, dtype=types.float64) -> bool:
@@ -193,6 +122,18 @@ def set_block(typing_context, array, i, x):
         return context.get_dummy_value()
 
     return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
+
+
+@inlined
+def load(rows, row):
+    """Eight numbers of an array (n, 8)."""
+    return block(rows[row], 0)
+
+
+@inlined
+def store(rows, row, x):
+    """Set eight numbers of an array (n, 8)."""
+    set_block(rows[row], 0, x)
 
 
 @inlined

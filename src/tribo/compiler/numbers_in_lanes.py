@@ -19,7 +19,7 @@ from tribo.compiler.lanes import (
     maximum,
     sum_of_lanes,
 )
-from tribo.compiler.lanes_memory import block, row_at, rows_of, set_block
+from tribo.compiler.lanes_memory import block, element, set_block
 from tribo.compiler.numba_private import cgutils, own_reference
 from tribo.compiler.plugin_methods import like
 
@@ -34,23 +34,37 @@ def _as_it_is(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return own_reference(context, builder, sig.return_type, args[0])
 
 
-@intrinsic
-def numbers_in_lanes(typing_context, shared, table, rows, first):
-    """A NamedTuple of floats with rows of Rows, from `first` on, as its numbers.
+def _read_as(number: types.Type, spacing: int) -> Any:
+    """A function that reads a NamedTuple of numbers from an array.
 
-    Without a `table` of numbers, and where there are others than floats, it is `shared` as it is.
+    `first` is the place of the first one, in units of their `spacing`.
     """
-    if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
-        return shared(shared, table, rows, first), _as_it_is
-    count = len(shared.types)
 
-    def build(context, builder, sig, args):
-        places = [builder.add(args[3], ir.Constant(args[3].type, k)) for k in range(count)]
-        values = [row_at(builder, args[2], place) for place in places]
-        return context.make_tuple(builder, sig.return_type, values)
+    @intrinsic
+    def read(typing_context, shared, table, array, first):
+        """One like `shared`; `shared` itself without a `table`, or if it is not of floats."""
+        if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
+            return shared(shared, table, array, first), _as_it_is
+        found = like(shared, number)
 
-    in_lanes = like(shared, lanes)
-    return in_lanes(shared, table, rows, first), build
+        def build(context, builder, sig, args):
+            step = ir.Constant(args[3].type, spacing)
+            place = builder.mul(args[3], step)
+            pointer = context.get_value_type(number).as_pointer()
+            values = []
+            for _ in shared.types:
+                address = element(context, builder, sig.args[2], args[2], place)
+                values.append(builder.load(builder.bitcast(address, pointer), align=8))
+                place = builder.add(place, step)
+            return context.make_tuple(builder, found, values)
+
+        return found(shared, table, array, types.intp), build
+
+    return read
+
+
+# Numbers of one scene, side by side in the array; and Lanes of eight, in blocks of it.
+numbers_in_row, numbers_in_lanes = _read_as(types.float64, 1), _read_as(lanes, LANES)
 
 
 @in_kernels(lambda each, i: each)
@@ -76,27 +90,8 @@ def has_plain_numbers(potential: Any) -> bool:
 
 
 def numbers_of(potential: Any) -> Sequence[float]:
-    """A row of a table for `with_numbers`; empty where the potential is no plain numbers."""
+    """A row of a table for `numbers_in_row`; empty where the potential is no plain numbers."""
     return tuple(potential) if has_plain_numbers(potential) else ()
-
-
-@intrinsic
-def with_numbers(typing_context, potential, table, row):
-    """The potential with the numbers in a row of a table, where it consists of numbers alone."""
-    plain = _is_plain(potential, types.float64)
-
-    def build(context, builder, sig, args):
-        value, array, index = args
-        if not plain:
-            return _as_it_is(context, builder, sig, args)
-        data = context.make_array(sig.args[1])(context, builder, array).data
-        first = builder.mul(index, ir.Constant(index.type, len(potential.types)))
-        for k in range(len(potential.types)):
-            place = builder.gep(data, [builder.add(first, ir.Constant(index.type, k))])
-            value = builder.insert_value(value, builder.load(place), k)
-        return value
-
-    return potential(potential, table, types.intp), build
 
 
 def potential_of(contact, lane):
@@ -115,11 +110,11 @@ def _find_potential_of(contact, lane):
 
 
 def _own_potentials(contact, lane):
-    return numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+    return numbers_in_lanes(contact.potential, contact.numbers, contact.numbers, 0)
 
 
 def _own_potential(contact, lane):
-    own = numbers_in_lanes(contact.potential, contact.numbers, rows_of(contact.numbers), 0)
+    own = numbers_in_lanes(contact.potential, contact.numbers, contact.numbers, 0)
     return numbers_at_lane(own, lane)
 
 

@@ -58,7 +58,8 @@ def _type_of(kind: Any) -> Any:
     return types.BaseTuple.from_types(members, getattr(kind, "instance_class", None))
 
 
-def _make(context, builder, kind: PointerType, data, shape: list) -> Any:
+def make_pointer(context, builder, kind: PointerType, data, shape: list) -> Any:
+    """The instructions of a pointer of a type with these data and shape."""
     made = cgutils.create_struct_proxy(kind)(context, builder)
     made.data = data
     made.shape = cgutils.pack_array(builder, shape)
@@ -81,7 +82,9 @@ def _value_of(context, builder, kind, new, value):
         return value
     if isinstance(kind, types.Array):
         array = context.make_array(kind)(context, builder, value)
-        return _make(context, builder, new, array.data, cgutils.unpack_tuple(builder, array.shape))
+        return make_pointer(
+            context, builder, new, array.data, cgutils.unpack_tuple(builder, array.shape)
+        )
     members = cgutils.unpack_tuple(builder, value)
     each = zip(kind, new, members, strict=True)
     converted = [_value_of(context, builder, *one) for one in each]
@@ -212,7 +215,7 @@ def _get(context, builder, sig, args):
     array, at = sig.args
     place, shape = _locate(context, builder, array, args[0], *_indices(builder, at, args[1]))
     if isinstance(sig.return_type, PointerType):
-        return _make(context, builder, sig.return_type, place, shape)
+        return make_pointer(context, builder, sig.return_type, place, shape)
     return context.unpack_value(builder, array.dtype, place)
 
 
@@ -223,7 +226,7 @@ def _slice(context, builder, sig, args):
     last = ir.Constant(part.stop.type, 2**63 - 1)
     stop = builder.select(builder.icmp_signed("==", part.stop, last), length, part.stop)
     place = builder.gep(data, [part.start])
-    return _make(context, builder, sig.return_type, place, [builder.sub(stop, part.start)])
+    return make_pointer(context, builder, sig.return_type, place, [builder.sub(stop, part.start)])
 
 
 @extending.lower_builtin(operator.setitem, PointerType, types.Integer, types.Any)

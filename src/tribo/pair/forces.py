@@ -8,10 +8,9 @@ from its uniform motion, the second one by -k / mass, and a forced one not at al
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
 from numba.extending import register_jitable
 
-from tribo.compiler.jit import inlined
+from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import (
     FAST_INVERSE_ROOTS,
     LANES,
@@ -28,7 +27,7 @@ from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 
 
 class PairScene(NamedTuple):
-    """Two asperites, by numbers; in Lanes those of scenes side by side."""
+    """Two asperites, by numbers, or arrays or Lanes with those of several scenes."""
 
     gap_x: Any  # from the second centre of mass to the first, at t = 0
     gap_y: Any
@@ -48,8 +47,8 @@ class PairScene(NamedTuple):
     omega_squared2: Any
 
 
-# A scene as the record of one of them.
-PAIR = np.dtype([(name, "f8") for name in PairScene._fields], align=True)
+# How many these are in a table, before those of the potential.
+PAIR_NUMBERS = len(PairScene._fields)
 
 
 class PairContact(NamedTuple):
@@ -116,11 +115,11 @@ def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
 
 
 @inlined
-def swing_accelerations(pair, contact, q1, q2):
-    """q1'' and q2''; k'' is f_x."""
+def accelerations_of(pair, contact, q1, q2):
+    """q1'', q2'' and k''."""
     one = contact.cos1 * (pair.lever_x1 * contact.fx) + contact.sin1 * (pair.lever_y1 * contact.fy)
     two = contact.cos2 * (pair.lever_x2 * contact.fx) + contact.sin2 * (pair.lever_y2 * contact.fy)
-    return one - pair.omega_squared1 * q1, two - pair.omega_squared2 * q2
+    return one - pair.omega_squared1 * q1, two - pair.omega_squared2 * q2, contact.fx
 
 
 @inlined
@@ -135,6 +134,13 @@ def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
     speed = math.sqrt(velocity_x * velocity_x + pair.velocity_y * pair.velocity_y)
     speed += abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2
     return speed / potential.clearance(r)
+
+
+@kernel
+def energy_at(pair, potential, t, q1, q2, k):
+    """Energy of the contact."""
+    r = distance(pair, t, q1, q2, k)
+    return potential.energy_between(r, pair.charge1, pair.charge2) if r < potential.range() else 0.0
 
 
 @inlined

@@ -27,12 +27,14 @@ from tribo.compiler.lanes import (
 from tribo.compiler.lanes_functions import near_zero, reduced
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.compiler.pointers import pointers
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.lanes.refill import leave_member, next_member
-from tribo.pair.forces import PairScene, contact_of, distance, swing_accelerations
+from tribo.pair.forces import PAIR_NUMBERS, accelerations_of, contact_of, energy_at
 from tribo.pair.loop import ENERGY
 from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
+from tribo.pair.triples import load_three, plus, store_three, times
 
 # Registers in flight.
 GROUPS = 2
@@ -62,16 +64,12 @@ START = J + 1
 
 
 def coefficients(method: Nystrom) -> np.ndarray:
-    """The table of a method, in the order in which a step reads it."""
+    """The coefficients of a method, in the order in which a step reads them."""
     stages = method.c.size
     rows = [np.append(method.c[i], method.a[i, :i]) for i in range(1, stages)]
     return np.concatenate(
         [*rows, *np.column_stack([method.b, method.v, method.ev[:-1]]), method.ev[-1:]]
     )
-
-
-# Numbers of a pair in a row of scenes; those of the potential are behind them.
-PAIR_NUMBERS = len(PairScene._fields)
 
 
 @inlined
@@ -94,7 +92,7 @@ def load_scene(work, at, i, m, scenes):
 
 @inlined
 def accelerations(pair, potential, t, q1, q2, k):
-    """q1'', q2'', k'' and the distance."""
+    """q1'', q2'' and k'', and the distance."""
     near = where_less(absolute(q1), QUARTER_PI, absolute(q2), QUARTER_PI)
     if any_below(0, LANES, 0.0 - near, -QUARTER_PI):
         sin1, cos1, _ = reduced(q1)
@@ -103,15 +101,14 @@ def accelerations(pair, potential, t, q1, q2, k):
         sin1, cos1, _ = near_zero(q1)
         sin2, cos2, _ = near_zero(q2)
     contact = contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2)
-    f1, f2 = swing_accelerations(pair, contact, q1, q2)
-    return f1, f2, contact.fx, contact.r
+    return accelerations_of(pair, contact, q1, q2), contact.r
 
 
 @inlined
 def step_length(work, base, limits):
     """The step of each lane that is tried next."""
     h = load(work, base + H)
-    left = limits[0, END] - load(work, base + T)
+    left = limits[END] - load(work, base + T)
     return where_less(left, 1.0001 * h, left, h)
 
 
@@ -120,26 +117,20 @@ def evaluate_stage(pair, potential, scenes, work, base, limits, table, at, stage
     """The accelerations at stage i, whose coefficients begin at `at`."""
     pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
     h = step_length(work, base, limits)
-    sum1, sum2, sumk = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    sums = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(i):
-        weight = table[0, at + 1 + j]
-        sum1 = sum1 + weight * load(work, base + F + 3 * j)
-        sum2 = sum2 + weight * load(work, base + F + 3 * j + 1)
-        sumk = sumk + weight * load(work, base + F + 3 * j + 2)
-    ahead = table[0, at] * h
-    square = h * h
-    q1 = load(work, base + Q1) + (ahead * load(work, base + V1) + square * sum1)
-    q2 = load(work, base + Q2) + (ahead * load(work, base + V2) + square * sum2)
-    k = load(work, base + K) + (ahead * load(work, base + J) + square * sumk)
-    f1, f2, fk, _ = accelerations(pair, potential, load(work, base + T) + ahead, q1, q2, k)
-    store(work, base + F + 3 * i, f1)
-    store(work, base + F + 3 * i + 1, f2)
-    store(work, base + F + 3 * i + 2, fk)
+        sums = plus(sums, times(table[at + 1 + j], load_three(work, base + F + 3 * j)))
+    ahead = table[at] * h
+    moved = plus(times(ahead, load_three(work, base + V1)), times(h * h, sums))
+    q1, q2, k = plus(load_three(work, base + Q1), moved)
+    f, _ = accelerations(pair, potential, load(work, base + T) + ahead, q1, q2, k)
+    store_three(work, base + F + 3 * i, f)
 
 
 @inlined
-def rate_of_encounters(pair, potential, r, q1, q2, v1, v2, j):
+def rate_of_encounters(pair, potential, r, q1, q2, rates):
     """Rates of encounters [1 / time]; see :func:`tribo.pair.forces.encounter_rate_of`."""
+    v1, v2, j = rates
     omega1 = absolute(v1) + math.sqrt(pair.omega_squared1) * absolute(q1)
     omega2 = absolute(v2) + math.sqrt(pair.omega_squared2) * absolute(q2)
     speed = absolute(pair.velocity_x + pair.mobility * j)
@@ -151,6 +142,20 @@ def rate_of_encounters(pair, potential, r, q1, q2, v1, v2, j):
 
 
 @inlined
+def take(work, row, new, error):
+    """Set a row to new values in lanes whose errors are small."""
+    store(work, row, where_less(error, 1.0, new, load(work, row)))
+
+
+@inlined
+def take_three(work, row, new, error):
+    """The same for three rows."""
+    take(work, row, new[0], error)
+    take(work, row + 1, new[1], error)
+    take(work, row + 2, new[2], error)
+
+
+@inlined
 def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
     """Accept the steps whose errors are small, and choose the next ones.
 
@@ -158,32 +163,25 @@ def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
     """
     pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
     h = step_length(work, base, limits)
-    twice1, twice2, twicek = broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    once1, once2, oncek = broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    error1, error2, errork = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    twice = once = errors = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(stages):
-        f1 = load(work, base + F + 3 * j)
-        f2 = load(work, base + F + 3 * j + 1)
-        fk = load(work, base + F + 3 * j + 2)
-        b, v, e = table[0, at + 3 * j], table[0, at + 3 * j + 1], table[0, at + 3 * j + 2]
-        twice1, twice2, twicek = twice1 + b * f1, twice2 + b * f2, twicek + b * fk
-        once1, once2, oncek = once1 + v * f1, once2 + v * f2, oncek + v * fk
-        error1, error2, errork = error1 + e * f1, error2 + e * f2, errork + e * fk
+        f = load_three(work, base + F + 3 * j)
+        twice = plus(twice, times(table[at + 3 * j], f))
+        once = plus(once, times(table[at + 3 * j + 1], f))
+        errors = plus(errors, times(table[at + 3 * j + 2], f))
     t = load(work, base + T)
-    q1, q2, k = load(work, base + Q1), load(work, base + Q2), load(work, base + K)
-    v1, v2, j = load(work, base + V1), load(work, base + V2), load(work, base + J)
-    new1 = q1 + h * (v1 + h * twice1)
-    new2 = q2 + h * (v2 + h * twice2)
-    newk = k + h * (j + h * twicek)
-    rate1, rate2, ratek = v1 + h * once1, v2 + h * once2, j + h * oncek
-    landing = limits[0, END] - t
-    end = where_less(landing, 1.0001 * load(work, base + H), limits[0, END], t + h)
-    f1, f2, fk, r = accelerations(pair, potential, end, new1, new2, newk)
-    last = table[0, at + 3 * stages]
-    error = absolute(h * (error1 + last * f1)) * limits[0, UNIT1]
-    error = error + absolute(h * (error2 + last * f2)) * limits[0, UNIT2]
-    error = error + absolute(h * (errork + last * fk)) * limits[0, UNITK]
-    later = rate_of_encounters(pair, potential, r, new1, new2, rate1, rate2, ratek)
+    rates = load_three(work, base + V1)
+    places = plus(load_three(work, base + Q1), times(h, plus(rates, times(h, twice))))
+    rates = plus(rates, times(h, once))
+    q1, q2, k = places
+    landing = limits[END] - t
+    end = where_less(landing, 1.0001 * load(work, base + H), limits[END], t + h)
+    f, r = accelerations(pair, potential, end, q1, q2, k)
+    missed = times(h, plus(errors, times(table[at + 3 * stages], f)))
+    error = absolute(missed[0]) * limits[UNIT1]
+    error = error + absolute(missed[1]) * limits[UNIT2]
+    error = error + absolute(missed[2]) * limits[UNITK]
+    later = rate_of_encounters(pair, potential, r, q1, q2, rates)
     # An encounter that the step would jump counts as an error; NaN is less than nothing.
     error = where_less(h * later, LARGEST_APPROACH, error, 1e30)
     root = sqrt(sqrt(sqrt(error + 1e-30)))
@@ -192,31 +190,18 @@ def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
     )
     growth = where_less(broadcast(LEAST_GROWTH), growth, growth, LEAST_GROWTH)  # of NaN too
     growth = where_less(growth, MOST_GROWTH, growth, MOST_GROWTH)
-    longest = limits[0, NEAR] / later
+    longest = limits[NEAR] / later
     longest = where_less(longest, growth * h, longest, growth * h)
     store(work, base + H, where_less(error, 1.0, longest, growth * h))
-    store(work, base + T, where_less(error, 1.0, end, t))
-    store(work, base + Q1, where_less(error, 1.0, new1, q1))
-    store(work, base + Q2, where_less(error, 1.0, new2, q2))
-    store(work, base + K, where_less(error, 1.0, newk, k))
-    store(work, base + V1, where_less(error, 1.0, rate1, v1))
-    store(work, base + V2, where_less(error, 1.0, rate2, v2))
-    store(work, base + J, where_less(error, 1.0, ratek, j))
-    store(work, base + F, where_less(error, 1.0, f1, load(work, base + F)))
-    store(work, base + F + 1, where_less(error, 1.0, f2, load(work, base + F + 1)))
-    store(work, base + F + 2, where_less(error, 1.0, fk, load(work, base + F + 2)))
+    take(work, base + T, end, error)
+    take_three(work, base + Q1, places, error)
+    take_three(work, base + V1, rates, error)
+    take_three(work, base + F, f, error)
     trials = load(work, base + TRIALS) + 1.0
     store(work, base + TRIALS, trials)
     store(work, base + ACCEPTED, load(work, base + ACCEPTED) + (error < 1.0))
-    outside = (absolute(new1) > LARGEST_SWING) + (absolute(new2) > LARGEST_SWING)
-    return (load(work, base + T) >= limits[0, END]) + outside + (trials > limits[0, MOST_TRIALS])
-
-
-@kernel
-def energy_at(pair, potential, t, q1, q2, k):
-    """Energy of the contact."""
-    r = distance(pair, t, q1, q2, k)
-    return potential.energy_between(r, pair.charge1, pair.charge2) if r < potential.range() else 0.0
+    outside = (absolute(q1) > LARGEST_SWING) + (absolute(q2) > LARGEST_SWING)
+    return (load(work, base + T) >= limits[END]) + outside + (trials > limits[MOST_TRIALS])
 
 
 @kernel
@@ -224,71 +209,56 @@ def prepare_starts(pair, potential, work, at, scenes, starts, samples):
     """Write the first samples, with the accelerations at the start in place of accounts."""
     members, n = starts.shape[0], starts.shape[1] // 2
     for first in range(0, members, LANES):
-        q1, q2 = broadcast(starts[first, 0]), broadcast(starts[first, 1])
+        q1 = q2 = zero = broadcast(0.0)
         for i in range(LANES):
-            load_scene(work, at, i, min(first + i, members - 1), scenes)
+            m = min(first + i, members - 1)
+            load_scene(work, at, i, m, scenes)
+            q1, q2 = with_lane(q1, i, starts[m, 0]), with_lane(q2, i, starts[m, 1])
         pairs, potentials = own_scenes(pair, potential, work, at, scenes)
-        for i in range(min(LANES, members - first)):
-            q1 = with_lane(q1, i, starts[first + i, 0])
-            q2 = with_lane(q2, i, starts[first + i, 1])
-        zero = broadcast(0.0)
-        f1, f2, fk, _ = accelerations(pairs, potentials, zero, q1, q2, zero)
+        f, _ = accelerations(pairs, potentials, zero, q1, q2, zero)
         for i in range(min(LANES, members - first)):
             m = first + i
+            own = samples[0, m]
             for column in range(ENERGY):
-                samples[0, m, column] = 0.0
-            samples[0, m, Q1], samples[0, m, Q2] = starts[m, 0], starts[m, 1]
-            samples[0, m, V1], samples[0, m, V2] = starts[m, n], starts[m, n + 1]
-            samples[0, m, START], samples[0, m, START + 1] = lane(f1, i), lane(f2, i)
-            samples[0, m, START + 2] = lane(fk, i)
+                own[column] = 0.0
+            own[Q1], own[Q2], own[V1], own[V2] = (
+                lane(q1, i),
+                lane(q2, i),
+                starts[m, n],
+                starts[m, n + 1],
+            )
+            own[START], own[START + 1], own[START + 2] = lane(f[0], i), lane(f[1], i), lane(f[2], i)
             one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
-            samples[0, m, ENERGY] = energy_at(one, its, 0.0, lane(q1, i), lane(q2, i), 0.0)
+            own[ENERGY] = energy_at(one, its, 0.0, own[Q1], own[Q2], 0.0)
+
+
+@inlined
+def gain_of(first, last, q, v, omega_squared):
+    """The change of q'^2 / 2 + omega^2 q^2 / 2."""
+    kinetic = 0.5 * (last[v] - first[v]) * (last[v] + first[v])
+    return kinetic + omega_squared * (0.5 * (last[q] - first[q]) * (last[q] + first[q]))
 
 
 @kernel
-def load_member(work, base, i, m, limits, samples):
-    """Put member m into lane i, at its start."""
-    for row in range(J + 1):
-        work[base + row, i] = samples[0, m, row]
-    for row in range(3):
-        work[base + F + row, i] = samples[0, m, START + row]
-        samples[0, m, START + row] = 0.0
-    work[base + T, i] = 0.0
-    work[base + H, i] = limits[0, FIRST]
-    work[base + TRIALS, i] = 0.0
-    work[base + ACCEPTED, i] = 0.0
-
-
-@kernel
-def clear_lane(work, base, i):
-    """Let a lane rest, for which there is no member."""
-    work[base + T, i] = 0.0
-    work[base + H, i] = 0.0
-    work[base + TRIALS, i] = -math.inf
-    for row in (V1, V2, J, Q1, Q2, K):
-        work[base + row, i] = 0.0
-
-
-@kernel
-def write_end(pair, potential, work, base, i, m, limits, samples):
-    """Write the end of member m, in lane i, and its accounts; returns the code of its status.
+def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages):
+    """Write the end of the member in lane k of all, and its accounts, and let the lane be free.
 
     With G_i the change of q_i'^2 / 2 + omega_i^2 q_i^2 / 2, G_i = lever_x X_i + lever_y Y_i.  Of a
     forced asperite, whose levers are equal, that is X_i + Y_i, which alone is reported.  With U
     the energy of the contact, -dU = velocity_x J + mobility S + arm1 (X1 + Y1) - arm2 (X2 + Y2),
     where S = J^2 / 2.
     """
+    i, m = k % LANES, queue.held[k]
+    pair, potential = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
     first, last = samples[0, m], samples[1, m]
     for row in range(J + 1):
         last[row] = work[base + row, i]
     for row in range(J + 1, ENERGY):
         last[row] = 0.0
-    end = limits[0, END]
+    end = limits[END]
     last[ENERGY] = energy_at(pair, potential, end, last[Q1], last[Q2], last[K])
-    gain1 = half_square_gain(last[V1], first[V1])
-    gain1 += pair.omega_squared1 * half_square_gain(last[Q1], first[Q1])
-    gain2 = half_square_gain(last[V2], first[V2])
-    gain2 += pair.omega_squared2 * half_square_gain(last[Q2], first[Q2])
+    gain1 = gain_of(first, last, Q1, V1, pair.omega_squared1)
+    gain2 = gain_of(first, last, Q2, V2, pair.omega_squared2)
     slide = 0.5 * last[J] * last[J]
     released = (first[ENERGY] - last[ENERGY]) - pair.velocity_x * last[J] - pair.mobility * slide
     both1, both2 = gain1 / pair.lever_x1, gain2 / pair.lever_x2
@@ -308,48 +278,44 @@ def write_end(pair, potential, work, base, i, m, limits, samples):
         last[account + X2], last[account + Y2] = both2 - y, y
     swings = max(abs(last[Q1]), abs(last[Q2]))
     whole = work[base + T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
-    return COMPLETED if whole else PAUSED
-
-
-@inlined
-def fill_lane(work, base, k, own, limits, scenes, samples, queue):
-    """Begin the next member that waits in lane k of all, or let the lane rest."""
-    i = k % LANES
-    m = next_member(queue, k)
-    clear_lane(work, base, i)
-    if m >= 0:
-        load_scene(work, base + own, i, m, scenes)
-        load_member(work, base, i, m, limits, samples)
+    steps, trials = int(work[base + ACCEPTED, i]), int(work[base + TRIALS, i])
+    leave_member(queue, k, COMPLETED if whole else PAUSED, steps, trials * stages)
 
 
 @kernel
-def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages):
-    """Write the end of the member in lane k of all, and let the lane be free."""
-    i, m = k % LANES, queue.held[k]
-    one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
-    code = write_end(one, its, work, base, i, m, limits, samples)
-    steps, trials = int(work[base + ACCEPTED, i]), int(work[base + TRIALS, i])
-    leave_member(queue, k, code, steps, trials * stages)
-
-
-@inlined
-def half_square_gain(x, before):
-    """(x^2 - before^2) / 2."""
-    return 0.5 * (x - before) * (x + before)
+def fill_lane(work, base, k, own, limits, scenes, samples, queue):
+    """Begin the next member that waits in lane k of all; without one let the lane rest."""
+    i = k % LANES
+    m = next_member(queue, k)
+    for row in range(F):
+        work[base + row, i] = 0.0
+    if m < 0:
+        work[base + TRIALS, i] = -math.inf
+        return
+    load_scene(work, base + own, i, m, scenes)
+    work[base + H, i] = limits[FIRST]
+    for row in range(J + 1):
+        work[base + row, i] = samples[0, m, row]
+    for row in range(3):
+        work[base + F + row, i] = samples[0, m, START + row]
+        samples[0, m, START + row] = 0.0
 
 
 def pair_members_in_lanes(
-    pair, potential, scenes, memory, tables, bounds, starts, samples, queue, stages
+    pair, potential, scenes, memory, table, limits, starts, samples, queue, stages
 ):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
     `scenes` (members, numbers) has the numbers of each member's pair, and of its potential if that
     has floats alone; with None all have those of `pair` and `potential`.  `memory` has GROUPS * (F
-    + 3 stages + numbers) rows of zeros, `tables` the :func:`coefficients`, `bounds` UNIT1 to
+    + 3 stages + numbers) rows of zeros, `table` the :func:`coefficients`, `limits` UNIT1 to
     MOST_TRIALS.  `starts` are (members, 2 coordinates) y of the scene's layout.  `samples` (2,
     members, COLUMNS) become those at the start and at the end; J_Y and the integrals of q are 0.
     """
-    work, table, limits = rows_of(memory), rows_of(tables), rows_of(bounds)
+    work = rows_of(memory)
+    scenes, table, limits, starts, samples, queue = pointers(
+        (scenes, table, limits, starts, samples, queue)
+    )
     members = starts.shape[0]
     size = memory.shape[0] // GROUPS
     own = F + 3 * stages

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.compiler.jit import inlined
-from tribo.compiler.lanes import LANES, absolute, broadcast, lane, maximum, sum_of_lanes, with_lane
+from tribo.compiler.lanes import LANES, absolute, broadcast, lane, maximum, sum_of_lanes
 from tribo.compiler.lanes_memory import load, store
 from tribo.integrators.collocation import (
     MAX_EXTRAPOLATION,
@@ -21,19 +21,21 @@ from tribo.integrators.collocation import (
     SWEEP_TOLERANCE,
     Collocation,
 )
-from tribo.integrators.step_control import EPSILON, MAX_GROWTH, MIN_GROWTH
+from tribo.integrators.step_control import MAX_GROWTH, MIN_GROWTH
 from tribo.pair import step_rows as rows
-from tribo.pair.forces import contact_at, encounter_rate_of, swing_accelerations
-from tribo.pair.step_rows import Q1, Q2, V1, V2, J, K
+from tribo.pair.forces import accelerations_of, contact_at, encounter_rate_of
+from tribo.pair.step_rows import Q1, Q2, V1, K
 from tribo.pair.step_sums import (
     end_values,
     error_of,
     powers,
     sums_of,
+    tolerance_of,
     update_state,
     weighted_sum,
     weighted_sums,
 )
+from tribo.pair.triples import plus, set_three_in, store_three, three_in, times, with_first
 
 # Part of the growth of a step that its error allows: a rejected step costs as much as an
 # accepted one.
@@ -46,9 +48,7 @@ CLEAR = 0.75
 class Nodes(NamedTuple):
     """Accelerations, places and contact at the nodes, in Lanes."""
 
-    f1: Any  # q1''
-    f2: Any
-    fk: Any  # k''
+    f: Any  # q1'', q2'' and k''
     q1: Any
     q2: Any
     contact: Any
@@ -93,33 +93,14 @@ def lagrange(work, x):
 def predict(clock, h, work):
     """Accelerations at the nodes: the last step's polynomials there, or those at the start."""
     ratio = h * (1.0 / clock.last_step) if clock.last_step > 0.0 else math.inf
-    c = load(work, rows.AT)
-    start1, start2, startk = work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K]
+    start1, start2, startk = three_in(work, rows.START, Q1)
     if ratio <= MAX_EXTRAPOLATION:
-        weights = lagrange(work, 1.0 + ratio * c)
-        f1 = with_lane(weighted_sum(weights, work, rows.MEMORY), 0, start1)
-        f2 = with_lane(weighted_sum(weights, work, rows.MEMORY + 1), 0, start2)
-        fk = with_lane(weighted_sum(weights, work, rows.MEMORY + 2), 0, startk)
-        return f1, f2, fk
+        weights = lagrange(work, 1.0 + ratio * load(work, rows.AT))
+        f1 = weighted_sum(weights, work, rows.MEMORY)
+        f2 = weighted_sum(weights, work, rows.MEMORY + 1)
+        fk = weighted_sum(weights, work, rows.MEMORY + 2)
+        return with_first((f1, f2, fk), (start1, start2, startk))
     return broadcast(start1), broadcast(start2), broadcast(startk)
-
-
-@inlined
-def reciprocal_tolerances(h, work):
-    """Reciprocals of the tolerances of q1'', q2'' and k'' that follow from those of the rates."""
-    unit1 = h / (work[rows.LIMITS, rows.OF_V1] + 2.0 * EPSILON * abs(work[rows.PLACE, V1]))
-    unit2 = h / (work[rows.LIMITS, rows.OF_V2] + 2.0 * EPSILON * abs(work[rows.PLACE, V2]))
-    unitk = h / (work[rows.LIMITS, rows.OF_J] + 2.0 * EPSILON * abs(work[rows.PLACE, J]))
-    return unit1, unit2, unitk
-
-
-@inlined
-def uniform_motion(work, ahead):
-    """q1, q2 and k a time `ahead`, without forces."""
-    q1 = work[rows.PLACE, Q1] + work[rows.PLACE, V1] * ahead
-    q2 = work[rows.PLACE, Q2] + work[rows.PLACE, V2] * ahead
-    k = work[rows.PLACE, K] + work[rows.PLACE, J] * ahead
-    return q1, q2, k
 
 
 @inlined
@@ -139,49 +120,46 @@ def solve(pair, potential, clock, h, work):
     Returns whether the sweeps converged, and the Nodes.  Leaves the accelerations at the end of the
     step in SCRATCH.
     """
-    f1, f2, fk = predict(clock, h, work)
-    start1, start2, startk = work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K]
-    unit1, unit2, unitk = reciprocal_tolerances(h, work)
+    f = predict(clock, h, work)
+    start = three_in(work, rows.START, Q1)
+    unit1 = h / tolerance_of(work, 0)
+    unit2 = h / tolerance_of(work, 1)
+    unitk = h / tolerance_of(work, 2)
     ahead = h * load(work, rows.AT)
     t = clock.t + ahead
     square = h * h
     springs1 = square * pair.omega_squared1
     springs2 = square * pair.omega_squared2
-    rest1, rest2, restk = uniform_motion(work, ahead)
-    place1 = rest1 + square * weighted_sums(work, rows.A, f1)
-    place2 = rest2 + square * weighted_sums(work, rows.A, f2)
-    placek = restk + square * weighted_sums(work, rows.A, fk)
+    without_forces = plus(
+        three_in(work, rows.PLACE, Q1), times(ahead, three_in(work, rows.PLACE, V1))
+    )
+    q1 = without_forces[0] + square * weighted_sums(work, rows.A, f[0])
+    q2 = without_forces[1] + square * weighted_sums(work, rows.A, f[1])
+    k = without_forces[2] + square * weighted_sums(work, rows.A, f[2])
     before = 0.0
     for _ in range(MAX_SWEEPS):
-        contact = contact_at(pair, potential, t, place1, place2, placek)
-        new1, new2 = swing_accelerations(pair, contact, place1, place2)
-        newk = with_lane(contact.fx, 0, startk)
-        change1 = with_lane(new1, 0, start1) - f1
-        change2 = with_lane(new2, 0, start2) - f2
-        changek = newk - fk
+        contact = contact_at(pair, potential, t, q1, q2, k)
+        new1, new2, newk = accelerations_of(pair, contact, q1, q2)
+        found = with_first((new1, new2, newk), start)
+        change1, change2, changek = found[0] - f[0], found[1] - f[1], found[2] - f[2]
         shift1 = weighted_sums(work, rows.A, change1)
         shift2 = weighted_sums(work, rows.A, change2)
-        new1 = new1 - springs1 * shift1
-        new2 = new2 - springs2 * shift2
-        work[rows.SCRATCH, Q1] = lane(new1, 0)
-        work[rows.SCRATCH, Q2] = lane(new2, 0)
-        work[rows.SCRATCH, K] = lane(contact.fx, 0)
+        new = new1 - springs1 * shift1, new2 - springs2 * shift2, newk
+        set_three_in(work, rows.SCRATCH, new)
         change = maximum(
             unit1 * absolute(change1) + unit2 * absolute(change2) + unitk * absolute(changek)
         )
         clock.evaluations += LANES
-        f1 = with_lane(new1, 0, start1)
-        f2 = with_lane(new2, 0, start2)
-        fk = newk
+        f = with_first(new, start)
         if has_converged(change, before):
-            return True, Nodes(f1, f2, fk, place1, place2, contact)
+            return True, Nodes(f, q1, q2, contact)
         if not math.isfinite(change):
             break
         before = change
-        place1 = place1 + square * (shift1 - springs1 * weighted_sums(work, rows.AA, change1))
-        place2 = place2 + square * (shift2 - springs2 * weighted_sums(work, rows.AA, change2))
-        placek = placek + square * weighted_sums(work, rows.A, changek)
-    return False, Nodes(f1, f2, fk, rest1, rest2, contact)
+        q1 = q1 + square * (shift1 - springs1 * weighted_sums(work, rows.AA, change1))
+        q2 = q2 + square * (shift2 - springs2 * weighted_sums(work, rows.AA, change2))
+        k = k + square * weighted_sums(work, rows.A, changek)
+    return False, Nodes(f, q1, q2, contact)
 
 
 @inlined
@@ -205,31 +183,6 @@ def bounded_growth(error, most):
 
 
 @inlined
-def encounter_after(pair, potential, h, work, nodes, once):
-    """The rate of encounters at the end of the step."""
-    return encounter_rate_of(
-        pair,
-        potential,
-        lane(nodes.contact.r, 0),
-        lane(nodes.q1, 0),
-        lane(nodes.q2, 0),
-        work[rows.PLACE, V1] + h * once[0],
-        work[rows.PLACE, V2] + h * once[1],
-        work[rows.PLACE, J] + h * once[2],
-    )
-
-
-@inlined
-def store_start(work, nodes, start, end):
-    """Store accelerations and powers at the start of the next step, and those of this one."""
-    store(work, rows.MEMORY, nodes.f1)
-    store(work, rows.MEMORY + 1, nodes.f2)
-    store(work, rows.MEMORY + 2, nodes.fk)
-    work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K] = start
-    store(work, rows.BEGINNING, end)
-
-
-@inlined
 def try_step(pair, potential, clock, h, encounter, sharpness, work):
     """Try a step of length h.
 
@@ -239,8 +192,9 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     """
     converged, nodes = solve(pair, potential, clock, h, work)
     if not converged:
-        return False, 0.5, math.isfinite(sum_of_lanes(nodes.f1 + nodes.f2 + nodes.fk))
-    start = work[rows.SCRATCH, Q1], work[rows.SCRATCH, Q2], work[rows.SCRATCH, K]
+        f1, f2, fk = nodes.f
+        return False, 0.5, math.isfinite(sum_of_lanes(f1 + f2 + fk))
+    start = three_in(work, rows.SCRATCH, Q1)
     power = powers(h, work, nodes)
     end = end_values(power)
     sums = sums_of(work, nodes, power)
@@ -248,11 +202,15 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     finite = math.isfinite(error) and math.isfinite(sum_of_lanes(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
         return False, growth_factor(error), finite
-    later = encounter_after(pair, potential, h, work, nodes, sums.once)
+    r, q1, q2 = lane(nodes.contact.r, 0), lane(nodes.q1, 0), lane(nodes.q2, 0)
+    v1, v2, j = plus(three_in(work, rows.PLACE, V1), times(h, sums.once))
+    later = encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j)
     if h * later > 1.0:
         return False, max(MIN_GROWTH, CLEAR / (h * later)), True
     update_state(h, work, sums)
-    store_start(work, nodes, start, end)
+    store_three(work, rows.MEMORY, nodes.f)
+    store(work, rows.BEGINNING, end)
+    work[rows.START, Q1], work[rows.START, Q2], work[rows.START, K] = start
     work[rows.START, rows.RATE] = later
     clear = clock.encounter_fraction
     if later > encounter:  # the rate is taken to grow on as much

@@ -53,9 +53,9 @@ def weighted_sum(weights, work, row):
 def powers(h, work, nodes):
     """Account by account, at the nodes; those at the end of the step in lane 0."""
     contact = nodes.contact
-    omega1 = work[rows.PLACE, V1] + h * weighted_sums(work, rows.R, nodes.f1)
-    omega2 = work[rows.PLACE, V2] + h * weighted_sums(work, rows.R, nodes.f2)
-    j = work[rows.PLACE, J] + h * weighted_sums(work, rows.R, nodes.fk)
+    omega1 = work[rows.PLACE, V1] + h * weighted_sums(work, rows.R, nodes.f[0])
+    omega2 = work[rows.PLACE, V2] + h * weighted_sums(work, rows.R, nodes.f[1])
+    j = work[rows.PLACE, J] + h * weighted_sums(work, rows.R, nodes.f[2])
     return (
         contact.fy,
         contact.fx * omega1 * contact.cos1,
@@ -78,19 +78,10 @@ def end_values(power):
 
 
 @inlined
-def weighted(weights, power):
+def weighted(w, power):
     """The powers of all accounts with weights."""
     p0, p1, p2, p3, p4, p5, p6, p7 = power
-    return (
-        weights * p0,
-        weights * p1,
-        weights * p2,
-        weights * p3,
-        weights * p4,
-        weights * p5,
-        weights * p6,
-        weights * p7,
-    )
+    return w * p0, w * p1, w * p2, w * p3, w * p4, w * p5, w * p6, w * p7
 
 
 @inlined
@@ -99,7 +90,7 @@ def sums_of(work, nodes, power):
     b = load(work, rows.B)
     v = load(work, rows.V)
     last = load(work, rows.LAST)
-    f1, f2, fk = nodes.f1, nodes.f2, nodes.fk
+    f1, f2, fk = nodes.f
     motion = sums_of_lanes((b * f1, b * f2, b * fk, v * f1, v * f2, v * fk, last * f1, last * f2))
     twice = lane(motion, 0), lane(motion, 1), lane(motion, 2)
     once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
@@ -112,17 +103,17 @@ def sums_of(work, nodes, power):
 
 
 @inlined
-def relative_error(x, v, tolerance):
-    """|x| over the tolerance of v, which is never below round-off."""
-    return abs(x) / (tolerance + 2.0 * EPSILON * abs(v))
+def tolerance_of(work, m):
+    """The tolerance of the rate of q1, q2 or k, which is never below round-off."""
+    return work[rows.LIMITS, m] + 2.0 * EPSILON * abs(work[rows.PLACE, V1 + m])
 
 
 @inlined
 def error_of(h, work, sums):
     """The largest integral of a highest term over its tolerance."""
-    one = relative_error(h * sums.leading[0], work[rows.PLACE, V1], work[rows.LIMITS, rows.OF_V1])
-    two = relative_error(h * sums.leading[1], work[rows.PLACE, V2], work[rows.LIMITS, rows.OF_V2])
-    three = relative_error(h * sums.leading[2], work[rows.PLACE, J], work[rows.LIMITS, rows.OF_J])
+    one = abs(h * sums.leading[0]) / tolerance_of(work, 0)
+    two = abs(h * sums.leading[1]) / tolerance_of(work, 1)
+    three = abs(h * sums.leading[2]) / tolerance_of(work, 2)
     return max(max(one, two), three) + maximum(
         h * absolute(sums.leading_gains) * load(work, rows.ALLOWED)
     )
@@ -145,8 +136,7 @@ def update_state(h, work, sums):
         work[rows.PLACE, m], work[rows.LOW, m] = new
         new = compensated_sum(work[rows.PLACE, m + 3], work[rows.LOW, m + 3], h * sums.once[m])
         work[rows.PLACE, m + 3], work[rows.LOW, m + 3] = new
-    new, left = compensated_sum(
-        load(work, rows.ACCOUNTS), load(work, rows.REMAINDERS), h * sums.gains
-    )
-    store(work, rows.ACCOUNTS, new)
-    store(work, rows.REMAINDERS, left)
+    accounts, low = load(work, rows.ACCOUNTS), load(work, rows.REMAINDERS)
+    accounts, low = compensated_sum(accounts, low, h * sums.gains)
+    store(work, rows.ACCOUNTS, accounts)
+    store(work, rows.REMAINDERS, low)
