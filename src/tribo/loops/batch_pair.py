@@ -12,11 +12,10 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
-from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
 from tribo.loops.integrate import Setting
-from tribo.loops.pair import Pair, factors_of, scenes_of
+from tribo.loops.pair import Pair, factors_of, record_of
 from tribo.pair import lanes
 from tribo.pair.forces import PAIR_NUMBERS, PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
@@ -33,34 +32,35 @@ class PairMembers:
 
     def __init__(self, pair: Pair) -> None:
         self._pair, self._times = pair, pair.layout.times
-        scene, potential = pair.scene_arguments
-        self._scenes = np.array([[*scene, *numbers_of(potential)]])
+        self._record, potential = pair.scene_arguments
+        self._numbers = np.array([numbers_of(potential)], float)
         self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
-        examples = self._arguments(self._scenes, np.empty((1, pair.layout.start.size)))
-        self._loop = entry_point(pair.layout, pair_members, pair.scene_arguments, examples)
+        starts = np.empty((1, pair.layout.start.size))
+        examples = self._arguments(self._record, self._numbers, starts)
+        self._loop = entry_point(pair.layout, pair_members, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with tolerances."""
         assert isinstance(setting, Tolerance)
         self._rows[LIMITS:STATE] = self._pair.limits(setting)
         self._clocks["encounter_fraction"] = setting.encounter_fraction
-        scenes = self._scenes if starts.numbers is None else _table(self._pair, starts.numbers)
-        arguments = self._arguments(scenes, np.ascontiguousarray(starts.y))
+        record, potential, numbers = self._record, self._numbers, starts.numbers
+        if numbers is not None:
+            record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
+            potential = np.ascontiguousarray(numbers.potential)
+        arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
         records = arguments[-2].swapaxes(0, 1)  # (times + 1, members, COLUMNS)
         counts = records[-1, :, :COUNTS].astype(np.int64)
         return _pair_runs(self._pair, self._times, records[:-1], counts, starts)
 
-    def _arguments(self, scenes: np.ndarray, starts: np.ndarray) -> tuple[Any, ...]:
-        """The arguments of the loop, behind the scene; records before the last."""
-        records = np.empty((len(starts), self._times.size + 1, COLUMNS))
-        return scenes, self._rows, self._clocks, starts, self._times, records, MOST_STEPS
-
-
-def _table(pair: Pair, numbers: MemberNumbers) -> np.ndarray:
-    """The numbers of the pair of each member, and of its potential, (members, numbers)."""
-    scenes = scenes_of(pair.layout, numbers.asperites, numbers.charges)
-    return np.column_stack([*scenes, numbers.potential])
+    def _arguments(
+        self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the potential; records before the last."""
+        times = self._times
+        records = np.empty((len(starts), times.size + 1, COLUMNS))
+        return record, potential, self._rows, self._clocks, starts, times, records, MOST_STEPS
 
 
 def _pair_runs(
@@ -81,14 +81,14 @@ def has_lanes(pair: Pair) -> bool:
     At most one asperite may be free, and neither surface may move along y.
     """
     along_x = all(surface.velocity[1] == 0.0 for surface in pair.layout.scene.surfaces)
-    return bool(along_x and _follow_from_motion(pair.scene_arguments[0]))
+    return bool(along_x and _follow_from_motion(pair.scene_arguments[0])[0])
 
 
-def _follow_from_motion(scenes: PairScene) -> np.ndarray:
+def _follow_from_motion(records: np.ndarray) -> np.ndarray:
     """Whether the ledgers of pairs that do not move along y do so, (members,)."""
-    used = scenes.arm1, scenes.arm2, scenes.lever_x1, scenes.lever_x2, scenes.gap_y
-    forced1, forced2 = scenes.lever_x1 == scenes.lever_y1, scenes.lever_x2 == scenes.lever_y2
-    return np.all(np.array(used) != 0.0, axis=0) & (forced1 | forced2)
+    used = [records[name] != 0.0 for name in ("arm1", "arm2", "lever_x1", "lever_x2", "gap_y")]
+    forced = [records[f"lever_x{i}"] == records[f"lever_y{i}"] for i in (1, 2)]
+    return np.asarray(np.logical_and.reduce(used) & np.logical_or.reduce(forced))
 
 
 class PairLanes:
@@ -103,13 +103,14 @@ class PairLanes:
         self._times = np.array([0.0, pair.layout.scene.duration])
         self._stages = method.c.size
         self._table = coefficients(method)
-        numbers = PAIR_NUMBERS + len(numbers_of(pair.scene_arguments[1]))
+        (record,), potential = pair.scene_arguments
+        numbers = PAIR_NUMBERS + len(numbers_of(potential))
         scenes = np.zeros((1, numbers)) if own_numbers else None
         self._rows = GROUPS * (lanes.F + 3 * self._stages + own_numbers * numbers)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
-        scene = pair.scene_arguments
-        self._loop = entry_point(pair.layout, pair_members_in_lanes, scene, examples)
+        fixed = PairScene(*record.item()), potential
+        self._loop = entry_point(pair.layout, pair_members_in_lanes, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """Run members with tolerances."""
@@ -117,9 +118,9 @@ class PairLanes:
         y, numbers = np.ascontiguousarray(starts.y), starts.numbers
         scenes, others = None, np.zeros(len(y), bool)
         if numbers is not None:
-            scenes = _table(self._pair, numbers)
-            own = PairScene(*scenes.T[:PAIR_NUMBERS])
-            others = ~_follow_from_motion(own) | np.any(numbers.velocity[..., 1], axis=1)
+            records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
+            scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
+            others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         arguments = self._arguments(scenes, self._limits(setting), y)
         self._loop(*arguments)
         samples, queue = arguments[-3:-1]

@@ -35,7 +35,7 @@ from tribo.loops.integrate import (
 )
 from tribo.model.effects import Effect
 from tribo.pair import step_rows
-from tribo.pair.forces import PairScene
+from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
 from tribo.threads.writable_memory import entry_point
@@ -101,29 +101,30 @@ def _mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
     return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
 
 
-def scenes_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> PairScene:
-    """Scenes as the loop reads them; driven bars take the place of centres of mass.
+def record_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> np.ndarray:
+    """Scenes as the loop reads them, (...) of PAIR; driven bars take the place of centres of mass.
 
-    Asperites and charges are (..., 2), the fields of the result (...).
+    Asperites and charges are (..., 2).
     """
     a, depths, mobility = asperites, layout.depths, _mobility_of(layout, asperites)
-    names = {"gap_x": "x", "gap_y": "y", "velocity_x": "vx", "velocity_y": "vy"}
-    found = {name: a[of][..., 0] - a[of][..., 1] for name, of in names.items()}
+    record = np.zeros(a.shape[:-1], PAIR)
+    for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
+        record[name] = a[of][..., 0] - a[of][..., 1]
     raised = a["facing"] * a["pivot"]
-    found["gap_y"] = found["gap_y"] + (raised[..., 0] - raised[..., 1])
-    found["z_squared"] = np.full(found["gap_y"].shape, (depths[0] - depths[1]) ** 2)
-    found["mobility"] = mobility[..., 0] - mobility[..., 1]
+    record["gap_y"] += raised[..., 0] - raised[..., 1]
+    record["z_squared"] = (depths[0] - depths[1]) ** 2
+    record["mobility"] = mobility[..., 0] - mobility[..., 1]
     for i, sign in enumerate((1.0, -1.0)):
         one, free = a[..., i], mobility[..., i] != 0.0
         inertia = one["inertia"] + one["mass"] * one["pivot"] ** 2
         lever = sign * one["facing"] / inertia
         across = one["l1"] + one["l2"]
-        found[f"charge{i + 1}"] = charges[..., i]
-        found[f"arm{i + 1}"] = one["facing"] * (one["l1"] + one["pivot"])
-        found[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
-        found[f"lever_y{i + 1}"] = lever * across
-        found[f"omega_squared{i + 1}"] = one["kappa"] / inertia
-    return PairScene(**found)
+        record[f"charge{i + 1}"] = charges[..., i]
+        record[f"arm{i + 1}"] = one["facing"] * (one["l1"] + one["pivot"])
+        record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
+        record[f"lever_y{i + 1}"] = lever * across
+        record[f"omega_squared{i + 1}"] = one["kappa"] / inertia
+    return record
 
 
 def has_pair_loop(layout: Layout, method: Method) -> bool:
@@ -221,11 +222,11 @@ class Pair:
         return both
 
 
-def _scene_arguments(layout: Layout) -> tuple[PairScene, Any]:
-    """The numbers and the potential that the loop reads."""
+def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
+    """The record and the potential that the loop reads."""
     charges = layout.model.each[CHARGE, layout.places.columns]
-    scene = scenes_of(layout, np.asarray(layout.asperites), charges)
-    return PairScene(*map(float, scene)), layout.model.contacts[0].potential
+    record = record_of(layout, np.asarray(layout.asperites)[None], charges)
+    return record, layout.model.contacts[0].potential
 
 
 class PairLoop(TimeLoop):

@@ -8,6 +8,7 @@ from its uniform motion, the second one by -k / mass, and a forced one not at al
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba.extending import register_jitable
 
 from tribo.compiler.jit import inlined, kernel
@@ -27,7 +28,7 @@ from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 
 
 class PairScene(NamedTuple):
-    """Two asperites, by numbers, or arrays or Lanes with those of several scenes."""
+    """Two asperites, by numbers; in Lanes those of scenes side by side."""
 
     gap_x: Any  # from the second centre of mass to the first, at t = 0
     gap_y: Any
@@ -47,7 +48,10 @@ class PairScene(NamedTuple):
     omega_squared2: Any
 
 
-# How many these are in a table, before those of the potential.
+# A scene as the record of one of them.
+PAIR = np.dtype([(name, "f8") for name in PairScene._fields], align=True)
+
+# How many numbers it has in a table, before those of the potential.
 PAIR_NUMBERS = len(PairScene._fields)
 
 

@@ -17,7 +17,6 @@ from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.kernels import status as codes
 from tribo.pair import step_rows as rows
 from tribo.pair.forces import (
-    PAIR_NUMBERS,
     accelerations_of,
     contact_at,
     distance,
@@ -80,7 +79,7 @@ def begin(pair, potential, clock, start, work):
     return codes.COMPLETED if finite else codes.NOT_FINITE
 
 
-def pair_collocation(pair, potential, memory, clocks, start, times, record, budget):
+def pair_collocation(pairs, potential, memory, clocks, start, times, record, budget):
     """Integrate from sample to sample with steps whose local errors stay within limits.
 
     `memory` (ROWS, 8) has the method's table, the limits, and the state, from which a later call
@@ -88,6 +87,7 @@ def pair_collocation(pair, potential, memory, clocks, start, times, record, budg
     `record` (times + 1, COLUMNS) has the counts in its last row.  Returns a code of a status;
     PAUSED after `budget` steps.
     """
+    pair = pairs[0]
     clock = clocks[0]
     work = rows_of(memory)
     status = begin(pair, potential, clock, start, work)
@@ -125,16 +125,15 @@ def pair_collocation(pair, potential, memory, clocks, start, times, record, budg
 integrate_pair = kernel(pair_collocation)
 
 
-def pair_members(pair, potential, scenes, memory, clocks, starts, times, records, budget):
+def pair_members(potential, pairs, numbers, memory, clocks, starts, times, records, budget):
     """Run members one after another with the steps of :func:`pair_collocation`.
 
-    `scenes` (members or 1, numbers) has the numbers of each member's pair, and of its potential if
-    that has floats alone, or those of all.  `starts` are (members, 2 coordinates); `records`
-    (members, times + 1, COLUMNS) are as for one member.
+    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1, fields) of the potential, without
+    columns if it has others, are those of each member, or of all.  `starts` are (members, 2
+    coordinates); `records` (members, times + 1, COLUMNS) are as for one member.
     """
     for m in range(starts.shape[0]):
         clocks[0].evaluations = 0
-        own = scenes[min(m, scenes.shape[0] - 1)]
-        mine = numbers_in_row(pair, scenes, own, 0)
-        its = numbers_in_row(potential, scenes, own, PAIR_NUMBERS)
-        integrate_pair(mine, its, memory, clocks, starts[m], times, records[m], budget)
+        own = min(m, pairs.size - 1)
+        mine = numbers_in_row(potential, numbers, numbers[own], 0)
+        integrate_pair(pairs[own:], mine, memory, clocks, starts[m], times, records[m], budget)
