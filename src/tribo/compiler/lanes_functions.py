@@ -2,6 +2,7 @@
 
 import math
 import operator
+from typing import Any
 
 import numpy as np
 from numba import types
@@ -148,36 +149,27 @@ def exponential(x):
     return where_less(given, LOWEST_EXPONENT, 0.0, y)
 
 
-def _of_lanes(function, implementation) -> None:
-    """Let formulas call a function of one number for Lanes."""
+def for_lanes(function: Any, implementation: Any, otherwise: Any = None) -> None:
+    """Let kernels call a function with Lanes, and `otherwise` in its place with numbers alone."""
 
     @overload(function, **OVERLOAD)
-    def find(x):
-        return implementation if isinstance(x, LanesType) else None
+    def find(*kinds):
+        of_lanes = any(isinstance(kind, LanesType) for kind in kinds)
+        return implementation if of_lanes else otherwise
 
 
-for _function in (np.exp, math.exp):
-    _of_lanes(_function, lambda x: exponential(x))
-for _function in (np.sqrt, math.sqrt):
-    _of_lanes(_function, lambda x: sqrt(x))
-for _function in (np.abs, math.fabs, abs):
-    _of_lanes(_function, lambda x: absolute(x))
-for _function in (np.floor, math.floor):
-    _of_lanes(_function, lambda x: floor(x))
-
-
-def _of_two(function, implementation) -> None:
-    """Let formulas call a function of two numbers, one of them Lanes at least."""
-
-    @overload(function, **OVERLOAD)
-    def find(x, y):
-        return implementation if LanesType in (type(x), type(y)) else None
-
-
-for _function in (np.maximum, max):
-    _of_two(_function, lambda x, y: where_less(x, y, y, x))
-for _function in (np.minimum, min):
-    _of_two(_function, lambda x, y: where_less(y, x, y, x))
+# Functions that formulas may call with Lanes.
+_FUNCTIONS: dict[Any, tuple[Any, ...]] = {
+    lambda x: exponential(x): (np.exp, math.exp),
+    lambda x: sqrt(x): (np.sqrt, math.sqrt),
+    lambda x: absolute(x): (np.abs, math.fabs, abs),
+    lambda x: floor(x): (np.floor, math.floor),
+    lambda x, y: where_less(x, y, y, x): (np.maximum, max),
+    lambda x, y: where_less(y, x, y, x): (np.minimum, min),
+}
+for _implementation, _functions in _FUNCTIONS.items():
+    for _function in _functions:
+        for_lanes(_function, _implementation)
 
 
 @overload(operator.pow, prefer_literal=True, **OVERLOAD)

@@ -62,15 +62,18 @@ def with_spare_lanes(values: np.ndarray) -> np.ndarray:
 
 @in_kernels(lambda array: array)
 def rows_of(typing_context, array):
-    """A pointer to a C-contiguous array (n, 8), whose rows the compiler knows to have 8 numbers."""
+    """A pointer to a C-contiguous array (..., 8), whose rows the compiler knows to have 8 numbers.
+
+    Their addresses are then constants.
+    """
 
     def build(context, builder, sig, args):
         made = context.make_array(sig.args[0])(context, builder, args[0])
-        count, _ = cgutils.unpack_tuple(builder, made.shape)
-        shape = [count, ir.Constant(count.type, LANES)]
+        *shape, last = cgutils.unpack_tuple(builder, made.shape)
+        shape.append(ir.Constant(last.type, LANES))
         return make_pointer(context, builder, sig.return_type, made.data, shape)
 
-    return PointerType(array.dtype, 2)(array), build
+    return PointerType(array.dtype, array.ndim)(array), build
 
 
 def _is_row(array, dtype=types.float64) -> bool:

@@ -12,14 +12,14 @@ from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import (
     _INDEX,
     LANES,
-    LanesType,
     in_kernels,
     lane,
     lanes,
     maximum,
     sum_of_lanes,
 )
-from tribo.compiler.lanes_memory import block, element, set_block
+from tribo.compiler.lanes_functions import for_lanes
+from tribo.compiler.lanes_memory import add_block, element, set_block
 from tribo.compiler.numba_private import cgutils, own_reference
 from tribo.compiler.plugin_methods import like
 
@@ -123,33 +123,29 @@ def lane_of(x, i):
     return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
 
 
-@overload(lane_of, **OVERLOAD)
-def _find_lane_of(x, i):
-    if isinstance(x, LanesType):
-        return lambda x, i: lane(x, i & (LANES - 1))
-    return lambda x, i: x
+for_lanes(lane_of, lambda x, i: lane(x, i & (LANES - 1)), lambda x, i: x)
 
 
-def sum_of_runs(members, x):
-    """The sum over all lanes for one run; where the lanes are `members`, the sum of each."""
-    return sum_of_lanes(x)
-
-
-def largest_of_runs(members, x):
-    """The largest of all lanes for one run; where the lanes are `members`, that of each."""
-    return maximum(x)
-
-
-def _keep_members_apart(function: Any) -> None:
+def _of_all_lanes(function: Any) -> Any:
     """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
 
     @overload(function, **OVERLOAD)
     def find(members, x):
         return function if isinstance(members, types.NoneType) else (lambda members, x: x)
 
+    return function
 
-_keep_members_apart(sum_of_runs)
-_keep_members_apart(largest_of_runs)
+
+@_of_all_lanes
+def sum_of_runs(members, x):
+    """The sum over all lanes for one run; where the lanes are `members`, the sum of each."""
+    return sum_of_lanes(x)
+
+
+@_of_all_lanes
+def largest_of_runs(members, x):
+    """The largest of all lanes for one run; where the lanes are `members`, that of each."""
+    return maximum(x)
 
 
 def set_numbers(array, k, x):
@@ -157,11 +153,7 @@ def set_numbers(array, k, x):
     array[k] = x
 
 
-@overload(set_numbers, **OVERLOAD)
-def _find_set_numbers(array, k, x):
-    if isinstance(x, LanesType):
-        return lambda array, k, x: set_block(array, k, x)
-    return set_numbers
+for_lanes(set_numbers, lambda array, k, x: set_block(array, k, x), set_numbers)
 
 
 def add_numbers(array, k, x):
@@ -169,8 +161,4 @@ def add_numbers(array, k, x):
     array[k] += x
 
 
-@overload(add_numbers, **OVERLOAD)
-def _find_add_numbers(array, k, x):
-    if isinstance(x, LanesType):
-        return lambda array, k, x: set_block(array, k, block(array, k) + x)
-    return add_numbers
+for_lanes(add_numbers, lambda array, k, x: add_block(array, k, x), add_numbers)

@@ -12,6 +12,7 @@ in the functions of other programs, stay as they are.
 """
 
 import functools
+import inspect
 from collections.abc import Callable, Iterable
 from types import CellType, FunctionType, ModuleType
 from typing import Any
@@ -45,15 +46,10 @@ METHOD_ARGUMENTS = {
     # Ends of bars: at t, phi, nu, twist.
     "end_forces": 4,
 }
-# Those of integration methods: see :mod:`tribo.integrators.time_loops`.
-STEP_ARGUMENTS = {"step": 7, "trial": 9}
-
-# Plug-ins may call functions that make arrays.
-_OPTIONS = {
-    **{name: {**LINKED, **COUNTED} for name in METHOD_ARGUMENTS},
-    **dict.fromkeys(STEP_ARGUMENTS, KERNEL),
-}
-
+# How they are compiled, since they may call functions that make arrays; and the methods of
+# integration methods: see :mod:`tribo.integrators.time_loops`.
+_OPTIONS = {name: {**LINKED, **COUNTED} for name in METHOD_ARGUMENTS}
+_OPTIONS |= {"step": KERNEL, "trial": KERNEL}
 
 # Classes that :func:`recognize` has seen.
 _recognized: set[Any] = set()
@@ -130,10 +126,10 @@ def _kind(cls: Any, base: type) -> Any:
     kind = type(f"{cls.__name__}Type", (PluginType, base), {})
     models, uniform = extending.models, base is types.NamedUniTuple
     extending.register_model(kind)(models.UniTupleModel if uniform else models.TupleModel)
-    for name, arguments in (METHOD_ARGUMENTS | STEP_ARGUMENTS).items():
+    for name, options in _OPTIONS.items():
         if name not in cls._fields and callable(getattr(cls, name, None)):
-            find = _finder(formula(getattr(cls, name)), arguments)
-            extending.overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
+            find = _finder(formula(getattr(cls, name)))
+            extending.overload_method(kind, name, jit_options=options, strict=False)(find)
     return kind
 
 
@@ -165,18 +161,14 @@ def constructor(cls: Any) -> Any:
     return njit(**KERNEL)(make)
 
 
-def _finder(method: Any, arguments: int) -> Callable[..., Any]:
+def _finder(method: FunctionType) -> Callable[..., Any]:
     """A function of the types of self and arguments, which returns the method."""
-    finders: dict[int, Callable[..., Any]] = {
-        0: lambda self: method,
-        1: lambda self, a: method,
-        2: lambda self, a, b: method,
-        3: lambda self, a, b, c: method,
-        4: lambda self, a, b, c, d: method,
-        7: lambda self, a, b, c, d, e, f, g: method,
-        9: lambda self, a, b, c, d, e, f, g, h, i: method,
-    }
-    return finders[arguments]
+
+    def find(*kinds: Any) -> FunctionType:
+        return method
+
+    find.__signature__ = inspect.signature(method)  # type: ignore[attr-defined]
+    return find
 
 
 def choose(condition, x, y):

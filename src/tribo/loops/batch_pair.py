@@ -106,7 +106,8 @@ class PairLanes:
         (record,), potential = pair.scene_arguments
         numbers = PAIR_NUMBERS + len(numbers_of(potential))
         scenes = np.zeros((1, numbers)) if own_numbers else None
-        self._rows = GROUPS * (lanes.F + 3 * self._stages + own_numbers * numbers)
+        rows = lanes.F + 3 * self._stages + own_numbers * numbers
+        self._memory = GROUPS, rows, LANES  # its shape
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
         fixed = PairScene(*record.item()), potential
@@ -138,6 +139,6 @@ class PairLanes:
         self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the scene; samples and queue before the last."""
-        memory, samples = np.zeros((self._rows, LANES)), np.empty((2, len(starts), COLUMNS))
+        memory, samples = np.zeros(self._memory), np.empty((2, len(starts), COLUMNS))
         queue = queue_of(len(starts), GROUPS * LANES)
         return scenes, memory, self._table, bounds, starts, samples, queue, self._stages

@@ -9,7 +9,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import (
@@ -68,14 +67,6 @@ class PairContact(NamedTuple):
 
 
 @inlined
-def force_over_distance(pair, potential, square, r, inverse):
-    """Contact force over distance r, whose square and inverse are given."""
-    cutoff = range_in_lanes(potential)
-    force = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
-    return where_less(square, cutoff * cutoff, force, 0.0)
-
-
-@inlined
 def root_and_inverse(square):
     """sqrt(square) and its inverse."""
     if FAST_INVERSE_ROOTS:
@@ -85,7 +76,7 @@ def root_and_inverse(square):
     return r, r * (1.0 / square)  # the quotient need not wait for the root
 
 
-@register_jitable(error_model="numpy", forceinline=True, _nrt=False)
+@inlined
 def bob_separation(pair, t, k, sin1, cos1, sin2, cos2):
     """Vector from the second bob to the first, in x and y; floats or Lanes.
 
@@ -114,7 +105,9 @@ def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
     dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
     square = dx * dx + (dy * dy + pair.z_squared)
     r, inverse = root_and_inverse(square)
-    f = force_over_distance(pair, potential, square, r, inverse)
+    cutoff = range_in_lanes(potential)
+    f = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
+    f = where_less(square, cutoff * cutoff, f, 0.0)
     return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
 
 

@@ -105,26 +105,26 @@ def accelerations(pair, potential, t, q1, q2, k):
 
 
 @inlined
-def step_length(work, base, limits):
+def step_length(work, limits):
     """The step of each lane that is tried next."""
-    h = load(work, base + H)
-    left = limits[END] - load(work, base + T)
+    h = load(work, H)
+    left = limits[END] - load(work, T)
     return where_less(left, 1.0001 * h, left, h)
 
 
 @inlined
-def evaluate_stage(pair, potential, scenes, work, base, limits, table, at, stages, i):
+def evaluate_stage(pair, potential, scenes, work, limits, table, at, stages, i):
     """The accelerations at stage i, whose coefficients begin at `at`."""
-    pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
-    h = step_length(work, base, limits)
+    pair, potential = own_scenes(pair, potential, work, F + 3 * stages, scenes)
+    h = step_length(work, limits)
     sums = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(i):
-        sums = plus(sums, times(table[at + 1 + j], load_three(work, base + F + 3 * j)))
+        sums = plus(sums, times(table[at + 1 + j], load_three(work, F + 3 * j)))
     ahead = table[at] * h
-    moved = plus(times(ahead, load_three(work, base + V1)), times(h * h, sums))
-    q1, q2, k = plus(load_three(work, base + Q1), moved)
-    f, _ = accelerations(pair, potential, load(work, base + T) + ahead, q1, q2, k)
-    store_three(work, base + F + 3 * i, f)
+    moved = plus(times(ahead, load_three(work, V1)), times(h * h, sums))
+    q1, q2, k = plus(load_three(work, Q1), moved)
+    f, _ = accelerations(pair, potential, load(work, T) + ahead, q1, q2, k)
+    store_three(work, F + 3 * i, f)
 
 
 @inlined
@@ -156,26 +156,26 @@ def take_three(work, row, new, error):
 
 
 @inlined
-def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
+def end_step(pair, potential, scenes, work, limits, table, at, stages):
     """Accept the steps whose errors are small, and choose the next ones.
 
     Returns Lanes that are above zero where a member is at its end, or cannot continue.
     """
-    pair, potential = own_scenes(pair, potential, work, base + F + 3 * stages, scenes)
-    h = step_length(work, base, limits)
+    pair, potential = own_scenes(pair, potential, work, F + 3 * stages, scenes)
+    h = step_length(work, limits)
     twice = once = errors = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(stages):
-        f = load_three(work, base + F + 3 * j)
+        f = load_three(work, F + 3 * j)
         twice = plus(twice, times(table[at + 3 * j], f))
         once = plus(once, times(table[at + 3 * j + 1], f))
         errors = plus(errors, times(table[at + 3 * j + 2], f))
-    t = load(work, base + T)
-    rates = load_three(work, base + V1)
-    places = plus(load_three(work, base + Q1), times(h, plus(rates, times(h, twice))))
+    t = load(work, T)
+    rates = load_three(work, V1)
+    places = plus(load_three(work, Q1), times(h, plus(rates, times(h, twice))))
     rates = plus(rates, times(h, once))
     q1, q2, k = places
     landing = limits[END] - t
-    end = where_less(landing, 1.0001 * load(work, base + H), limits[END], t + h)
+    end = where_less(landing, 1.0001 * load(work, H), limits[END], t + h)
     f, r = accelerations(pair, potential, end, q1, q2, k)
     missed = times(h, plus(errors, times(table[at + 3 * stages], f)))
     error = absolute(missed[0]) * limits[UNIT1]
@@ -192,16 +192,16 @@ def end_step(pair, potential, scenes, work, base, limits, table, at, stages):
     growth = where_less(growth, MOST_GROWTH, growth, MOST_GROWTH)
     longest = limits[NEAR] / later
     longest = where_less(longest, growth * h, longest, growth * h)
-    store(work, base + H, where_less(error, 1.0, longest, growth * h))
-    take(work, base + T, end, error)
-    take_three(work, base + Q1, places, error)
-    take_three(work, base + V1, rates, error)
-    take_three(work, base + F, f, error)
-    trials = load(work, base + TRIALS) + 1.0
-    store(work, base + TRIALS, trials)
-    store(work, base + ACCEPTED, load(work, base + ACCEPTED) + (error < 1.0))
+    store(work, H, where_less(error, 1.0, longest, growth * h))
+    take(work, T, end, error)
+    take_three(work, Q1, places, error)
+    take_three(work, V1, rates, error)
+    take_three(work, F, f, error)
+    trials = load(work, TRIALS) + 1.0
+    store(work, TRIALS, trials)
+    store(work, ACCEPTED, load(work, ACCEPTED) + (error < 1.0))
     outside = (absolute(q1) > LARGEST_SWING) + (absolute(q2) > LARGEST_SWING)
-    return (load(work, base + T) >= limits[END]) + outside + (trials > limits[MOST_TRIALS])
+    return (load(work, T) >= limits[END]) + outside + (trials > limits[MOST_TRIALS])
 
 
 @kernel
@@ -240,7 +240,7 @@ def gain_of(first, last, q, v, omega_squared):
 
 
 @kernel
-def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages):
+def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     """Write the end of the member in lane k of all, and its accounts, and let the lane be free.
 
     With G_i the change of q_i'^2 / 2 + omega_i^2 q_i^2 / 2, G_i = lever_x X_i + lever_y Y_i.  Of a
@@ -252,7 +252,7 @@ def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages)
     pair, potential = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
     first, last = samples[0, m], samples[1, m]
     for row in range(J + 1):
-        last[row] = work[base + row, i]
+        last[row] = work[row, i]
     for row in range(J + 1, ENERGY):
         last[row] = 0.0
     end = limits[END]
@@ -277,27 +277,27 @@ def end_member(pairs, potentials, work, base, k, limits, samples, queue, stages)
         y = (gain2 - pair.lever_x2 * both2) / (pair.lever_y2 - pair.lever_x2)
         last[account + X2], last[account + Y2] = both2 - y, y
     swings = max(abs(last[Q1]), abs(last[Q2]))
-    whole = work[base + T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
-    steps, trials = int(work[base + ACCEPTED, i]), int(work[base + TRIALS, i])
+    whole = work[T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
+    steps, trials = int(work[ACCEPTED, i]), int(work[TRIALS, i])
     leave_member(queue, k, COMPLETED if whole else PAUSED, steps, trials * stages)
 
 
 @kernel
-def fill_lane(work, base, k, own, limits, scenes, samples, queue):
+def fill_lane(memory, k, at, limits, scenes, samples, queue):
     """Begin the next member that waits in lane k of all; without one let the lane rest."""
-    i = k % LANES
+    work, i = memory[k // LANES], k % LANES
     m = next_member(queue, k)
     for row in range(F):
-        work[base + row, i] = 0.0
+        work[row, i] = 0.0
     if m < 0:
-        work[base + TRIALS, i] = -math.inf
+        work[TRIALS, i] = -math.inf
         return
-    load_scene(work, base + own, i, m, scenes)
-    work[base + H, i] = limits[FIRST]
+    load_scene(work, at, i, m, scenes)
+    work[H, i] = limits[FIRST]
     for row in range(J + 1):
-        work[base + row, i] = samples[0, m, row]
+        work[row, i] = samples[0, m, row]
     for row in range(3):
-        work[base + F + row, i] = samples[0, m, START + row]
+        work[F + row, i] = samples[0, m, START + row]
         samples[0, m, START + row] = 0.0
 
 
@@ -307,40 +307,35 @@ def pair_members_in_lanes(
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
     `scenes` (members, numbers) has the numbers of each member's pair, and of its potential if that
-    has floats alone; with None all have those of `pair` and `potential`.  `memory` has GROUPS * (F
-    + 3 stages + numbers) rows of zeros, `table` the :func:`coefficients`, `limits` UNIT1 to
+    has floats alone; with None all have those of `pair` and `potential`.  `memory` (GROUPS, F +
+    3 stages + numbers, 8) is zeros, `table` the :func:`coefficients`, `limits` UNIT1 to
     MOST_TRIALS.  `starts` are (members, 2 coordinates) y of the scene's layout.  `samples` (2,
     members, COLUMNS) become those at the start and at the end; J_Y and the integrals of q are 0.
     """
-    work = rows_of(memory)
+    memory = rows_of(memory)
     scenes, table, limits, starts, samples, queue = pointers(
         (scenes, table, limits, starts, samples, queue)
     )
-    members = starts.shape[0]
-    size = memory.shape[0] // GROUPS
-    own = F + 3 * stages
-    prepare_starts(pair, potential, work, own, scenes, starts, samples)
+    own, members = F + 3 * stages, starts.shape[0]
+    prepare_starts(pair, potential, memory[0], own, scenes, starts, samples)
     for k in range(GROUPS * LANES):
-        base = k // LANES * size
-        load_scene(work, base + own, k % LANES, members - 1, scenes)
-        fill_lane(work, base, k, own, limits, scenes, samples, queue)
+        load_scene(memory[k // LANES], own, k % LANES, members - 1, scenes)
+        fill_lane(memory, k, own, limits, scenes, samples, queue)
     left = members
     while left > 0:
         at = 0
         for i in range(1, stages):
             for g in range(GROUPS):
-                evaluate_stage(
-                    pair, potential, scenes, work, g * size, limits, table, at, stages, i
-                )
+                evaluate_stage(pair, potential, scenes, memory[g], limits, table, at, stages, i)
             at += 1 + i
         for g in range(GROUPS):
-            base = g * size
-            ended = end_step(pair, potential, scenes, work, base, limits, table, at, stages)
+            work = memory[g]
+            ended = end_step(pair, potential, scenes, work, limits, table, at, stages)
             if sum_of_lanes(ended) > 0.0:
-                pairs, potentials = own_scenes(pair, potential, work, base + own, scenes)
+                pairs, potentials = own_scenes(pair, potential, work, own, scenes)
                 for i in range(LANES):
                     k = g * LANES + i
                     if queue.held[k] >= 0 and lane(ended, i) > 0.0:
-                        end_member(pairs, potentials, work, base, k, limits, samples, queue, stages)
+                        end_member(pairs, potentials, work, k, limits, samples, queue, stages)
                         left -= 1
-                        fill_lane(work, base, k, own, limits, scenes, samples, queue)
+                        fill_lane(memory, k, own, limits, scenes, samples, queue)

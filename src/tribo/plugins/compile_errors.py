@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from numba import NumbaError, UnsupportedBytecodeError, njit, types
 
 from tribo.compiler.jit import is_compiled
-from tribo.compiler.plugin_methods import METHOD_ARGUMENTS, formula, recognize, type_of
+from tribo.compiler.plugin_methods import METHOD_ARGUMENTS, formula, type_of
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.validation import InputError
@@ -49,12 +49,7 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or (is_own(function) and function.__name__ != "_complex_step"):
         return
-    compiled = njit(error_model="numpy")(formula(function))
-    kind = type_of(plugin)
-    try:
-        compiled.compile((kind, *(types.float64,) * METHOD_ARGUMENTS[method]))
-    except TypeError as error:  # another number of arguments
-        raise NumbaError(str(error)) from None
+    compiled = _compiled(plugin, method, types.float64)
     (returned,) = (signature.return_type for signature in compiled.nopython_signatures)
     items: list[types.Type] = [returned]
     if isinstance(returned, types.BaseTuple):
@@ -85,15 +80,14 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
     function = getattr(type(plugin), method, None)
     if function is None or is_own(function):
         return
-    arguments = (1.0,) * METHOD_ARGUMENTS[method]
-    plugins.returned_numbers(plugin, field, method, *arguments)
-    _compile(plugin, field, method, arguments)
+    count = METHOD_ARGUMENTS[method]
+    plugins.returned_numbers(plugin, field, method, *(1.0,) * count)
+    _compile(plugin, field, method, types.float64)
     derived = {"energy": "force", "energy_at": "force_at"}.get(method)
     if derived and getattr(type(plugin), derived).__name__ == "_complex_step":
-        step = (1.0 + 1e-100j,) * len(arguments)
         try:
-            plugins.call_method(plugin, field, method, *step)
-            _compile(plugin, field, method, step)
+            plugins.call_method(plugin, field, method, *(1.0 + 1e-100j,) * count)
+            _compile(plugin, field, method, types.complex128)
         except InputError as error:
             raise InputError(
                 field,
@@ -102,14 +96,23 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
             ) from None
 
 
-def _compile(plugin: NamedTuple, field: str, method: str, arguments: tuple[complex, ...]) -> None:
-    function = getattr(type(plugin), method)
-    recognize(plugin)
+def _compile(plugin: NamedTuple, field: str, method: str, number: types.Type) -> None:
+    """Compile a method.  Raises InputError, with the line that fails."""
     try:
-        njit(error_model="numpy")(formula(function))(plugin, *arguments)
+        _compiled(plugin, method, number)
     except COMPILE_ERRORS as error:
-        reason = plugins.located(plugin, method, _line(function, error), _reason(error))
-        raise InputError(field, reason) from None
+        line = _line(getattr(type(plugin), method), error)
+        raise InputError(field, plugins.located(plugin, method, line, _reason(error))) from None
+
+
+def _compiled(plugin: NamedTuple, method: str, number: types.Type) -> Any:
+    """A method compiled by itself, for arguments of a type.  Raises COMPILE_ERRORS."""
+    compiled = njit(error_model="numpy")(formula(getattr(type(plugin), method)))
+    try:
+        compiled.compile((type_of(plugin), *(number,) * METHOD_ARGUMENTS[method]))
+    except TypeError as error:  # another number of arguments
+        raise NumbaError(str(error)) from None
+    return compiled
 
 
 def _line(function: FunctionType, error: Exception) -> int | None:
@@ -123,8 +126,7 @@ def _line(function: FunctionType, error: Exception) -> int | None:
     )
     if returns:  # several types, in no order: the first that is not a number
         return min((kind.startswith(NUMBERS), int(line)) for kind, line in returns)[1]
-    missing = re.search(r"NameError: name '(\w+)'", _text(error))
-    if missing:
+    if "NameError: name '" in _text(error):
         return None
     found = re.search(r'File ".*", line (\d+)|\((\d+)\)\s*$', _text(error), re.MULTILINE)
     return int(found[1] or found[2]) if found else None
