@@ -49,7 +49,7 @@ def _spread(builder, x, kind=_VECTOR):
     """A number in all lanes; lanes as they are."""
     if x.type == kind:
         return x
-    if isinstance(x.type, ir.IntType):
+    if kind.element == _FLOAT and isinstance(x.type, ir.IntType):
         x = builder.sitofp(x, _FLOAT)
     nothing = ir.Constant(kind, ir.Undefined)
     first = builder.insert_element(nothing, x, ir.Constant(_INDEX, 0))
@@ -315,21 +315,13 @@ def between_lanes(builder, low, high, x, other):
     return builder.select(wanted, x, _spread(builder, other, x.type))
 
 
-def _between(builder, low, high, lanes_in_all):
+def _between(builder, low, high, count):
     """The mask of the lanes from `low` to `high`, that excluded."""
-    begun = builder.not_(first(builder, low, lanes_in_all))
-    return builder.and_(begun, first(builder, high, lanes_in_all))
-
-
-def first(builder, n, lanes_in_all=LANES):
-    """The mask of the first n lanes."""
-    kind = ir.VectorType(_INDEX, lanes_in_all)
-    count = builder.insert_element(
-        ir.Constant(kind, ir.Undefined), builder.trunc(n, _INDEX), ir.Constant(_INDEX, 0)
-    )
-    zeros = ir.Constant(kind, [0] * lanes_in_all)
-    count = builder.shuffle_vector(count, zeros, zeros)
-    return builder.icmp_signed("<", ir.Constant(kind, list(range(lanes_in_all))), count)
+    kind = ir.VectorType(_INDEX, count)
+    low, high = (_spread(builder, builder.trunc(n, _INDEX), kind) for n in (low, high))
+    numbers = ir.Constant(kind, list(range(count)))
+    begun = builder.icmp_signed("<=", low, numbers)
+    return builder.and_(begun, builder.icmp_signed("<", numbers, high))
 
 
 @instruction(

@@ -76,9 +76,9 @@ def rows_of(typing_context, array):
     return PointerType(array.dtype, array.ndim)(array), build
 
 
-def _is_row(array, dtype=types.float64) -> bool:
+def _is_row(array) -> bool:
     arrays = types.Array, PointerType
-    return isinstance(array, arrays) and array.ndim == 1 and array.dtype == dtype
+    return isinstance(array, arrays) and array.ndim == 1 and array.dtype == types.float64
 
 
 def _data(context, builder, kind, array):

@@ -3,8 +3,8 @@
 numba's arrays have nine numbers or more.  Each function is typed and compiled with all of them,
 for every array of every tuple that it takes.  A time loop turns its arrays into pointers once, by
 :func:`pointers`; the kernels that it calls take a third of the time to compile, and indices are
-not searched for negative ones.  ``x[i]``, ``x[i, j]``, ``x[:n]``, ``x[n:]``, ``x.size`` and
-``x.shape`` mean what they mean for arrays; nothing else is there.
+not searched for negative ones.  ``x[i]``, ``x[i, j]``, ``x.shape``, and of one dimension ``x[:n]``,
+``x[n:]`` and ``x.size`` mean what they mean for arrays; nothing else is there.
 """
 
 import operator
@@ -174,20 +174,9 @@ def _read(context, builder, kind, value):
 extending.make_attribute_wrapper(PointerType, "shape", "shape")
 
 
-@extending.intrinsic
-def _size(typing_context, array):
-    def build(context, builder, sig, args):
-        _, (size, *others) = _read(context, builder, sig.args[0], args[0])
-        for length in others:
-            size = builder.mul(size, length)
-        return size
-
-    return types.intp(array), build
-
-
 @extending.overload_attribute(PointerType, "size", jit_options=KERNEL)
 def _find_size(array):
-    return lambda array: _size(array)
+    return (lambda array: array.shape[0]) if array.ndim == 1 else None
 
 
 def _locate(context, builder, kind, value, index_kinds, indices):

@@ -57,49 +57,37 @@ class Team(NamedTuple):
 
 
 @intrinsic
-def _load(typing_context, array, i):
-    """Element i, and all that was written before it."""
+def _at(typing_context, array, i):
+    """The address of element i."""
 
     def build(context, builder, sig, args):
-        place = element(context, builder, sig.args[0], *args)
-        return builder.load_atomic(place, "acquire", 8)
+        return element(context, builder, sig.args[0], *args)
 
-    return types.int64(array, types.intp), build
-
-
-@intrinsic
-def _publish(typing_context, array, i, value):
-    """Set element i, after all that was written before."""
-
-    def build(context, builder, sig, args):
-        place = element(context, builder, sig.args[0], *args[:2])
-        builder.store_atomic(args[2], place, "release", 8)
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, types.int64), build
+    return types.CPointer(types.int64)(array, types.intp), build
 
 
-@intrinsic
-def _count(typing_context, array, i):
-    """Add one to element i, after all that was written before; returns what it was."""
-
-    def build(context, builder, sig, args):
-        place = element(context, builder, sig.args[0], *args)
-        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "acq_rel")
-
-    return types.int64(array, types.intp), build
+@instruction(lambda place: types.int64(place))
+def _load(builder, place):
+    """The number at an address, and all that was written before it."""
+    return builder.load_atomic(place, "acquire", 8)
 
 
-@intrinsic
-def _replace(typing_context, array, i, value, new):
-    """Set element i to `new` if it is `value`; whether it was."""
+@instruction(lambda place, value: types.void(place, types.int64))
+def _publish(builder, place, value):
+    """Set it, after all that was written before."""
+    builder.store_atomic(value, place, "release", 8)
 
-    def build(context, builder, sig, args):
-        place = element(context, builder, sig.args[0], *args[:2])
-        found = builder.cmpxchg(place, *args[2:], "acq_rel", "acquire")
-        return builder.extract_value(found, 1)
 
-    return types.boolean(array, types.intp, types.int64, types.int64), build
+@instruction(lambda place: types.int64(place))
+def _count(builder, place):
+    """Add one to it, after all that was written before; returns what it was."""
+    return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "acq_rel")
+
+
+@instruction(lambda place, value, new: types.boolean(place, types.int64, types.int64))
+def _replace(builder, place, value, new):
+    """Set it to `new` if it is `value`; whether it was."""
+    return builder.extract_value(builder.cmpxchg(place, value, new, "acq_rel", "acquire"), 1)
 
 
 @instruction(types.void)
@@ -119,7 +107,7 @@ def begin_phase(team, phase, pieces):
     counters[PHASE] = phase
     counters[END] += pieces
     number = counters[WORK] // MOST_PIECES + 1
-    _publish(counters, WORK, number * MOST_PIECES + pieces)
+    _publish(_at(counters, WORK), number * MOST_PIECES + pieces)
     return piece_or_end(team)
 
 
@@ -142,7 +130,7 @@ def piece_or_end(team):
 @kernel
 def next_piece(team, rank):
     """Take the next piece of the present phase; -1 where none is left."""
-    work = _load(team.counters, WORK)
+    work = _load(_at(team.counters, WORK))
     phase, pieces = work // MOST_PIECES, work % MOST_PIECES
     own = team.ranks[rank]
     if own[SEEN] != phase:
@@ -152,8 +140,9 @@ def next_piece(team, rank):
     while own[TRIED] < pieces:
         piece = (first + own[TRIED]) % pieces
         own[TRIED] += 1
-        before = _load(team.taken, piece)
-        if before < phase and _replace(team.taken, piece, before, phase):
+        last = _at(team.taken, piece)
+        before = _load(last)
+        if before < phase and _replace(last, before, phase):
             return piece
     return -1
 
@@ -161,13 +150,13 @@ def next_piece(team, rank):
 @kernel
 def next_rank(team):
     """The rank of an assistant; that of the time loop's own thread is 0."""
-    return _count(team.counters, RANK) + 1
+    return _count(_at(team.counters, RANK)) + 1
 
 
 @kernel
 def finish_piece(team):
     """Tell that a piece is finished."""
-    _count(team.counters, DONE)
+    _count(_at(team.counters, DONE))
 
 
 @kernel
@@ -175,7 +164,7 @@ def end_phase(team):
     """Wait until all pieces are finished."""
     counters = team.counters
     looks = 0
-    while _load(counters, DONE) != counters[END]:
+    while _load(_at(counters, DONE)) != counters[END]:
         looks += 1
         if looks > LOOKS:
             _yield()
@@ -189,7 +178,7 @@ def wait_for_piece(team, rank):
         piece = next_piece(team, rank)
         if piece >= 0:
             return piece
-        if _load(team.counters, CLOSED) != 0:
+        if _load(_at(team.counters, CLOSED)) != 0:
             return -1
         looks += 1
         if looks > LOOKS:
