@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
-from tribo.compiler.jit import OVERLOAD
+from tribo.compiler.jit import OVERLOAD, inlined
 from tribo.compiler.lanes import (
     _INDEX,
     LANES,
@@ -40,7 +40,7 @@ def _read_as(number: types.Type, spacing: int) -> Any:
     `first` is the place of the first one, in units of their `spacing`.
     """
 
-    @intrinsic
+    @in_kernels(lambda shared, table, array, first: shared)
     def read(typing_context, shared, table, array, first):
         """One like `shared`; `shared` itself without a `table`, or if it is not of floats."""
         if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
@@ -69,8 +69,8 @@ numbers_in_row, numbers_in_lanes = _read_as(types.float64, 1), _read_as(lanes, L
 
 @in_kernels(lambda each, i: each)
 def numbers_at_lane(typing_context, each, i):
-    """The floats of a NamedTuple of Lanes in lane i; one of floats as it is."""
-    if not _is_plain(each, lanes):
+    """The floats of a NamedTuple of Lanes in lane i; as it is without one, and one of floats."""
+    if isinstance(i, types.NoneType) or not _is_plain(each, lanes):
         return each(each, i), _as_it_is
 
     def build(context, builder, sig, args):
@@ -83,39 +83,20 @@ def numbers_at_lane(typing_context, each, i):
     return floats(each, types.intp), build
 
 
-def has_plain_numbers(potential: Any) -> bool:
-    """Whether a potential consists of floats alone, of which a table has columns."""
-    fields = potential if isinstance(potential, tuple) else ()
-    return bool(fields) and all(isinstance(value, float) for value in fields)
-
-
 def numbers_of(potential: Any) -> Sequence[float]:
-    """A row of a table for `numbers_in_row`; empty where the potential is no plain numbers."""
-    return tuple(potential) if has_plain_numbers(potential) else ()
+    """A row of a table for `numbers_in_row`; empty where the potential has others than floats."""
+    fields = potential if isinstance(potential, tuple) else ()
+    return tuple(fields) if all(isinstance(value, float) for value in fields) else ()
 
 
+@inlined
 def potential_of(contact, lane):
     """The potential of an interaction; for `lane` that of one member of an ensemble.
 
     Where members differ in its numbers, these are Lanes without a `lane`.
     """
-    return contact.potential
-
-
-@overload(potential_of, **OVERLOAD)
-def _find_potential_of(contact, lane):
-    if isinstance(contact[contact.fields.index("numbers")], types.NoneType):
-        return potential_of
-    return _own_potentials if isinstance(lane, types.NoneType) else _own_potential
-
-
-def _own_potentials(contact, lane):
-    return numbers_in_lanes(contact.potential, contact.numbers, contact.numbers, 0)
-
-
-def _own_potential(contact, lane):
-    own = numbers_in_lanes(contact.potential, contact.numbers, contact.numbers, 0)
-    return numbers_at_lane(own, lane)
+    numbers = contact.numbers
+    return numbers_at_lane(numbers_in_lanes(contact.potential, numbers, numbers, 0), lane)
 
 
 def lane_of(x, i):

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from tribo.compiler.numbers_in_lanes import has_plain_numbers, numbers_of
+from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
@@ -76,7 +76,7 @@ def _names_of_potential(layout: Layout) -> tuple[str, ...]:
     if len(contacts) != 1 or layout.model.within is not None:
         return ()
     potential = contacts[0].potential
-    return tuple(potential._fields) if has_plain_numbers(potential) else ()
+    return tuple(potential._fields) if numbers_of(potential) else ()
 
 
 def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumbers:

@@ -104,16 +104,6 @@ def predict(clock, h, work):
 
 
 @inlined
-def has_converged(change, before):
-    """Whether a sweep more would change less than SWEEP_TOLERANCE, or this one stalled below 1."""
-    return (
-        change <= SWEEP_TOLERANCE
-        or change * change <= SWEEP_TOLERANCE * before
-        or 0.0 < before <= change <= 1.0
-    )
-
-
-@inlined
 def solve(pair, potential, clock, h, work):
     """Solve for the accelerations at the nodes, to SWEEP_TOLERANCE of the tolerance.
 
@@ -151,7 +141,9 @@ def solve(pair, potential, clock, h, work):
         )
         clock.evaluations += LANES
         f = with_first(new, start)
-        if has_converged(change, before):
+        # A sweep more would change less, or this one stalled below the tolerance.
+        converged = change <= SWEEP_TOLERANCE or change * change <= SWEEP_TOLERANCE * before
+        if converged or 0.0 < before <= change <= 1.0:
             return True, Nodes(f, q1, q2, contact)
         if not math.isfinite(change):
             break
