@@ -162,15 +162,9 @@ sqrt, absolute = _of_each("sqrt", np.sqrt), _of_each("fabs", np.abs)
 floor = _of_each("floor", np.floor)
 
 
-def _has_fast_inverse_roots() -> bool:
-    """Whether code is compiled for a processor that estimates inverse roots of doubles."""
-    features = config.CPU_FEATURES  # type: ignore[attr-defined]
-    known = (cpu_features() if features is None else features).split(",")
-    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
-    return compiled and {"+avx512f", "+avx512vl"} <= set(known)
-
-
-FAST_INVERSE_ROOTS = _has_fast_inverse_roots()
+# Whether code is compiled for a processor that estimates inverse roots of doubles.
+_WITH_ESTIMATES = {"+avx512f", "+avx512vl"} <= cpu_features()
+FAST_INVERSE_ROOTS = _WITH_ESTIMATES and not config.DISABLE_JIT  # type: ignore[attr-defined]
 # (1 - x)^(-1/2) = 1 + x (1/2 + x (3/8 + ...)), from the last term on.
 _OF_INVERSE_ROOT = (5 / 16, 3 / 8, 1 / 2)
 

@@ -50,15 +50,16 @@ def _minor(version: str) -> str:
 NATIVE = _is_native()
 
 
-def cpu_features() -> str:
-    """Features of this processor for which code is compiled, separated by commas."""
+def cpu_features() -> set[str]:
+    """Features of the processor for which code is compiled."""
+    given = numba.config.CPU_FEATURES  # type: ignore[attr-defined]
+    if given is not None:
+        return set(given.split(","))
     try:
-        found = get_host_cpu_features()
+        found = get_host_cpu_features().flatten()
     except RuntimeError:  # of a processor that LLVM does not know
-        return ""
-    if not numba.config.ENABLE_AVX:  # type: ignore[attr-defined]
-        return ""
-    return str(found.flatten())
+        return set()
+    return set(found.split(",")) if numba.config.ENABLE_AVX else set()  # type: ignore[attr-defined]
 
 
 def own_reference(context, builder, kind, value):  # type: ignore[no-untyped-def]

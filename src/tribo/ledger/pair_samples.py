@@ -99,8 +99,7 @@ class PairSamples(Samples):
             values = np.concatenate([rows @ table for rows in parts or [columns]])
             return values.reshape(len(values), *factors.shape[1:])
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
-        value = np.vecdot(columns, factors if factors.ndim == 1 else factors[:, 0])
-        return value if factors.ndim == 1 else value[:, None]
+        return np.vecdot(columns, factors.ravel()).reshape(-1, *factors.shape[1:])
 
     def of_members(self, selected: np.ndarray) -> PairSamples:
         shape = self.t.size // self.runs, self.runs, COLUMNS

@@ -5,7 +5,7 @@ that a member has the same bits in any lane and company.  Several registers are 
 the operations of one wait for one another.
 
 Only the motion is integrated.  The accounts follow from it by conservation of energy: see
-:func:`write_end`.
+:func:`end_member`.
 """
 
 import math
