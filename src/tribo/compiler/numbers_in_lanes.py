@@ -9,15 +9,7 @@ from numba import types
 from numba.extending import overload
 
 from tribo.compiler.jit import OVERLOAD, inlined
-from tribo.compiler.lanes import (
-    _INDEX,
-    LANES,
-    in_kernels,
-    lane,
-    lanes,
-    maximum,
-    sum_of_lanes,
-)
+from tribo.compiler.lanes import _INDEX, LANES, in_kernels, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_functions import for_lanes
 from tribo.compiler.lanes_memory import add_block, element, set_block
 from tribo.compiler.numba_private import cgutils, own_reference

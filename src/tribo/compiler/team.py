@@ -120,10 +120,12 @@ def continue_phase(team):
 
 @kernel
 def piece_or_end(team):
-    """The next piece for the thread of the time loop; without one the end of the phase, and -1."""
-    piece = next_piece(team, 0)
-    if piece < 0:
-        end_phase(team)
+    """The next piece for the thread of the time loop; -1 when all pieces are finished."""
+    piece, looks = next_piece(team, 0), 0
+    while piece < 0 and _load(_at(team.counters, DONE)) != team.counters[END]:
+        looks += 1
+        if looks > LOOKS:
+            _yield()
     return piece
 
 
@@ -157,17 +159,6 @@ def next_rank(team):
 def finish_piece(team):
     """Tell that a piece is finished."""
     _count(_at(team.counters, DONE))
-
-
-@kernel
-def end_phase(team):
-    """Wait until all pieces are finished."""
-    counters = team.counters
-    looks = 0
-    while _load(_at(counters, DONE)) != counters[END]:
-        looks += 1
-        if looks > LOOKS:
-            _yield()
 
 
 @kernel

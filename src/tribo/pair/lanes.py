@@ -185,9 +185,7 @@ def end_step(pair, potential, scenes, work, limits, table, at, stages):
     # An encounter that the step would jump counts as an error; NaN is less than nothing.
     error = where_less(h * later, LARGEST_APPROACH, error, 1e30)
     root = sqrt(sqrt(sqrt(error + 1e-30)))
-    growth = (CAUTION if stages < HIGH_ORDER else CAUTION_AT_HIGH_ORDER) / (
-        root if stages < HIGH_ORDER else sqrt(root)
-    )
+    growth = CAUTION / root if stages < HIGH_ORDER else CAUTION_AT_HIGH_ORDER / sqrt(root)
     growth = where_less(broadcast(LEAST_GROWTH), growth, growth, LEAST_GROWTH)  # of NaN too
     growth = where_less(growth, MOST_GROWTH, growth, MOST_GROWTH)
     longest = limits[NEAR] / later
@@ -221,12 +219,8 @@ def prepare_starts(pair, potential, work, at, scenes, starts, samples):
             own = samples[0, m]
             for column in range(ENERGY):
                 own[column] = 0.0
-            own[Q1], own[Q2], own[V1], own[V2] = (
-                lane(q1, i),
-                lane(q2, i),
-                starts[m, n],
-                starts[m, n + 1],
-            )
+            own[Q1], own[Q2] = starts[m, 0], starts[m, 1]
+            own[V1], own[V2] = starts[m, n], starts[m, n + 1]
             own[START], own[START + 1], own[START + 2] = lane(f[0], i), lane(f[1], i), lane(f[2], i)
             one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
             own[ENERGY] = energy_at(one, its, 0.0, own[Q1], own[Q2], 0.0)
@@ -263,19 +257,15 @@ def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     released = (first[ENERGY] - last[ENERGY]) - pair.velocity_x * last[J] - pair.mobility * slide
     both1, both2 = gain1 / pair.lever_x1, gain2 / pair.lever_x2
     account = J + 1
-    last[account + S] = slide
-    if pair.lever_x1 == pair.lever_y1:
-        last[account + X1] = both1
-    else:
-        both1 = (released + pair.arm2 * both2) / pair.arm1
-        y = (gain1 - pair.lever_x1 * both1) / (pair.lever_y1 - pair.lever_x1)
-        last[account + X1], last[account + Y1] = both1 - y, y
-    if pair.lever_x2 == pair.lever_y2:
-        last[account + X2] = both2
-    else:
-        both2 = (pair.arm1 * both1 - released) / pair.arm2
-        y = (gain2 - pair.lever_x2 * both2) / (pair.lever_y2 - pair.lever_x2)
-        last[account + X2], last[account + Y2] = both2 - y, y
+    last[account + S], last[account + X1], last[account + X2] = slide, both1, both2
+    if pair.lever_x1 != pair.lever_y1:
+        both = (released + pair.arm2 * both2) / pair.arm1
+        y = (gain1 - pair.lever_x1 * both) / (pair.lever_y1 - pair.lever_x1)
+        last[account + X1], last[account + Y1] = both - y, y
+    if pair.lever_x2 != pair.lever_y2:
+        both = (pair.arm1 * both1 - released) / pair.arm2
+        y = (gain2 - pair.lever_x2 * both) / (pair.lever_y2 - pair.lever_x2)
+        last[account + X2], last[account + Y2] = both - y, y
     swings = max(abs(last[Q1]), abs(last[Q2]))
     whole = work[T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
     steps, trials = int(work[ACCEPTED, i]), int(work[TRIALS, i])

@@ -16,13 +16,7 @@ from tribo.integrators import step_control as control
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.kernels import status as codes
 from tribo.pair import step_rows as rows
-from tribo.pair.forces import (
-    accelerations_of,
-    contact_at,
-    distance,
-    encounter_rate_of,
-    energy_at,
-)
+from tribo.pair.forces import accelerations_of, contact_at, distance, encounter_rate_of, energy_at
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import Q1, Q2, V1, V2, J
 from tribo.pair.step_sums import end_values, powers

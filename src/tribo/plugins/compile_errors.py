@@ -30,7 +30,7 @@ def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[N
     """
     try:
         if not is_compiled(loop):
-            for plugin in (plugin for _, plugin in _foreign(placed)):
+            for _, plugin in _foreign(placed):
                 for method in METHOD_ARGUMENTS:
                     _check_method(plugin, method)
         yield
