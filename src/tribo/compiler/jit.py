@@ -24,34 +24,30 @@ from tribo.compiler.numba_private import NATIVE
 from tribo.interrupts import held
 from tribo.progress import announced
 
+# Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
+NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
+
 if NATIVE:
     from tribo.compiler.cache import KernelCache
     from tribo.compiler.linking import KernelCompiler, LoopCompiler
 
-# Division by zero gives inf or nan, as in numpy; the time loops turn both into a named status.
-NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
-
-# Functions that only kernels call.
-LINKED: dict[str, Any] = {}
-# Without reference counting a kernel can neither make nor return arrays, and a pair of asperites
-# runs more than twice as fast.
-UNCOUNTED: dict[str, Any] = {}
-COUNTED: dict[str, Any] = {}
-INLINED: dict[str, Any] = {}
-# Time loops, which Python calls.
-LOOP: dict[str, Any] = {**NUMPY_ERRORS, "nogil": True}
-
-if NATIVE:
-    LINKED = {  # no wrappers for calls from Python
+    # Functions that only kernels call: no wrappers for calls from Python.
+    LINKED: dict[str, Any] = {
         "no_cpython_wrapper": True,
         "no_cfunc_wrapper": True,
         "pipeline_class": KernelCompiler,
     }
-    UNCOUNTED = {"_nrt": False}
-    COUNTED = {"_nrt": True}
-    INLINED = {"forceinline": True}
-    LOOP |= {**UNCOUNTED, "pipeline_class": LoopCompiler}
+    # Without reference counting a kernel can neither make nor return arrays, and a pair of
+    # asperites runs more than twice as fast.
+    UNCOUNTED: dict[str, Any] = {"_nrt": False}
+    COUNTED: dict[str, Any] = {"_nrt": True}
+    INLINED: dict[str, Any] = {"forceinline": True}
+    OF_LOOPS: dict[str, Any] = {"pipeline_class": LoopCompiler}
+else:
+    LINKED = UNCOUNTED = COUNTED = INLINED = OF_LOOPS = {}
 
+# Time loops, which Python calls.
+LOOP: dict[str, Any] = {**NUMPY_ERRORS, "nogil": True, **UNCOUNTED, **OF_LOOPS}
 # Kernels, and kernels that make or return arrays.
 KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **UNCOUNTED}
 OWNING_KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **COUNTED}

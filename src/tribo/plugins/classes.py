@@ -137,7 +137,11 @@ def call_method(plugin: object, field: str, method: str, *arguments: object) -> 
         with np.errstate(all="ignore"):
             return getattr(plugin, method)(*arguments)
     except Exception as error:
-        raise InputError(field, failure(plugin, method, error)) from None
+        code = getattr(type(plugin), method).__code__
+        frames = traceback.extract_tb(error.__traceback__)
+        line = next((f.lineno for f in reversed(frames) if f.filename == code.co_filename), None)
+        reason = f"{type(error).__name__}: {error}"
+        raise InputError(field, located(plugin, method, line, reason)) from None
 
 
 def returned_numbers(plugin: object, field: str, method: str, *arguments: object) -> Any:
@@ -156,14 +160,6 @@ def returned_numbers(plugin: object, field: str, method: str, *arguments: object
         reason = f"gives {short_repr(value)} where {expected} wanted"
         raise InputError(field, located(plugin, method, None, reason))
     return value
-
-
-def failure(plugin: object, method: str, error: Exception) -> str:
-    """One sentence: the line of a plug-in's source that raised an error, and the error."""
-    code = getattr(type(plugin), method).__code__
-    frames = traceback.extract_tb(error.__traceback__)
-    line = next((f.lineno for f in reversed(frames) if f.filename == code.co_filename), None)
-    return located(plugin, method, line, f"{type(error).__name__}: {error}")
 
 
 def located(plugin: object, method: str, line: int | None, reason: str) -> str:
