@@ -62,7 +62,7 @@ class Simulation:
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._notes = notes_on.run_notes(self.layout, self.method, step)
         self._streams = is_streamed(self.layout, self.layout.times.size)
-        self._initial_state = InitialState(self.layout)
+        self.initial_state = InitialState(self.layout)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the settings and what to lay out and compile again."""
@@ -114,7 +114,7 @@ class Simulation:
 
         An interrupted run is returned with its status.
         """
-        y = self._initial_state({} if initial is None else initial)
+        y = self.initial_state({} if initial is None else initial)
         tuned = self.plan.tuned
         if not estimate or tuned is None:
             return self._single_run(y)
@@ -137,7 +137,7 @@ class Simulation:
         runs = self.plan.tuned.runs if self.plan.tuned is not None else ()
         if not runs:
             return self.compute()
-        return self._estimated_result(runs, self._initial_state({}), self.plan.tuned)
+        return self._estimated_result(runs, self.initial_state({}), self.plan.tuned)
 
     @property
     def settings(self) -> Plan:

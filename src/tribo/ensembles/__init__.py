@@ -7,7 +7,6 @@ quantities of each member, or their statistics, serve maps and distributions.
 from __future__ import annotations
 
 import json
-import time
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.checked_runs import CheckedPlan
-from tribo.ensembles.dataset import common_attributes, kept_attributes, members_dataset, times_of
+from tribo.ensembles.dataset import kept_attributes, members_dataset, times_of
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
@@ -139,7 +138,6 @@ def ensemble(
         The ensemble was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has
         the data set of the complete members, if enough were, with the status "Interrupted".
     """
-    began = time.perf_counter()
     scene = instance(Scene)("scene", scene).with_heights()
     if keep is None and half_width is None:
         keep = scene.output.keep
@@ -177,17 +175,15 @@ def ensemble(
         check_series(kept, wanted or {})
         runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
-            return _collected(runs, statistics, most, target, began)
-        return target.saved(mean_dataset(runs, MemberStore(target.frames), wanted, most, began))
+            return _collected(runs, statistics, most, target)
+        return mean_dataset(runs, target, wanted, most)
 
     others = {"members": most, "statistics": statistics, "half_width": wanted}
     identity = request.identity(scene, variation, others)
     return in_file(out, resume, identity, progress, most, "members", compute)
 
 
-def _collected(
-    runs: Runs, statistics: bool, count: int, target: Target, began: float
-) -> xarray.Dataset:
+def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarray.Dataset:
     """The data set of all members or of their statistics; after an interrupt, of those so far."""
     import xarray
 
@@ -200,7 +196,7 @@ def _collected(
     )
     interrupted = runs.fill(store, count)
     attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
-    attributes |= common_attributes(scene, interrupted, store.tally.notes, began)
+    attributes |= target.attributes(scene, interrupted, store.tally.notes)
     if isinstance(store, StatisticsStore):
         store.flush()
         if (moments := store.moments()) is None:

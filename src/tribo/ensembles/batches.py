@@ -12,7 +12,6 @@ from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, is_random, values_at_start
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
-from tribo.layout.initial_state import InitialState
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.guards import grows, passed_through
 from tribo.ledger.ledger import assemble
@@ -58,6 +57,14 @@ class Policy(ABC):
         scene, settings = self.simulation.scene.to_toml(), self.simulation.settings
         given = type(self), scene, settings, self.kept, self.own_numbers
         return _restored, given, {"plan": self.plan}
+
+    def begin(self, members: Members) -> MemberStarts:
+        """Members before their runs, with the numbers in which they differ beside their starts."""
+        simulation, angles, numbers = self.simulation, values_at_start(members.values), None
+        y = simulation.initial_state.of_members(angles, members.seeds)
+        if self.own_numbers:
+            numbers = member_numbers(simulation.layout, len(y), members.values)
+        return MemberStarts(y, members.seeds, numbers)
 
     def complete(self, members: Members) -> KeptValues:
         """Run some members in this thread, also those that need settings of their own."""
@@ -159,22 +166,7 @@ def delivered(kept: Kept, runs: MemberRuns, level: float, guarded: bool = False)
     return found
 
 
-class BatchRuns(Policy):
-    """Runs members in batches, which one compiled loop runs together."""
-
-    def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
-        super().__init__(simulation, kept, own_numbers)
-        self._initial = InitialState(simulation.layout)
-
-    def begin(self, members: Members) -> MemberStarts:
-        """Members before their runs, with the numbers in which they differ beside their starts."""
-        y, numbers = self._initial.of_members(values_at_start(members.values), members.seeds), None
-        if self.own_numbers:
-            numbers = member_numbers(self.simulation.layout, len(y), members.values)
-        return MemberStarts(y, members.seeds, numbers)
-
-
-class StepRuns(BatchRuns):
+class StepRuns(Policy):
     """Runs members in batches with the given step of the simulation, also with noise."""
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:

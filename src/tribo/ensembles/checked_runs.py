@@ -21,7 +21,7 @@ from tribo.accuracy.comparison import compare_members, strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
 from tribo.accuracy.plan import NEAR_ALONE
 from tribo.accuracy.scales import EPSILON, Scales
-from tribo.ensembles.batches import BatchRuns, chunk_of, delivered, kept_series
+from tribo.ensembles.batches import Policy, chunk_of, delivered, kept_series
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
@@ -105,7 +105,7 @@ class CheckedPlan(NamedTuple):
         return cls(str(method), float(level), int(evaluations), found)
 
 
-class CheckedRuns(BatchRuns):
+class CheckedRuns(Policy):
     """Runs members in batches by an adaptive method, with a `plan` that has to be set."""
 
     plan: CheckedPlan

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,6 @@ from tribo.ensembles.batches import Policy
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import VELOCITY, Members
 from tribo.ensembles.runner import Runs
-from tribo.kernels.status import Status
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
 from tribo.model.initial import UNITS as UNITS_OF_START
 from tribo.model.scene import Scene
@@ -22,7 +20,6 @@ from tribo.results.result_file import Variable
 if TYPE_CHECKING:
     import xarray
 
-Attributes = dict[str, str | float]
 # Numbers that each run has beside its values.
 COUNTS = {
     "steps": "steps of the run",
@@ -47,19 +44,20 @@ def members_dataset(
     for name, meaning in COUNTS.items():
         variables[name] = ("member",), found[name], {"long_name": meaning}
     coordinates: dict[str, Variable] = {
-        "member": (("member",), members.numbers, {"long_name": "member"}),
-        "seed": (("member",), members.seeds, {"long_name": "seed of the member"}),
+        **member_coordinates(members),
         "status": (("member",), found["status"], {"long_name": "end of its run"}),
-        **varied_coordinates(members.values),
         **times_of(kept, policy.simulation.scene),
     }
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def varied_coordinates(varied: Mapping[str, np.ndarray]) -> dict[str, Variable]:
-    """The varied values (members, size) of each quantity."""
-    coordinates: dict[str, Variable] = {}
-    for key, values in varied.items():
+def member_coordinates(members: Members, seed: str = "seed") -> dict[str, Variable]:
+    """Numbers of members, their seeds under the name `seed`, and their varied values."""
+    coordinates: dict[str, Variable] = {
+        "member": (("member",), members.numbers, {"long_name": "member"}),
+        seed: (("member",), members.seeds, {"long_name": "seed of the member"}),
+    }
+    for key, values in members.values.items():
         surface, _, kind = key.rpartition(".")
         if kind == VELOCITY:
             about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
@@ -81,23 +79,7 @@ def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
     return {"time": ((), scene.duration, {"units": "time", "long_name": "time of the end"})}
 
 
-def common_attributes(
-    scene: Scene, interrupted: bool, notes: Iterable[str], began: float
-) -> Attributes:
-    """Attributes of ensembles and sweeps; text is JSON where it is no word."""
-    from tribo import __version__
-
-    return {
-        "tribo_version": __version__,
-        "numpy_version": np.__version__,
-        "scene": scene.to_toml(),
-        "status": str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
-        "notes": json.dumps(list(notes)),
-        "seconds": time.perf_counter() - began,
-    }
-
-
-def settings_attributes(runs: Runs) -> Attributes:
+def settings_attributes(runs: Runs) -> dict[str, str | float]:
     """How all members of an ensemble are run."""
     plan = runs.policy.simulation.plan
     return {
@@ -109,7 +91,7 @@ def settings_attributes(runs: Runs) -> Attributes:
     }
 
 
-def kept_attributes(runs: Runs) -> Attributes:
+def kept_attributes(runs: Runs) -> dict[str, str | float]:
     """The same, and what is kept of each."""
     policy = runs.policy
     return settings_attributes(runs) | {

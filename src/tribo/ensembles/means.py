@@ -13,9 +13,9 @@ from tribo import interrupts
 from tribo.accuracy.scales import TOTALS
 from tribo.ensembles import kept_values
 from tribo.ensembles.batches import SingleRuns
-from tribo.ensembles.dataset import common_attributes, members_dataset, settings_attributes
+from tribo.ensembles.dataset import members_dataset, settings_attributes
 from tribo.ensembles.runner import Runs, policy_of
-from tribo.ensembles.stores import MemberStore
+from tribo.ensembles.stores import MemberStore, Target
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
@@ -36,10 +36,10 @@ HALF_WIDTH = "half-width of the 95 % interval of the "
 
 
 def mean_dataset(
-    runs: Runs, store: MemberStore, half_width: dict[str, float] | None, most: int, began: float
+    runs: Runs, target: Target, half_width: dict[str, float] | None, most: int
 ) -> xarray.Dataset:
     """The means of `most` members, or of as many as a half-width takes.  Raises InputError."""
-    first_stage, needed = None, 0.0
+    store, first_stage, needed = MemberStore(target.frames), None, 0.0
     first = most if half_width is None else max(store.done, min(FIRST_STAGE, most))
     found, interrupted = _up_to(runs, store, first)
     if half_width is not None:
@@ -54,13 +54,13 @@ def mean_dataset(
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)
     scene = runs.policy.simulation.scene
-    attributes = common_attributes(scene, check is None, means.notes(), began)
+    attributes = target.attributes(scene, check is None, means.notes())
     attributes |= settings_attributes(runs) | {
         "confidence": CONFIDENCE,
         "half_width": json.dumps(half_width),
     }
     members = runs.variation.members(np.arange(found["status"].size))
-    return means.added_to(members_dataset(runs.policy, members, found, attributes))
+    return target.saved(means.added_to(members_dataset(runs.policy, members, found, attributes)))
 
 
 def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[kept_values.KeptValues, bool]:

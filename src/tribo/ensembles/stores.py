@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
@@ -20,6 +21,7 @@ from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.loops.frames import PART, Frames, as_bytes
 from tribo.model.identity import Identity, refuse_other
+from tribo.model.scene import Scene
 from tribo.progress import Shown, reported
 from tribo.validation import InputError, as_path, boolean
 
@@ -158,6 +160,22 @@ class Target(NamedTuple):
     path: Path | None
     identity: Identity
     frames: Frames | None
+    began: float  # when the call did
+
+    def attributes(
+        self, scene: Scene, interrupted: bool, notes: Iterable[str]
+    ) -> dict[str, str | float]:
+        """Those of the data sets of ensembles and sweeps; text is JSON where it is no word."""
+        from tribo import __version__
+
+        return {
+            "tribo_version": __version__,
+            "numpy_version": np.__version__,
+            "scene": scene.to_toml(),
+            "status": str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
+            "notes": json.dumps(list(notes)),
+            "seconds": time.perf_counter() - self.began,
+        }
 
     def saved(self, data: xarray.Dataset) -> xarray.Dataset:
         """The data set; if it is complete it is in its file too, in place of the frames."""
@@ -208,6 +226,7 @@ def in_file(
     compute: Callable[[Target, Callable[[float], None] | None], xarray.Dataset],
 ) -> xarray.Dataset:
     """The data set of many runs: from a complete file, or computed.  Raises InputError."""
+    began = time.perf_counter()
     path = None if out is None else netcdf_target("out", as_path(out))
     if boolean("resume", resume) and path is None:
         raise InputError("resume", "needs out, the file to continue")
@@ -218,7 +237,7 @@ def in_file(
             if resume and path.exists() and not part.exists():
                 return opened(path, identity)
             frames = stack.enter_context(Frames(part, identity, resume))
-        data = compute(Target(path, identity, frames), report)
+        data = compute(Target(path, identity, frames, began), report)
     if data.attrs["status"] == Status.INTERRUPTED:
         raise Interrupted(data)
     return data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles import ensemble
-from tribo.ensembles.dataset import common_attributes
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
 from tribo.ensembles.members import Sampler, Source, Variation, sources_of
@@ -95,7 +93,6 @@ def sweep(
     KeyboardInterrupt
         As for :func:`ensemble`; runs that were not finished are "not run".
     """
-    began = time.perf_counter()
     grid = Grid(instance(Scene)("scene", scene), values)
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
@@ -126,16 +123,17 @@ def sweep(
             own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
             own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
             ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
-            return target.saved(point_by_point(grid, ensemble_at, target.frames, progress, began))
+            return point_by_point(grid, ensemble_at, target, progress)
         # All points by one engine, those that one plan serves side by side.
         kept = request.kept(lay_out(request.recorded(scene.with_heights())))
-        sets, order, simulation = point_sets(grid, request, variation, number)
+        sets, order = point_sets(grid, request, variation, number)
         by, store = how, MemberStore(target.frames)
         if progress is not None:
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
-        interrupted = by.collect(runs_of(sets, store.done, by, simulation), store)
-        table = Table(grid, order, kept, store.values(), None if number is None else sets[0])
-        attributes = common_attributes(scene, interrupted, table.notes(), began)
+        interrupted = by.collect(runs_of(sets, store.done, by), store)
+        members_of_each = None if number is None else sets[0].members
+        table = Table(grid, order, kept, store.values(), members_of_each)
+        attributes = target.attributes(scene, interrupted, table.notes())
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, times_of, varied_coordinates
+from tribo.ensembles.dataset import COUNTS, member_coordinates, times_of
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
+from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.results.averages import interval
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
-from tribo.sweeps.point_sets import PointSet
 from tribo.validation import InputError, inside
 
 
@@ -21,7 +21,7 @@ class Table:
     """The runs of a sweep in the order of its grid.  Raises InputError if no point can be run."""
 
     def __init__(
-        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, members: PointSet | None
+        self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, members: Members | None
     ) -> None:
         self._members = () if members is None else (members.seeds.size,)
         if missing := grid.size * math.prod(self._members) - found["status"].size:
@@ -91,17 +91,14 @@ class Table:
                 yield f"{self._grid.label(index)}: {note}"
 
 
-def _coordinates(grid: Grid, kept: Kept, members: PointSet | None) -> dict[str, Variable]:
+def _coordinates(grid: Grid, kept: Kept, members: Members | None) -> dict[str, Variable]:
     """The values of the keys, the times, and of members their seeds and varied values."""
     coordinates = key_coordinates(grid)
     if kept.at_samples:
         coordinates |= times_of(kept, grid.scene)
     if members is not None:
-        numbers, each = np.arange(members.seeds.size), ("member",)
-        coordinates["member"] = each, numbers, {"long_name": "member"}
-        name = "member_seed" if "seed" in grid.keys else "seed"
-        coordinates[name] = each, members.seeds, {"long_name": "seed of the member"}
-        coordinates |= varied_coordinates(members.vary)
+        seed = "member_seed" if "seed" in grid.keys else "seed"
+        coordinates |= member_coordinates(members, seed)
     return coordinates
 
 

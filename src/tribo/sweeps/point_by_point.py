@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import common_attributes
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED
+from tribo.ensembles.stores import Target
 from tribo.interrupts import answer
-from tribo.loops.frames import Arrays, Frames, as_bytes
+from tribo.loops.frames import Arrays, as_bytes
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.results.result_file import Variable
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 def point_by_point(
     grid: Grid,
     ensemble_at: Callable[[Scene], xarray.Dataset],
-    frames: Frames | None,
+    target: Target,
     report: Callable[[int], None] | None,
-    began: float,
 ) -> xarray.Dataset:
     """An ensemble at each point, side by side.  Raises KeyboardInterrupt if none is complete."""
     import xarray
 
     # "data" of the data set, or a "note" on why there is none
+    frames = target.frames
     points: list[Arrays] = [] if frames is None else [arrays for _, arrays in frames.read()]
     interrupted = False
     try:
@@ -68,9 +68,10 @@ def point_by_point(
     about = {"long_name": "end of the ensemble"}
     variables["point_status"] = tuple(grid.names), np.reshape(statuses, grid.shape), about
     names = [str(name) for name in found[min(found)].data_vars]
-    attributes = common_attributes(grid.scene, interrupted, notes, began)
+    attributes = target.attributes(grid.scene, interrupted, notes)
     attributes["keep"] = json.dumps(names)
-    return xarray.Dataset(variables, coordinates | key_coordinates(grid), attributes)
+    coordinates |= key_coordinates(grid)
+    return target.saved(xarray.Dataset(variables, coordinates, attributes))
 
 
 def _side_by_side(

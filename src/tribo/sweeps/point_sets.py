@@ -14,7 +14,7 @@ import numpy as np
 
 from tribo.ensembles.engines import run_tasks
 from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
-from tribo.ensembles.members import Variation, is_start, size_of
+from tribo.ensembles.members import Members, Variation, is_start, size_of
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
@@ -34,21 +34,21 @@ class PointSet(NamedTuple):
     request: Request
     swept: dict[str, np.ndarray]  # keys in which they differ -> (points,)
     points: int
-    vary: dict[str, np.ndarray]  # what differs between the members of a point -> (members, size)
-    seeds: np.ndarray  # of the members' scenes, (members,)
-    seed: int  # from which the members are drawn
+    members: Members  # of each point
+    seed: int  # from which they are drawn
+    simulation: Simulation | None = None  # of a point in the middle, if it is prepared; not pickled
 
     @property
     def runs(self) -> int:
-        return self.points * self.seeds.size
+        return self.points * self.members.seeds.size
 
     @property
     def variation(self) -> Variation:
         """The differences between all members of all points, point by point."""
-        each = self.seeds.size
-        swept = {key: np.repeat(values, each) for key, values in self.swept.items()}
-        vary = {key: np.tile(rows, (self.points, 1)) for key, rows in self.vary.items()}
-        return Variation(self.scene, swept | vary, self.seed, np.tile(self.seeds, self.points))
+        _, seeds, values = self.members
+        swept = {key: np.repeat(each, seeds.size) for key, each in self.swept.items()}
+        vary = {key: np.tile(rows, (self.points, 1)) for key, rows in values.items()}
+        return Variation(self.scene, swept | vary, self.seed, np.tile(seeds, self.points))
 
     def scene_at(self, point: int) -> Scene:
         own = {key: float(values[point]) for key, values in self.swept.items()}
@@ -56,7 +56,7 @@ class PointSet(NamedTuple):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the scene as text, from which plug-ins are loaded."""
-        return _unpickled, (self.scene.to_toml(), *self[1:])
+        return _unpickled, (self.scene.to_toml(), *self[1:-1])
 
 
 def _unpickled(scene: str, *rest: Any) -> PointSet:
@@ -65,11 +65,11 @@ def _unpickled(scene: str, *rest: Any) -> PointSet:
 
 def point_sets(
     grid: Grid, request: Request, variation: Variation, members: int | None
-) -> tuple[list[PointSet], list[Axis], Simulation | None]:
+) -> tuple[list[PointSet], list[Axis]]:
     """The sets of a grid, and the axes in whose order their points are, the last fastest.
 
-    Each point has so many members of a variation; None for one run of its scene.  Also returns the
-    first set as it is prepared, if it was, to see which axes one plan serves.  Raises InputError.
+    Each point has so many members of a variation; None for one run of its scene.  Raises
+    InputError.
     """
     inner, simulation = _served_by_one_plan(grid, request, variation)
     outer = [axis for axis in grid.axes if axis not in inner]
@@ -88,10 +88,11 @@ def point_sets(
         own = values_at(outer, place) | values_at(inner, [0] * len(inner))
         scene = with_values(grid.scene, own).with_heights()
         drawn = Variation(scene, variation.vary, variation.seed).members(np.arange(members or 1))
-        seeds = np.array([scene.seed]) if members is None else drawn.seeds
-        points = len(within), drawn.values, seeds, variation.seed
+        if members is None:
+            drawn = drawn._replace(seeds=np.array([scene.seed]))
+        points = len(within), drawn, variation.seed, simulation
         sets.append(PointSet(scene, request, swept, *points))
-    return sets, outer + inner, simulation
+    return sets, outer + inner
 
 
 def _served_by_one_plan(
@@ -140,9 +141,7 @@ def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
     return list(of_each_surface(scene, dict.fromkeys(keys)))
 
 
-def runs_of(
-    sets: list[PointSet], done: int, how: Execution, simulation: Simulation | None
-) -> Iterator[KeptValues]:
+def runs_of(sets: list[PointSet], done: int, how: Execution) -> Iterator[KeptValues]:
     """What is kept of all runs but the first `done`, in order; "Refused" where none is possible."""
     left = []
     for each in sets:
@@ -154,23 +153,20 @@ def runs_of(
         yield from run_tasks(how.engine, _run_task, tasks)
         return
     for each, first in left:
-        yield from _runs_of_set(each, first, how, simulation)
+        yield from _runs_of_set(each, first, how)
 
 
 def _run_task(task: tuple[bytes, int]) -> KeptValues:
     """Run a set in a process that does not have it yet."""
     content, first = task
-    return joined(list(_runs_of_set(pickle.loads(content), first, Execution(), None)))
+    return joined(list(_runs_of_set(pickle.loads(content), first, Execution())))
 
 
-def _runs_of_set(
-    points: PointSet, done: int, how: Execution, simulation: Simulation | None
-) -> Iterator[KeptValues]:
+def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptValues]:
     """The runs of one set, or of its points one by one where one plan does not serve them."""
     request = points.request
     try:
-        if simulation is None:
-            simulation = request.prepare(points.scene_at(points.points // 2))
+        simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
         kept, variation = request.kept(simulation.layout), points.variation
         runs = planned(simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
@@ -182,7 +178,8 @@ def _runs_of_set(
             yield kept.without_runs(points.runs - done, REFUSED, str(error))
             return
         for place in range(points.points):
-            point = points._replace(scene=points.scene_at(place), swept={}, points=1)
+            own = {"scene": points.scene_at(place), "swept": {}, "simulation": None}
+            point = points._replace(points=1, **own)
             if done < point.runs:
-                yield from _runs_of_set(point, max(0, done), how, None)
+                yield from _runs_of_set(point, max(0, done), how)
             done -= point.runs
