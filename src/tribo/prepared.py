@@ -176,10 +176,10 @@ class Simulation:
             if run.status != Status.ENCOUNTER_JUMPED:
                 break
             assert isinstance(setting, float)
-            notes = notes_on.halving_notes(layout, run, setting)
+            notes = (notes_on.halving_note(layout, run, setting),)
             setting = 0.5 * setting
             run, ledger, watched = self._deliver(setting, times, y)
-        notes += notes_on.passage_notes(layout, run)
+        notes = (*notes, *notes_on.passage_notes(layout, run))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -299,7 +299,7 @@ class Simulation:
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
         raised = tuple(f"the calculator raised {failure}" for failure in run.failures)
-        notes = raised + notes_on.stop_notes(layout, run) + notes
+        notes = (*raised, *notes_on.stop_notes(layout, run), *notes)
         if keep is not None:
             run = run.without_samples()
         return Result(

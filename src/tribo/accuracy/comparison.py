@@ -119,9 +119,7 @@ def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = 
     worst = 0.0
     for name in names or KINDS:
         for mine, theirs in zip(one.series(name), other.series(name), strict=True):
-            gap, scale = largest(mine - theirs), scales.of(name)
-            if gap > 0.0:
-                worst = max(worst, gap / scale if scale > 0.0 else np.inf)
+            worst = max(worst, scales.relative(name, largest(mine - theirs)))
     return worst
 
 

@@ -65,6 +65,13 @@ class Scales:
         """The scale of a quantity, "w1" or "upper.w1"."""
         return getattr(self, kind_of(name))
 
+    def relative(self, name: str, difference: float) -> float:
+        """A difference of a quantity in units of its scale; 0 stays 0 where that is 0."""
+        scale = self.of(name)
+        if difference == 0.0:
+            return 0.0
+        return difference / scale if scale > 0.0 else np.inf
+
 
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     """The scales of a run's errors: maxima over asperites and samples, in the laboratory."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tribo.accuracy.scales import EPSILON, Scales, reported_scales
+from tribo.accuracy.scales import EPSILON, reported_scales
 from tribo.atlas.entries import STOP_TIME, HardScene
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
@@ -100,15 +100,7 @@ def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
         for value, true in zip(values, map(float, digits), strict=True):
             bar = result.error_estimate[name]
             yield (
-                _relative(abs(float(value) - true), name, scales),
-                None if bar is None else _relative(bar, name, scales),
-                _relative(EPSILON * abs(true), name, scales),
+                scales.relative(name, abs(float(value) - true)),
+                None if bar is None else scales.relative(name, bar),
+                scales.relative(name, EPSILON * abs(true)),
             )
-
-
-def _relative(difference: float, name: str, scales: Scales) -> float:
-    """A difference in units of the scale of a quantity's kind; 0 stays 0 where that is 0."""
-    scale = scales.of(name)
-    if difference == 0.0:
-        return 0.0
-    return difference / scale if scale > 0.0 else np.inf

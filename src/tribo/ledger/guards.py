@@ -6,6 +6,8 @@ than every bob of a surface below it has passed the rods there too.  Only bars t
 can: those with a load, a drive of the user's own, or uncancelled forces.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
@@ -64,19 +66,17 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
     return np.asarray(energy > RUNAWAY * samples.at_start(energy))
 
 
-def passing_notes(layout: Layout, samples: Samples) -> tuple[str, ...]:
+def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     """A note on bars that have passed another surface by the last sample."""
     last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
-    notes = []
     for mine, theirs in _facing(layout):
         beyond = _beyond(layout, last, mine, theirs)[-1]
         if np.any(beyond):
-            notes.append(
+            yield (
                 f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{names[mine]}" passed '
                 f'through "{names[theirs]}" by t = {last.t[-1]:.6g}; springs between bars, a '
                 "smaller load or stronger contact hold them"
             )
-    return tuple(notes)
 
 
 def passed_through(layout: Layout, samples: Samples) -> np.ndarray:

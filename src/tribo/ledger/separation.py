@@ -135,25 +135,23 @@ def touching(
     return np.column_stack([_in_contact(layout, places, *each) for each in pairs])
 
 
-def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> tuple[str, ...]:
+def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> Iterator[str]:
     """Notes on surfaces that never touch, or part for good; `contact` is of :func:`touching`."""
-    notes = []
     for (pair, reach), touches in zip(_reaches(scene).items(), contact.T, strict=True):
         one, other = (scene.surfaces[k] for k in pair)
         met = t[touches]
         loaded = any(surface.drive.load is not None for surface in (one, other))
         if met.size == 0 and all(each.ends for each in reach):
-            notes.append(
+            yield (
                 f'at no recorded time was a bob of "{one.name}" within the range of contact, '
                 f'{max(each.distance for each in reach):.4g}, of a bob of "{other.name}"; start '
                 "them closer to one another, or run for longer"
             )
         elif (loaded or "forces" in scene.output.series) and _part(t, met):
-            notes.append(
+            yield (
                 f'"{one.name}" and "{other.name}" {PART}: none of their bobs was in contact '
                 f"after t = {met[-1]:.6g}; averages over time include the time from there on"
             )
-    return tuple(notes)
 
 
 def parted(layout: Layout, samples: Samples) -> np.ndarray:

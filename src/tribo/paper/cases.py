@@ -121,11 +121,14 @@ class Run:
 
     def at(self, quantity: str, t: float | np.ndarray) -> np.ndarray:
         """A printed quantity at any times, by a spline that is accurate to 1e-9."""
+        return np.asarray(self._spline(quantity)(t))
+
+    def _spline(self, quantity: str) -> BSpline:
         from scipy.interpolate import make_interp_spline
 
         if quantity not in self._splines:
             self._splines[quantity] = make_interp_spline(self.result.t, self.series(quantity), k=7)
-        return np.asarray(self._splines[quantity](t))
+        return self._splines[quantity]
 
     def root(self, values: np.ndarray, near: float) -> float:
         """The time at which a series (times,) changes sign: that nearest to `near`, if several."""
@@ -140,8 +143,7 @@ class Run:
 
     def derivative(self, quantity: str) -> np.ndarray:
         """The time derivative of a printed quantity, (times,)."""
-        self.at(quantity, 0.0)
-        return np.asarray(self._splines[quantity].derivative()(self.result.t))
+        return np.asarray(self._spline(quantity).derivative()(self.result.t))
 
     def event(self, name: str, near: float) -> float:
         """The computed time of an event, as "time the bobs pass"; the paper prints `near`."""

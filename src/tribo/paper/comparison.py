@@ -119,8 +119,8 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
     for other in sorted({*same} - {printed}):
         if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
             notes.append(f"the paper also prints {other} for it")
-    error = run.error(quantity)
-    return _row(row, computed, error, agreeing, notes, cause, unlike_its_own=own is not None)
+    found = computed, run.error(quantity), agreeing, "; ".join(notes)
+    return Row(*_printed(row), *found, cause, unlike_its_own=own is not None)
 
 
 def _from_positions(
@@ -197,16 +197,16 @@ def _event_row(run: Run, row: dict[str, str]) -> Row:
     printed = row["printed"]
     computed = run.event(row["quantity"], float(printed))
     agreeing = agrees(computed, printed)
-    notes = []
+    note = ""
     if not agreeing:
         quantity = row["quantity"].rpartition(" ")[2]
         gap = abs(float(run.at(quantity, float(printed)) - run.at(quantity, computed)))
         scale = run.error(quantity)
-        notes.append(
+        note = (
             f"at the printed time {quantity} differs by {gap:.4f} (error {scale:.0e}) from its "
             "extremum, which forces along y separate from the time the bobs pass"
         )
-    return _row(row, computed, 1e-8, agreeing, notes, None if agreeing else Cause.EVENT)
+    return Row(*_printed(row), computed, 1e-8, agreeing, note, None if agreeing else Cause.EVENT)
 
 
 def _sign_row(run: Run, row: dict[str, str]) -> Row:
@@ -218,7 +218,7 @@ def _sign_row(run: Run, row: dict[str, str]) -> Row:
     for moving, still in ((run, "C"), (other, "D")):
         error = boost_error(moving, Run.extended(still))
         notes.append(f"{still} boosted agrees in every quantity within {error:.0e}")
-    return _row(row, computed, None, computed == row["printed"], notes)
+    return Row(*_printed(row), computed, None, computed == row["printed"], "; ".join(notes))
 
 
 def boost_error(moving: Run, still: Run) -> float:
@@ -240,17 +240,8 @@ def boost_error(moving: Run, still: Run) -> float:
     return largest
 
 
-def _row(
-    row: dict[str, str],
-    computed: float | str,
-    error: float | None,
-    agrees: bool,
-    notes: list[str],
-    cause: Cause | None = None,
-    unlike_its_own: bool = False,
-) -> Row:
-    keys = (row["where"], row["t"], row["quantity"], row["printed"])
-    return Row(*keys, computed, error, agrees, "; ".join(notes), cause, unlike_its_own)
+def _printed(row: dict[str, str]) -> tuple[str, str, str, str]:
+    return row["where"], row["t"], row["quantity"], row["printed"]
 
 
 def _ranges(numbers: list[int]) -> str:

@@ -67,37 +67,36 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
     )
 
 
-def passage_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
     """A note on encounters that steps of a run with noise have passed."""
     count, *bobs = run.passages
-    if count == 0:
-        return ()
-    both = asperite_names(layout, bobs)
-    return (
-        f"in {count} steps bobs passed one another within the step, {both} last; their potential "
-        f"energy is below {NEGLIGIBLE:g} k_B T there and does not affect the motion, but works of "
-        "their contact are inaccurate; a smaller step resolves them",
-    )
+    if count > 0:
+        yield (
+            f"in {count} steps bobs passed one another within the step, "
+            f"{asperite_names(layout, bobs)} last; their potential energy is below {NEGLIGIBLE:g} "
+            "k_B T there and does not affect the motion, but works of their contact are "
+            "inaccurate; a smaller step resolves them"
+        )
 
 
-def drive_notes(layout: Layout, ledger: Ledger) -> tuple[str, ...]:
+def drive_notes(layout: Layout, ledger: Ledger) -> Iterator[str]:
     """What the drive does of every forced surface at rest, if its bars swing and it does work."""
     surfaces = layout.scene.surfaces
     if layout.model.ledger is None:
-        return ()
+        return
     works = {s.name: float(np.sum(ledger.of(s.name)["w2"][-1])) for s in surfaces}
     at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
     others = sum(work for name, work in works.items() if name not in at_rest)
-    return tuple(
-        f'the drive holds the centre of mass of "{name}" at rest, and does {works[name]:.3g} of '
-        f"work on its swinging bars (other drives: {others:.3g}); "
-        'drive = "bars" holds the bars instead'
-        for name in at_rest
-        if abs(works[name]) > NOTED_WORK * abs(others) > 0.0
-    )
+    for name in at_rest:
+        if abs(works[name]) > NOTED_WORK * abs(others) > 0.0:
+            yield (
+                f'the drive holds the centre of mass of "{name}" at rest, and does '
+                f"{works[name]:.3g} of work on its swinging bars (other drives: {others:.3g}); "
+                'drive = "bars" holds the bars instead'
+            )
 
 
-def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
+def pumping_notes(layout: Layout, watched: Watched) -> Iterator[str]:
     """A note where forced drives do more work than surfaces that all receive heat could take up.
 
     With f2 = -f1 the work of contact at the bobs, about the centres of mass, is the part lambda =
@@ -113,46 +112,45 @@ def pumping_notes(layout: Layout, watched: Watched) -> tuple[str, ...]:
     scene, t = layout.scene, watched.t
     later = t >= scene.output.run_in
     if np.count_nonzero(later) <= 2 * BLOCKS:
-        return ()
+        return
     t, (work, friction) = t[later], watched.works[later].T
     smallest = float(np.min(levers(scene)))
     edges = np.linspace(t[0], t[-1], BLOCKS + 1)
     excess = np.diff(np.interp(edges, t, work - friction / smallest))
     mean, half_width = interval(excess)
-    if not mean > half_width:
-        return ()
-    return (
-        f"the drives do {work[-1] - work[0]:.4g} of work, which exceeds friction times distance, "
-        f"{friction[-1] - friction[0]:.4g}, over the smallest m2 / (m1 + m2), {smallest:.3g}, by "
-        f"{np.sum(excess):.4g} +- {BLOCKS * half_width:.2g}: at a temperature, forced drives pump "
-        "heat out of a surface where m2 / (m1 + m2) differs between asperites; "
-        'drive = "bars" does not',
-    )
+    if mean > half_width:
+        yield (
+            f"the drives do {work[-1] - work[0]:.4g} of work, which exceeds friction times "
+            f"distance, {friction[-1] - friction[0]:.4g}, over the smallest m2 / (m1 + m2), "
+            f"{smallest:.3g}, by {np.sum(excess):.4g} +- {BLOCKS * half_width:.2g}: at a "
+            "temperature, forced drives pump heat out of a surface where m2 / (m1 + m2) differs "
+            'between asperites; drive = "bars" does not'
+        )
 
 
-def stop_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
     """Where a run stopped, the closest bobs, and, without progress, what the whole would take."""
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
-        return ()
+        return
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
     taken, cure = clock["last_step"], ""
     step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
     t, near = _closest_at_end(layout, run)
     if run.status == Status.ENCOUNTER_JUMPED and clock["encounter_rate"] > 0.0:
         cure = f"; a step below {1.0 / clock['encounter_rate']:.2g} resolves this encounter"
-    stop, done = f"stopped at t = {t:.9g}, {step}{near}{cure}", t - layout.beginning
-    if run.status != Status.NO_PROGRESS or done <= 0.0:
-        return (stop,)
-    whole = run.evaluations * (layout.scene.duration - layout.beginning) / done
-    return (stop, f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}")
+    yield f"stopped at t = {t:.9g}, {step}{near}{cure}"
+    done = t - layout.beginning
+    if run.status == Status.NO_PROGRESS and done > 0.0:
+        whole = run.evaluations * (layout.scene.duration - layout.beginning) / done
+        yield f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}"
 
 
-def halving_notes(layout: Layout, run: Integration, step: float) -> tuple[str, ...]:
+def halving_note(layout: Layout, run: Integration, step: float) -> str:
     """A note on an automatic step that was too long for an encounter."""
     t, near = _closest_at_end(layout, run)
     return (
         f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
-        f"repeated with steps of {0.5 * step:.3g}",
+        f"repeated with steps of {0.5 * step:.3g}"
     )
 
 
@@ -166,19 +164,18 @@ def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:
     return float(last.t[0]), f"; the closest bobs, of {both}, were {bobs.distance:.3g} apart"
 
 
-def approach_notes(layout: Layout, run: Integration) -> tuple[str, ...]:
+def approach_notes(layout: Layout, run: Integration) -> Iterator[str]:
     """Where the bobs of a run that missed its accuracy were closest, among its recorded times."""
     samples = run.samples
     looked_at = np.linspace(0, samples.t.size - 1, min(samples.t.size, MOST_LOOKS)).astype(int)
     looks = ((closest_bobs(layout, samples.at(np.array([t]))), t) for t in samples.t[looked_at])
     found = [(*bobs, float(t)) for bobs, t in looks if bobs is not None]
-    if not found:
-        return ()
-    distance, *both, t = min(found)
-    return (
-        f"among the recorded times, bobs were closest at t = {t:.9g}: those of "
-        f"{asperite_names(layout, both)} were {distance:.3g} apart",
-    )
+    if found:
+        distance, *both, t = min(found)
+        yield (
+            f"among the recorded times, bobs were closest at t = {t:.9g}: those of "
+            f"{asperite_names(layout, both)} were {distance:.3g} apart"
+        )
 
 
 def _on_places(scene: Scene) -> Iterator[str]:

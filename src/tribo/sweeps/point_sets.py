@@ -178,8 +178,8 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
             yield kept.without_runs(points.runs - done, REFUSED, str(error))
             return
         for place in range(points.points):
-            own = {"scene": points.scene_at(place), "swept": {}, "simulation": None}
-            point = points._replace(points=1, **own)
+            scene = points.scene_at(place)
+            point = points._replace(scene=scene, swept={}, points=1, simulation=None)
             if done < point.runs:
                 yield from _runs_of_set(point, max(0, done), how)
             done -= point.runs
