@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import largest, largest_of_runs, mean_velocity
+from tribo.accuracy.scales import largest, largest_of_runs
 from tribo.layout.layout import Layout
+from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
 from tribo.ledger.series_table import series_table
 from tribo.ledger.totals import AsperiteSeries

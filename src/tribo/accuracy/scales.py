@@ -10,7 +10,7 @@ from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.motion import internal_energies, swing_direction
+from tribo.ledger.motion import internal_energies, mean_velocity, swing_direction
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
@@ -134,12 +134,6 @@ def resolved(measured: Values, possible: Values) -> np.ndarray:
     """What was measured, or what is possible where only round-off was."""
     possible = np.where(np.isfinite(possible), possible, 0.0)
     return np.where(measured > UNRESOLVED * possible, measured, possible)
-
-
-def mean_velocity(layout: Layout) -> np.ndarray:
-    """The mean of the surfaces' initial velocities, (2,)."""
-    velocities = np.array([layout.velocity_of(k) for k in range(len(layout.parts))])
-    return np.asarray(velocities.sum(axis=0) / len(velocities))
 
 
 def kind_of(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -119,21 +119,13 @@ class SearchRuns:
             self.known = (level, run.evaluations)
         return run
 
-    def attempt(
-        self,
-        setting: Setting,
-        times: np.ndarray,
-        start: np.ndarray | None = None,
-        *,
-        most: float | None = None,
-        rounded: bool = False,
-    ) -> Integration:
-        """A run that counts as one of the search."""
+    def attempt(self, *run_by: Any, **limits: Any) -> Integration:
+        """A run that counts as one of the search; arguments are those of an Integrator."""
         self._number += 1
         if self._announce is not None:
             self._announce(self._number, max(self._number, self._of), self._left)
             self._left = None
-        run = self._integrator(setting, times, start, most=most, rounded=rounded)
+        run = self._integrator(*run_by, **limits)
         self.spent += run.evaluations
         self.interrupted |= run.status == Status.INTERRUPTED
         return run

@@ -134,7 +134,7 @@ class Kept:
     def about(self, name: str, of: str = "") -> dict[str, str]:
         """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
-        quantity = quantities.EVERY_QUANTITY[kind]
+        quantity = quantities.quantity_of(kind, len(self.dimensions(name)) == self.at_samples)
         when = ", averaged over time" if kind in (*quantities.AVERAGED, SHARE) else ", at the end"
         meaning = quantity.long_name + when * (not self.at_samples)
         before = "half-width of the 95 % interval of: " * is_interval(name)

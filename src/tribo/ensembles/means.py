@@ -17,7 +17,6 @@ from tribo.ensembles.dataset import members_dataset, settings_attributes
 from tribo.ensembles.runner import Runs, policy_of
 from tribo.ensembles.stores import MemberStore, Target
 from tribo.kernels.status import MEANINGS, Status
-from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
 from tribo.results.averages import CONFIDENCE, interval, members_needed
@@ -150,17 +149,14 @@ class _Means:
 
     def added_to(self, data: xarray.Dataset) -> xarray.Dataset:
         """The data set of the members with their means."""
-        summed = kept_values.sum_names(self.runs.policy.simulation.scene)
         added: dict[str, Variable] = {}
         for name in self.runs.policy.kept.names:
-            quantity = EVERY_QUANTITY[name.rpartition(".")[2]]
-            meaning = quantity.long_name + ", summed over asperites" * (name in summed)
+            units, meaning = (data[name].attrs[key] for key in ("units", "long_name"))
             mean = interval(self.found[name][kept_values.completed(self.found)], self.first_stage)
             values = {"_mean": (mean.mean, "mean of: ")}
             values["_half_width"] = mean.half_width, f"{HALF_WIDTH}mean of: "
-            data[name].attrs["long_name"] = meaning
             for ending, (value, of) in (values | self._effect_of_settings(name)).items():
-                about = {"units": quantity.units, "long_name": of + meaning}
+                about = {"units": units, "long_name": of + meaning}
                 added[f"{name}{ending}"] = ("time",) * np.ndim(value), value, about
         return data.assign(added)
 

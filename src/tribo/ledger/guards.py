@@ -13,7 +13,7 @@ import numpy as np
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import assemble
-from tribo.ledger.motion import motions
+from tribo.ledger.motion import mean_velocity, motions
 from tribo.ledger.quantities import Table
 from tribo.ledger.samples import Samples
 
@@ -54,15 +54,14 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
 
     It is the sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity.
     """
-    surfaces = range(len(layout.scene.surfaces))
-    mean = np.mean([np.asarray(layout.velocity_of(index)) for index in surfaces], axis=0)
+    mean = mean_velocity(layout)[..., None]
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
     energy = np.sum(np.abs(stores), axis=(1, 2)) + np.abs(samples.contact) + np.abs(samples.field)
-    for index in surfaces:
-        for span, m in motions(layout, samples, index):
-            vx, vy = span.velocity - mean[..., None]
+    for index in range(len(layout.parts)):
+        for m in motions(layout, samples, index):
+            vx, vy = m.span.velocity - mean
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
-            energy = energy + np.sum(moving * span.asperites.mass + m.energy, axis=1)
+            energy = energy + np.sum(moving * m.span.asperites.mass + m.energy, axis=1)
     return np.asarray(energy > RUNAWAY * samples.at_start(energy))
 
 
@@ -116,4 +115,4 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
 def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
     """y of the bars or of the bobs of a surface, (times, asperites)."""
     moved = motions(layout, samples, index)
-    return np.concatenate([getattr(motion, point)[1] for _, motion in moved], axis=1)
+    return np.concatenate([getattr(motion, point)[1] for motion in moved], axis=1)

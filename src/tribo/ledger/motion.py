@@ -171,10 +171,15 @@ class Motion:
         return np.full((len(table), self.span.asperites.stride.size), absent())
 
 
-def motions(layout: Layout, samples: Samples, index: int) -> Iterator[tuple[Span, Motion]]:
+def motions(layout: Layout, samples: Samples, index: int) -> Iterator[Motion]:
     """The motion of surface `index`, span by span."""
-    for span in layout.spans[index]:
-        yield span, Motion(layout, span, samples)
+    return (Motion(layout, span, samples) for span in layout.spans[index])
+
+
+def mean_velocity(layout: Layout) -> np.ndarray:
+    """The mean of the surfaces' initial velocities, (2,); of members (2, times)."""
+    velocities = [np.asarray(layout.velocity_of(index)) for index in range(len(layout.parts))]
+    return np.asarray(np.mean(velocities, axis=0))
 
 
 def about_pivots(

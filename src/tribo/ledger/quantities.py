@@ -244,6 +244,12 @@ SUMMED_QUANTITIES = {
 }
 
 
+def quantity_of(name: str, whole: bool) -> Quantity:
+    """A quantity by its name; works of a `whole` surface are sums over its asperites."""
+    summed = SUMMED_QUANTITIES.get(name) if whole else None
+    return summed or EVERY_QUANTITY[name]
+
+
 @dataclass(frozen=True)
 class Reported:
     """The quantities that a scene reports: of asperites, of surfaces as wholes, of the system."""

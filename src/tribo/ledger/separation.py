@@ -16,7 +16,7 @@ from scipy.spatial import KDTree
 from tribo.kernels.kinematics import bob_position, nearest_image
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
-from tribo.ledger.motion import motions, swing_direction
+from tribo.ledger.motion import motions
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
@@ -95,11 +95,11 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
     places = np.empty((samples.t.size, layout.asperites.size, 3))
     places[..., 2] = layout.depths
     for index in range(len(layout.scene.surfaces)):
-        for span, motion in motions(layout, samples, index):
-            a = span.asperites
+        for motion in motions(layout, samples, index):
+            a = motion.span.asperites
             x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
-            x, y = bob_position(x, y, a.l1, *swing_direction(a.facing, motion.swing))
-            places[:, span.place, 0], places[:, span.place, 1] = x, y
+            mine = places[:, motion.span.place]
+            mine[..., 0], mine[..., 1] = bob_position(x, y, a.l1, *motion.direction)
     return places
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from tribo.files import replace_file
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.quantities import EVERY_QUANTITY, SUMMED_QUANTITIES, UNITS, Table
+from tribo.ledger.quantities import EVERY_QUANTITY, UNITS, Table, quantity_of
 from tribo.loops.saved_state import State
 from tribo.model.identity import plugin_stamps, version
 from tribo.model.scene import Scene
@@ -75,8 +75,7 @@ def _series(
     variables: dict[str, Variable] = {}
     for key, values in table.items():
         name = f"{surface}.{key}" if surface else key
-        is_sum = key in SUMMED_QUANTITIES and len(dimensions) == 1
-        quantity = SUMMED_QUANTITIES[key] if is_sum else EVERY_QUANTITY[key]
+        quantity = quantity_of(key, whole=len(dimensions) == 1)
         about = {"units": quantity.units, "long_name": quantity.long_name}
         variables[name] = (dimensions, values, about)
         bound = bounds.get(name, bounds[key])

@@ -10,7 +10,6 @@ from tribo.ensembles.dataset import COUNTS, member_coordinates, times_of
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
-from tribo.ledger.quantities import SUMMED_QUANTITIES
 from tribo.results.averages import interval
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
@@ -57,9 +56,6 @@ class Table:
     def _quantity(self, name: str) -> dict[str, Variable]:
         kept, values = self._kept, self.placed(self._found[name])
         own, about = kept.dimensions(name), kept.about(name)
-        kind = name.rpartition(".")[2]
-        if kind in SUMMED_QUANTITIES and not (own or kept.at_samples):
-            about["long_name"] = f"{SUMMED_QUANTITIES[kind].long_name}, at the end"
         label = f"{name}_end" if name in self.coordinates else name
         variables: dict[str, Variable] = {label: ((*self.dimensions, *own), values, about)}
         if self._members:
