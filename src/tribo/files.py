@@ -89,6 +89,15 @@ def replace_file(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
+def read_file(path: Path) -> bytes:
+    """The content of a file.  Raises InputError."""
+    try:
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(str(path), f"cannot be read ({reason})") from None
+
+
 def not_written(path: Path, error: OSError) -> InputError:
     """The error of a file that cannot be written."""
     return InputError(str(path), f"cannot be written ({error.strerror or error})")

@@ -11,6 +11,7 @@ from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import bob_velocity
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
+from tribo.ledger.accounts import account_columns
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration, Setting
@@ -139,14 +140,10 @@ def _account_weights(layout: Layout) -> np.ndarray:
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    a = layout.accounted.asperites
-    velocity = _relative_velocity(layout, layout.accounted)
-    highest = 0.0
+    (vx, vy), highest = _relative_velocity(layout, layout.accounted).T, 0.0
     for name, offsets in IMPULSES.items():
-        present = getattr(a, name) >= 0
-        stride, (vx, vy) = a.stride[present], velocity[present].T
         for k in offsets[::2]:
-            jx, jy = (s[:, getattr(a, name)[present] + m * stride] for m in (k, k + 1))
+            jx, jy = account_columns(layout.accounted, name, (k, k + 1), s)
             highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 

@@ -60,29 +60,18 @@ def row(entry: HardScene) -> Row:
 
 def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     """Compare a result of an entry's scene, by any method, with the reference."""
-    stops = STOP_TIME in entry.reference
-    if stops == (result.status == Status.COMPLETED):  # the reference is of another end
-        return Row(entry.name, entry.declared, _outcome(result), False, None, None, seconds)
+    stops, completed = STOP_TIME in entry.reference, result.status == Status.COMPLETED
+    outcome = NOT_MET if completed and result.met is False else str(result.status)
+    if stops == completed:  # the reference is of another end
+        return Row(entry.name, entry.declared, outcome, False, None, None, seconds)
     found = [_stop(entry, result)] if stops else list(_deviations(entry, result))
     honest = all(estimate is None or error <= estimate + more for error, estimate, more in found)
-    outcome = _outcome(result) if honest else NOT_HONEST
+    outcome = outcome if honest else NOT_HONEST
     error = max(error for error, _, _ in found)
     estimates = [estimate for _, estimate, _ in found if estimate is not None]
-    return Row(
-        name=entry.name,
-        declared=entry.declared,
-        outcome=outcome,
-        as_declared=outcome == entry.declared and error <= entry.bound,
-        error=error,
-        estimate=max(estimates, default=None),
-        seconds=seconds,
-    )
-
-
-def _outcome(result: Result) -> str:
-    """The status of a run, and whether it fell short of the accuracy."""
-    completed = result.status == Status.COMPLETED
-    return NOT_MET if completed and result.met is False else str(result.status)
+    as_declared = outcome == entry.declared and error <= entry.bound
+    ends = outcome, as_declared, error, max(estimates, default=None)
+    return Row(entry.name, entry.declared, *ends, seconds)
 
 
 def _stop(entry: HardScene, result: Result) -> Deviation:

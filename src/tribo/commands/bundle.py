@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from tribo.commands.doctor import versions
-from tribo.files import NETCDF, checked_target, replace_file, strict_json
+from tribo.files import NETCDF, checked_target, read_file, replace_file, strict_json
 from tribo.interrupts import COMPLETED
 from tribo.validation import InputError
 
@@ -68,7 +68,7 @@ def _bundle(options: argparse.Namespace) -> int:
 
 def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
     """A file under its name in the archive, then the files that its scene names."""
-    content = _read(path)
+    content = read_file(path)
     yield path.name, content
     _, text = _attributes_and_scene(path.name, content)
     if text is None:
@@ -85,7 +85,7 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
         found = path.parent / named
         if named.suffix and found.is_file():
             inside = not named.is_absolute() and ".." not in named.parts
-            yield named.as_posix() if inside else named.name, _read(found)
+            yield named.as_posix() if inside else named.name, read_file(found)
 
 
 def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], str | None]:
@@ -122,10 +122,3 @@ def _strings(value: object) -> Iterator[str]:
     elif isinstance(value, (dict, list)):
         for item in value.values() if isinstance(value, dict) else value:
             yield from _strings(item)
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None

@@ -52,7 +52,7 @@ class Accounts(dict[str, Account]):
     @property
     def swing_work(self) -> Part:
         """The work of the reservoir on the swing, a part of that of both."""
-        return _columns(self.span, "acc_swing", (0,), self._s)[0]
+        return account_columns(self.span, "acc_swing", (0,), self._s)[0]
 
     def whole(self, part: Part) -> np.ndarray:
         """A part, or a sum of parts, of all asperites, (times, asperites)."""
@@ -74,7 +74,7 @@ class Integrals(dict[Span, Accounts]):
         return accounts
 
 
-def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
+def account_columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:
     """Columns of a group of accounts; zeros where the group is absent."""
     if group not in span.present:
         return [0.0 for _ in places]
@@ -86,8 +86,8 @@ def _columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> li
 
 
 def _contact(span: Span, s: np.ndarray) -> Account:
-    jx, jy, about_x, about_y = _columns(span, "acc_contact", range(4), s)
-    slide_x, slide_y = _columns(span, "acc_slide", range(2), s)
+    jx, jy, about_x, about_y = account_columns(span, "acc_contact", range(4), s)
+    slide_x, slide_y = account_columns(span, "acc_slide", range(2), s)
     a, swept = span.asperites, about_x + about_y
     return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
 
@@ -95,9 +95,9 @@ def _contact(span: Span, s: np.ndarray) -> Account:
 def _drive(span: Span, s: np.ndarray) -> Account:
     """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
     a, held = span.asperites, span.held
-    jx, jy, about_x, about_y = _columns(span, "acc_contact", range(4), s)
-    slide_x, slide_y = _columns(span, "acc_slide", range(2), s)
-    own_jx, own_jy, own_about, own_pseudo = _columns(span, "acc_drive", range(4), s)
+    jx, jy, about_x, about_y = account_columns(span, "acc_contact", range(4), s)
+    slide_x, slide_y = account_columns(span, "acc_slide", range(2), s)
+    own_jx, own_jy, own_about, own_pseudo = account_columns(span, "acc_drive", range(4), s)
     own = a.acc_drive >= 0
     # On driven bars the reaction does no work in the frame of the surface.
     own_about = np.where(a.pivot > 0.0, -own_pseudo, -a.l2 * own_about)
@@ -111,8 +111,8 @@ def _drive(span: Span, s: np.ndarray) -> Account:
 
 def _end(about: int, user: tuple[int, ...], side: float, span: Span, s: np.ndarray) -> Account:
     """An end of the bar; a clamp exerts the opposite of its force on the left one on the right."""
-    own, jx, jy, pseudo = _columns(span, "acc_ends", (about, 2, 3, 4), s)
-    theirs = _columns(span, "acc_user_ends", user, s)
+    own, jx, jy, pseudo = account_columns(span, "acc_ends", (about, 2, 3, 4), s)
+    theirs = account_columns(span, "acc_user_ends", user, s)
     return Account(
         own + theirs[0], theirs[1] + side * jx, theirs[2] + side * jy, theirs[3] + side * pseudo
     )
@@ -126,7 +126,7 @@ def _thermal(span: Span, s: np.ndarray) -> Account:
 
 def _point(group: str, span: Span, s: np.ndarray) -> Account:
     """A force with accounts of its own."""
-    jx, jy, about, pseudo = _columns(span, group, range(4), s)
+    jx, jy, about, pseudo = account_columns(span, group, range(4), s)
     return Account(about, jx, jy, pseudo)
 
 

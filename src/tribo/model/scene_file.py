@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from tribo.files import read_file
 from tribo.model import drives
 from tribo.model.asperite import Asperite
 from tribo.model.fields import from_table as field_of
@@ -46,9 +47,7 @@ def load_scene(path: object) -> Scene:
     """
     path = as_path(path)
     try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+        text = read_file(path).decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(str(path), "is not a text file in UTF-8") from None
     try:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.files import replace_file
+from tribo.files import read_file, replace_file
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS, Table, quantity_of
 from tribo.loops.saved_state import State
@@ -164,11 +164,7 @@ def load(path: Path) -> xarray.Dataset:
     """The data set that `save` wrote, or another program again.  Raises InputError if damaged."""
     import xarray
 
-    try:
-        image = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(str(path), f"cannot be read ({reason})") from None
+    image = read_file(path)
     if _is_intact(image):
         return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
     try:
