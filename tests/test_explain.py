@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import paper
+from tribo import explanation, paper
 from tribo.accuracy import choose_method, cost_model
 from tribo.commands.cli import main
-from tribo.explanation import explanation, prediction
+from tribo.explanation import prediction
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate

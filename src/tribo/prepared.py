@@ -33,6 +33,8 @@ from tribo.validation import InputError, TriboWarning
 
 # A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
 MOST_HALVINGS = 10
+# Of a streamed ledger of all quantities.
+ENDS_ALONE = ("of the asperites' series only the first and the last sample are kept",)
 # Of a run whose errors are not estimated.
 NO_BOUNDS: Mapping[str, float] = {}
 
@@ -183,7 +185,7 @@ class Simulation:
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
-            notes += _left_out(ledger())
+            notes += () if ledger().kept else ENDS_ALONE
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
         cost = partial(cost_of, run.steps, [run], seconds, ratio)
         return self._result(run, ledger, cost, notes, setting=setting)
@@ -229,7 +231,7 @@ class Simulation:
         if self._streams and fine.status == Status.COMPLETED:
             run, streamed, _ = self._deliver(self.plan.setting, layout.times, y)
             notes += (f"errors are estimated at {self.plan.times.size} times",)
-            notes += _left_out(streamed())
+            notes += () if streamed().kept else ENDS_ALONE
             known = known if run.status == Status.COMPLETED else False
             cost = partial(cost_of, run.steps, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
@@ -361,13 +363,6 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
     if samples.t[0] == layout.beginning:
         return ledger
     return ledger.rows(slice(samples.index_from(layout.beginning), None))
-
-
-def _left_out(ledger: Ledger) -> tuple[str, ...]:
-    """What a streamed ledger does not have."""
-    if ledger.kept:
-        return ()
-    return ("of the asperites' series only the first and the last sample are kept",)
 
 
 def with_warning(result: Result) -> Result:

@@ -74,10 +74,10 @@ def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
 def _slider(scene: Scene, key: str, given: object) -> Slider:
     if not is_list(given) or len(given) < 2:
         raise must_be(key, "a range (low, high), or a list of values", given)
-    surface, _, rest = key.partition(".")
-    present = value_of(scene, f"{scene.surfaces[0].name}.{rest}" if surface == "*" else key)
     for each in given:
         with_values(scene, {key: each})
+    surface, _, rest = key.partition(".")
+    present = value_of(scene, f"{scene.surfaces[0].name}.{rest}" if surface == "*" else key)
     if len(given) == 2 and isinstance(given, tuple):
         low, high = (number(key, each) for each in given)
         if not low < high:

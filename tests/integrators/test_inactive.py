@@ -9,7 +9,7 @@ import tribo
 from support.continued import same_end
 from support.inactive import STEP, STOPS, check, crossing, step_all
 from support.inactive import inactive as not_stepped
-from tribo.explanation.explanation import contact
+from tribo.explanation import contact
 from tribo.integrators.methods import METHODS
 from tribo.layout import contacts
 from tribo.layout.layout import lay_out

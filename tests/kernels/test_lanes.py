@@ -7,11 +7,11 @@ import pytest
 
 import tribo
 from support.kernels import shared_kernel
+from tribo import explanation
 from tribo.compiler.lanes import LANES, NARROW, broadcast, lane, narrow, where_less, widen
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.compiler.plugin_methods import recognize, type_of
-from tribo.explanation import explanation
 from tribo.integrators.methods import METHODS
 from tribo.kernels.potential_in_lanes import force_in_lanes, is_vectorized, range_in_lanes
 from tribo.layout.layout import lay_out

@@ -14,7 +14,7 @@ import tribo
 from support import ledgers
 from support.package import SOURCE
 from tribo import paper
-from tribo.explanation.explanation import Contact, Explanation
+from tribo.explanation import Contact, Explanation
 from tribo.explanation.prediction import Predicted
 from tribo.layout.layout import lay_out
 from tribo.loops.pair import is_pair

@@ -13,7 +13,7 @@ import pytest
 
 import tribo
 from support.random_scenes import random_scene
-from tribo.explanation import explanation
+from tribo import explanation
 from tribo.layout.layout import Layout, lay_out
 from tribo.model.scene_file import scene_from
 

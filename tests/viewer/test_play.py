@@ -105,6 +105,17 @@ def test_values_that_are_refused(server, body, sentence):
     assert status == 400 and sentence in json.loads(content)["error"]
 
 
+def test_a_slider_of_one_of_two_reservoirs():
+    """It begins at the present value; a key without the place is no key."""
+    both = [tribo.Langevin(0.3), tribo.Langevin(0.4, on="swing")]
+    upper, lower = SCENE.surfaces
+    scene = replace(SCENE, surfaces=(replace(upper, langevin=both), lower))
+    (slider,) = sliders_of(scene, {"upper.langevin.swing.gamma": (0.1, 1.0)})
+    assert slider.value == 0.4
+    with pytest.raises(InputError, match="is not a known key"):
+        sliders_of(scene, {"upper.langevin.gamma": (0.1, 1.0)})
+
+
 def test_a_whole_number_of_a_list():
     """JavaScript sends 1.0 as 1."""
     playing = Playing(SCENE, sliders_of(SCENE, {"duration": [0.5, 1.0]}))

@@ -66,7 +66,7 @@ def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
             and bool(np.ptp(surface.each["mass"]) > 0.0)
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
-        "the reservoir on the swing": surface.swing_reservoir is not None,
+        "the reservoir on the swing": surface.reservoir("swing") is not None,
         "the temperature of the start": bool(surface.initial.temperature),
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
     }
@@ -119,7 +119,7 @@ def _added(group: str, name: str, style: str, forces: Sequence[str]) -> Iterator
 
 def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> Iterator[str]:
     """Friction and noise at the bars; LAMMPS has the ratio of mass and friction."""
-    reservoir = surface.bar_reservoir
+    reservoir = surface.reservoir("bar")
     if reservoir is None or reservoir.gamma == 0.0:
         return
     gamma, temperature, types = reservoir.gamma, reservoir.temperature, atoms.types_of(index)

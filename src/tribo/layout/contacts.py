@@ -75,6 +75,7 @@ def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool)
     ]
     kinds = [(-1, -1) if each.species is None else each.species for _, each in listed]
     blocks = model.each.shape[1] // LANES
+    cells = (np.empty(size, np.int64) for size in (2 * blocks + 17, blocks, blocks))
     return Neighbours(
         pairs=np.array([pair for pair, _ in listed], dtype=np.int64),
         species=np.array(kinds, np.int64),
@@ -89,7 +90,7 @@ def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool)
         active=active_blocks(scene, model, skin) if splits else None,
         own=empty_boxes(blocks),
         others=empty_boxes(blocks),
-        cells=empty_cells(blocks),
+        cells=Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), *cells),
     )
 
 
@@ -101,7 +102,7 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
     for k, surface in enumerate(scene.surfaces):
         # Nothing but contact acts on its asperites, and its bars move uniformly.
         uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
-        acted_on = scene.has_uncancelled_forces(surface) or surface.swing_reservoir is not None
+        acted_on = scene.has_uncancelled_forces(surface) or surface.reservoir("swing") is not None
         turning = surface.bath.inertias.size > 0 or model.surfaces[k].turning
         eligible.append(uniform and not (acted_on or turning or k in unlisted))
     if model.calculators is not None or not any(eligible):
@@ -120,12 +121,6 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
 
 def empty_boxes(count: int) -> Boxes:
     return Boxes(np.zeros(1, np.int64), np.empty((3, count)), np.empty((3, count)))
-
-
-def empty_cells(count: int) -> Cells:
-    """Room for the cells of so many points."""
-    starts, cell, order = (np.empty(size, np.int64) for size in (2 * count + 17, count, count))
-    return Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), starts, cell, order)
 
 
 def nowhere(count: int) -> np.ndarray:

@@ -36,7 +36,9 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     known = {f"{INTERACTION}.{name}" for name in _names_of_potential(layout)}
     for index, surface in enumerate(surfaces):
         known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
-    if not _refers_to_velocity(layout):
+    # A field, a plug-in or a reservoir may be given in the laboratory.
+    fixed = (each.velocity is not None for s in surfaces for each in s.reservoirs)
+    if not any((layout.model.fields, layout.model.drives, layout.model.ends, *fixed)):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
     return all(key in known or key.startswith(tuple(plain)) for key in keys)
 
@@ -61,13 +63,6 @@ def _is_plain(surface: Surface) -> bool:
     stiff = bool(np.all(surface.each["kappa"] > 0.0)) and not surface.asperite.is_rigid
     others = surface.bath, surface.springs, surface.initial.temperature, surface.langevin
     return stiff and not (isinstance(surface.drive, DrivenBars) or any(others))
-
-
-def _refers_to_velocity(layout: Layout) -> bool:
-    """Whether a field, a plug-in or a reservoir is given in the laboratory."""
-    model, surfaces = layout.model, layout.scene.surfaces
-    moving = (each.velocity is not None for s in surfaces for each in s.reservoirs)
-    return any((model.fields, model.drives, model.ends, *moving))
 
 
 def _names_of_potential(layout: Layout) -> tuple[str, ...]:

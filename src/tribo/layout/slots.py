@@ -107,8 +107,8 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
         "acc_internal": [bool(s.springs or s.bath or scene.has_contact_within(s)) for s in own],
         "acc_field": [scene.has_field(s) for s in own],
-        "acc_thermal": [s.bar_reservoir is not None for s in own],
-        "acc_swing": [s.swing_reservoir is not None for s in own],
+        "acc_thermal": [s.reservoir("bar") is not None for s in own],
+        "acc_swing": [s.reservoir("swing") is not None for s in own],
     }
     for name, width in GROUPS.items():
         present = wanted[name] if ledger != "none" else np.zeros(len(own), bool)

@@ -35,8 +35,8 @@ def model_tables(
     torsional = _oscillators([(each.inertias, each.torsional_frequencies) for each in baths])
     lattice = springs(scene, asperites, columns)
     pulls, pivots = lattice is not None or bath is not None, asperites["pivot"][None]
-    on_bars = any(surface.bar_reservoir for surface in scene.surfaces)
-    on_swings = any(surface.swing_reservoir for surface in scene.surfaces)
+    on_bars = any(surface.reservoir("bar") for surface in scene.surfaces)
+    on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
     return Model(
         constants=_table(constants_of(scene, asperites), numbering.surfaces, shared, OF_FILLING),
         each=_each(scene, asperites, columns, n),

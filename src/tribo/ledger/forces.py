@@ -72,7 +72,7 @@ FORCES = {
         probe.FRICTION,
         "force of the reservoir on the bar",
         "w_T",
-        lambda scene, surface: surface.bar_reservoir is not None,
+        lambda scene, surface: surface.reservoir("bar") is not None,
     ),
 }
 

@@ -131,7 +131,9 @@ def value_of(scene: Scene, key: str) -> object:
     own: dict[str, Any] = next(
         (each for each in table["surface"] if each["name"] == (surface or part)), {}
     )
-    value = (own.get(inner, {}) if inner else own["initial"] | own).get(name)
+    inner, _, on = inner.partition(".")
+    values = own.get(inner, {}) if inner else own["initial"] | own
+    value = (values[list(PLACES).index(on)] if on else values).get(name)
     if name == "velocity" and isinstance(value, list):
         return value[0]
     return value.get("kind") if name == "drive" and isinstance(value, dict) else value

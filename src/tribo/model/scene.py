@@ -269,7 +269,7 @@ class Scene(ComparedByValue):
         fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
-        return fields or lattice or bool(surface.bar_reservoir) or isinstance(surface.bars, Ends)
+        return fields or lattice or bool(surface.reservoir("bar")) or isinstance(surface.bars, Ends)
 
     def slides_along_x(self, surface: Surface) -> bool:
         """Whether the x of the surface's centres of mass are degrees of freedom.

@@ -156,7 +156,7 @@ class Surface(ComparedByValue):
             return
         if isinstance(self.bars, Ends):
             raise InputError("bars", 'cannot be forces of the user\'s own where drive = "bars"')
-        if self.bar_reservoir is not None:
+        if self.reservoir("bar") is not None:
             raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
 
     def _check_rigid(self) -> None:
@@ -168,7 +168,7 @@ class Surface(ComparedByValue):
         for name in ("omega", "nu"):
             if np.any(self.initial.for_each(self.count)[name]):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
-        if self.swing_reservoir is not None:
+        if self.reservoir("swing") is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
 
     @property
@@ -179,9 +179,9 @@ class Surface(ComparedByValue):
     @property
     def noisy_forces(self) -> tuple[str, ...]:
         """The forces on its asperites that have white noise."""
-        if self.bar_reservoir and self.bar_reservoir.temperature > 0.0:
+        noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.temperature > 0.0]
+        if "bar" in noisy:
             return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
-        noisy = self.swing_reservoir and self.swing_reservoir.temperature > 0.0
         return ("f2",) if noisy and isinstance(self.drive, DrivenBars) else ()
 
     @property
@@ -190,15 +190,9 @@ class Surface(ComparedByValue):
         listed = self.langevin if isinstance(self.langevin, tuple) else (self.langevin,)
         return tuple(each for each in listed if each)
 
-    @property
-    def bar_reservoir(self) -> Langevin | None:
-        """The Langevin reservoir at the bars, if there is one."""
-        return next((each for each in self.reservoirs if each.on == "bar"), None)
-
-    @property
-    def swing_reservoir(self) -> Langevin | None:
-        """The Langevin reservoir on the swing, if there is one."""
-        return next((each for each in self.reservoirs if each.on == "swing"), None)
+    def reservoir(self, on: str) -> Langevin | None:
+        """The Langevin reservoir on the "bar" or the "swing", if there is one that damps."""
+        return next((each for each in self.reservoirs if each.on == on), None)
 
     def _check_place(self) -> None:
         """Check the name, the lattice or the listed positions, and the velocity."""

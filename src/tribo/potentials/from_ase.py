@@ -214,10 +214,11 @@ class Call:
         cell = [period[0], 0.0, period[1]]
         atoms = Atoms(symbols, np.zeros((z.size, 3)), cell=cell, pbc=[side > 0.0 for side in cell])
         stops = np.cumsum(counts).tolist()
-        self._parts = [slice(n - count, n) for n, count in zip(stops, counts, strict=True)]
+        parts = [slice(n - count, n) for n, count in zip(stops, counts, strict=True)]
         self._calculator = calculator
         self._lock = _locks.setdefault(id(calculator), threading.Lock())
-        self._atoms = [atoms, *(atoms[part] for part in self._parts)]
+        # All bobs, from which each surface's alone are subtracted.
+        self._terms = [(1.0, slice(None), atoms), *((-1.0, part, atoms[part]) for part in parts)]
         self._known = np.full_like(self.place, np.nan)
         self._function = ctypes.CFUNCTYPE(None)(self._called)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
@@ -248,10 +249,8 @@ class Call:
         positions = np.column_stack([self.place, self._z])
         self.energy[:] = 0.0
         self.force[:] = 0.0
-        all_bobs = slice(0, self._z.size)
         with self._lock:
-            for atoms, part in zip(self._atoms, [all_bobs, *self._parts], strict=True):
-                sign = 1.0 if atoms is self._atoms[0] else -1.0
+            for sign, part, atoms in self._terms:
                 atoms.positions = positions[part]
                 self.energy[0] += sign * self._calculator.get_potential_energy(atoms)
                 self.force[part] += sign * self._calculator.get_forces(atoms)[:, :2]

@@ -202,7 +202,7 @@ def load_of(surface: Surface) -> float:
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:
     """A note where the drag of a reservoir on the bars is a large part of the pull."""
     part = next(each for each in result.scene.surfaces if each.name == surface)
-    reservoir, series = part.bar_reservoir, result[surface]
+    reservoir, series = part.reservoir("bar"), result[surface]
     if reservoir is None or "x_bar" not in series:
         return ""
     still = part.velocity if reservoir.velocity is None else reservoir.velocity
