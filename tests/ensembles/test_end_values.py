@@ -331,8 +331,8 @@ def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
 @pytest.mark.parametrize(
     ("settings", "field", "words"),
     [
-        ({"keep": "upper.w1"}, "keep", "must list quantities"),
-        ({"keep": []}, "keep", "must list quantities"),
+        ({"keep": "upper.w1"}, "keep", "must be a list of quantities"),
+        ({"keep": []}, "keep", "must be a list of quantities"),
         ({"keep": ["w1"]}, "keep.w1", "must be a quantity of a surface"),
         ({"keep": ["upper.w9"]}, "keep.upper.w9", "must be a quantity of a surface"),
         ({"keep": ["upper.w1"], "threads": 0}, "threads", "at least 1"),

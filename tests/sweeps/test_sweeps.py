@@ -306,7 +306,7 @@ def test_figure_of_means_over_seeds():
         ({"uper.theta": [0.1]}, {}, "values.uper.theta", 'did you mean "upper.theta"?'),
         ({"upper.asperite.kappa": [1, -1]}, {}, "values.upper.asperite.kappa", "negative"),
         (VALUES, {"keep": ["upper.w9"]}, "keep.upper.w9", "must be a quantity"),
-        (VALUES, {"keep": "upper.W"}, "keep", "must list"),
+        (VALUES, {"keep": "upper.W"}, "keep", "must be a list"),
         (VALUES, {"vary": THETA}, "members", "is missing"),
         (VALUES, {"members": 1}, "members", "at least 2"),
         (VALUES, {"engine": 3}, "engine", "submit or map"),

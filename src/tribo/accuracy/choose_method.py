@@ -54,7 +54,7 @@ def choose(
         methods.check(methods.named(method), scene)
     if methods.noisy(scene):
         return _noisy(layout, accuracy, step)
-    wanted = check_accuracy(DEFAULT_ACCURACY if accuracy is None else accuracy)
+    wanted = check_accuracy("accuracy", DEFAULT_ACCURACY if accuracy is None else accuracy)
     if method is None:
         began = time.perf_counter()
         chosen, why = cheapest(layout, strictest(wanted))

@@ -21,12 +21,13 @@ from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
 from tribo.ensembles.members import Members, Sampler, Source, Variation, is_random, sources_of
-from tribo.ensembles.request import END, SAMPLES, Request, checked_names
+from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution, Runs, planned, policy_of
 from tribo.ensembles.statistics import coordinates_of, variables_of
 from tribo.ensembles.stores import MemberStore, StatisticsStore, Target, in_file
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
+from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
 from tribo.simulation import prepare
 from tribo.validation import InputError, boolean, choice, instance, integer, short_repr
@@ -150,7 +151,7 @@ def ensemble(
         if given and keep is None:
             raise InputError(name, 'needs keep, as keep=["upper.w1"]')
     vary = sources_of(scene, vary, sampler, members)
-    names = None if keep is None else checked_names(keep)
+    names = None if keep is None else names_of_quantities("keep", keep)
     request = Request(names, at, False, accuracy, method, step, allow_unresolved)
     wanted = None if half_width is None else checked_half_width(scene, half_width)
     variation = Variation(scene, vary, integer("seed", seed, 0))

@@ -20,7 +20,7 @@ from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, inside, is_list, number, short_repr
+from tribo.validation import POSITIVE, InputError, inside, number
 
 # When quantities are kept.
 END, SAMPLES = "end", "samples"
@@ -111,10 +111,3 @@ class Request(NamedTuple):
                 step = choose(lay_out(scene), given.accuracy, method, given.step).step
         step = number("step", step, POSITIVE)  # there is one wherever there is noise
         return float(intervals[0] / count_of_steps(intervals[0], step))
-
-
-def checked_names(keep: object) -> tuple[str, ...]:
-    """The names of kept quantities, each once.  Raises InputError."""
-    if not is_list(keep) or len(keep) == 0:
-        raise InputError("keep", f'must list quantities, as ["upper.w1"], got {short_repr(keep)}')
-    return tuple(dict.fromkeys(map(str, keep)))

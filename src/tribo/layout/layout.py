@@ -27,7 +27,7 @@ from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.model.drives import Custom as CustomDrive
 from tribo.model.drives import Ends
-from tribo.model.identity import loaded, plugins_of
+from tribo.model.identity import loaded
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call
 
@@ -133,11 +133,6 @@ class Layout:
         own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
         acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
         return [item.potential for item in acting] + own
-
-    @property
-    def named_plugins(self) -> list[tuple[str, Any]]:
-        """All plug-ins that a user may have written, each with its field in the scene."""
-        return plugins_of(self.scene)
 
     @property
     def accounts_of_fields(self) -> list[int]:

@@ -19,6 +19,7 @@ from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.shared_run import assisted
 from tribo.threads.writable_memory import arrays_in, loop_of, own_model
@@ -152,7 +153,7 @@ def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
     """Compile a loop for a scene, or load it from the disk cache; returns the seconds."""
     began = time.perf_counter()
     loop = GeneralLoop(layout, method, unit_setting(layout, method), layout.start, 0.0, threads)
-    with undisturbed(), compiling(loop.compiled, layout.named_plugins):
+    with undisturbed(), compiling(loop.compiled, plugins_of(layout.scene)):
         if threads > 1:
             loop.model.team.counters[CLOSED] = 1
             loop.assist()

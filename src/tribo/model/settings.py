@@ -55,7 +55,7 @@ class Output:
 
     def __post_init__(self) -> None:
         run_in = check.one(check.NOT_NEGATIVE, "time")
-        check.fields(self, run_in=run_in, series=_series, keep=_names, times=_times)
+        check.fields(self, run_in=run_in, series=_series, keep=names_of_quantities, times=_times)
         if self.keep is not None and "oscillators" in self.series:
             raise InputError("series", '"oscillators" cannot go with keep, which omits them')
         check.integer("samples", self.samples, 2, check.LARGEST_COUNT)
@@ -96,9 +96,7 @@ class Numerics:
 
     def __post_init__(self) -> None:
         check.boolean("allow_unresolved", self.allow_unresolved)
-        check.fields(self, max_evaluations=check.one(check.POSITIVE))
-        if self.accuracy is not None:
-            object.__setattr__(self, "accuracy", check_accuracy(self.accuracy))
+        check.fields(self, max_evaluations=check.one(check.POSITIVE), accuracy=check_accuracy)
         if self.method is not None and (not isinstance(self.method, str) or not self.method):
             raise must_be("method", "the name of a method", self.method)
         check.fields(self, step=check.one(check.POSITIVE, "time"))
@@ -114,7 +112,7 @@ def _series(field: str, value: object) -> tuple[str, ...]:
     return tuple(word for word in SERIES if word in given)
 
 
-def _names(field: str, value: object) -> tuple[str, ...]:
+def names_of_quantities(field: str, value: object) -> tuple[str, ...]:
     """The names of quantities that are kept, each once."""
     if not is_list(value) or len(value) == 0:
         raise must_be(field, 'a list of quantities, as ["upper.W", "upper.x_cm"]', value)
@@ -131,14 +129,14 @@ def _times(field: str, value: object) -> tuple[float, ...]:
     return tuple(times.tolist())
 
 
-def check_accuracy(value: object) -> float | dict[str, float]:
+def check_accuracy(field: str, value: object) -> float | dict[str, float]:
     """An accuracy within the range that is possible, or one for each observable."""
-    if isinstance(value, Mapping):
-        if not value:
-            raise must_be("accuracy", "a number, or a table of at least one observable", value)
-        with inside("accuracy"):
-            return {str(name): _accuracy(str(name), item) for name, item in value.items()}
-    return _accuracy("accuracy", value)
+    if not isinstance(value, Mapping):
+        return _accuracy(field, value)
+    if not value:
+        raise must_be(field, "a number, or a table of at least one observable", value)
+    with inside(field):
+        return {str(name): _accuracy(str(name), item) for name, item in value.items()}
 
 
 def _accuracy(field: str, value: object) -> float:

@@ -17,7 +17,7 @@ from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figur
 from tribo.plotting.works import WORKS, draw_works, total, works_of
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be
+from tribo.validation import InputError, must_be, one_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -379,9 +379,7 @@ class Plots:
 
     def _surface(self, name: str | None = None) -> str:
         names = [surface.name for surface in self._result.scene.surfaces]
-        if name is not None and name not in names:
-            raise must_be("surface", f"one of {', '.join(names)}", name)
-        return name or names[0]
+        return names[0] if name is None else one_of("surface", name, names)
 
     def _width(self, index: int) -> float:
         return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
@@ -441,8 +439,7 @@ def compare(
     """
     from matplotlib import rc_context
 
-    if kind not in (kinds := ("angles", "energy_budget", "phase")):
-        raise must_be("kind", f"one of {', '.join(kinds)}", kind)
+    one_of("kind", kind, ("angles", "energy_budget", "phase"))
     if not 1 <= len(results) <= len(DASHES):
         raise must_be("results", f"1 to {len(DASHES)} results", len(results))
     with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:

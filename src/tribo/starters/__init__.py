@@ -2,7 +2,7 @@
 
 from importlib.resources import files
 
-from tribo.validation import must_be
+from tribo.validation import one_of
 
 # What each scene file shows.
 KINDS = {
@@ -16,6 +16,5 @@ KINDS = {
 
 def starter(kind: str) -> str:
     """The text of a commented scene file, in TOML.  Raises InputError for a kind not in `KINDS`."""
-    if kind not in KINDS:
-        raise must_be("kind", f"one of {', '.join(KINDS)}", kind)
-    return files("tribo.starters").joinpath("scenes", f"{kind}.toml").read_text(encoding="utf-8")
+    path = files("tribo.starters").joinpath("scenes", f"{one_of('kind', kind, KINDS)}.toml")
+    return path.read_text(encoding="utf-8")

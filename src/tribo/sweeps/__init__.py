@@ -13,12 +13,13 @@ from tribo.ensembles import ensemble
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.kept_values import total_names
 from tribo.ensembles.members import Sampler, Source, Variation, sources_of
-from tribo.ensembles.request import END, SAMPLES, Request, checked_names
+from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target, in_file
 from tribo.layout.layout import lay_out
 from tribo.model.parameters import of_each_surface
 from tribo.model.scene import Scene
+from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table
 from tribo.sweeps.grid import Grid, Keys
@@ -105,7 +106,7 @@ def sweep(
         if key in sources:
             raise InputError(f"vary.{key}", "is swept too; give it once")
     keep = scene.output.keep if keep is None else keep
-    names = tuple(total_names(scene)) if keep is None else checked_names(keep)
+    names = tuple(total_names(scene)) if keep is None else names_of_quantities("keep", keep)
     at = choice("at", at, (END, SAMPLES))
     settings: dict[str, Any] = {"at": at, "accuracy": accuracy, "method": method, "step": step}
     settings["allow_unresolved"] = allow_unresolved

@@ -15,6 +15,7 @@ from tribo.compiler.pointers import map_arrays
 from tribo.kernels.records import BOB_ROWS, Model
 from tribo.layout import contacts
 from tribo.layout.layout import Layout
+from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.sources import source_stamp
 from tribo.potentials.from_ase import Call
@@ -42,7 +43,7 @@ def entry_point(
 ) -> EntryPoint:
     """A loop compiled or loaded for arguments `fixed` and like `examples`.  Raises InputError."""
     loop = loop_of(layout, function)
-    with compiling(loop, layout.named_plugins):
+    with compiling(loop, plugins_of(layout.scene)):
         return EntryPoint(loop, fixed, examples)
 
 
@@ -108,7 +109,7 @@ class Probe:
     def __call__(self, count: int, *arguments: Any) -> None:
         """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
         done = 0
-        with compiling(self._kernel, self._layout.named_plugins):
+        with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)
                 done = self._kernel(self.model, self._neighbours, done, *arguments)
