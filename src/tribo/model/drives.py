@@ -193,10 +193,9 @@ KINDS: dict[str, type[Drive]] = {
     "push": Pushed,
     "bars": DrivenBars,
 }
-SETTINGS = ("kind", "load", "rigid", "stiffness", "speed", "force", "rate")
 
 
-def as_drive(value: object, folder: Path = Path()) -> Drive:
+def as_drive(value: Any, folder: Path = Path()) -> Drive:
     """A drive from its name or its table in a scene file, or the drive itself."""
     if isinstance(value, Drive) and type(value) is not Drive:
         return value
@@ -207,7 +206,7 @@ def as_drive(value: object, folder: Path = Path()) -> Drive:
         name, load = parameters.pop("kind"), parameters.pop("load", None)
         force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
         return Custom(load=load, force=force)
-    table = check.known_keys(value, SETTINGS, ["kind"])
+    table = check.known_keys(value, value, ["kind"])
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind is DrivenBars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')

@@ -26,7 +26,7 @@ from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.derivative import force_from
-from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, number, short_repr
+from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, must_be, number, short_repr
 
 # A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
 Real = Any
@@ -309,8 +309,8 @@ def as_potential(value: Any) -> Any:
     if isinstance(value, Unloaded):
         return value  # only a scene that is run needs more
     if not hasattr(value, "_fields"):
-        reason = "must be a potential, of a class that derives from tribo.Potential or a NamedTuple"
-        raise InputError("potential", f"{reason}, got {short_repr(value)}")
+        wanted = "a potential, of a class that derives from tribo.Potential or a NamedTuple"
+        raise must_be("potential", wanted, value)
     cls: Any = type(value)
     potential = complete(cls)(*value).with_checked_fields()
     _check(potential)

@@ -57,13 +57,9 @@ def named(name: str, /, **parameters: object) -> Potential:
     return from_table({"potential": name} | parameters, Path())
 
 
-def from_table(table: object, folder: Path) -> Any:
+def from_table(table: Any, folder: Path) -> Any:
     """The potential that a table of a scene file describes, with its parameters and cutoff."""
-    if not isinstance(table, dict):
-        raise must_be("", "a table", table)
-    parameters = dict(table)
-    if "potential" not in parameters:
-        raise InputError("potential", "is missing")
+    parameters = known_keys(table, table, ["potential"])
     name = parameters.pop("potential")
     stand_in = left(name, parameters)
     if stand_in is not None:
