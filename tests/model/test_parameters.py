@@ -91,6 +91,9 @@ def test_all_surfaces_and_other_potentials():
     values = {"interaction.potential": "yukawa", "interaction.screening": 0.5}
     found = with_values(scene, values).interactions[0].potential
     assert found == tribo.Yukawa(0.2, 0.5).with_cutoff(4.0)
+    shifted = with_values(scene, {"interaction.at_cutoff": "shift"})
+    found = with_values(shifted, values).interactions[0].potential
+    assert found == tribo.Yukawa(0.2, 0.5).with_cutoff(4.0, "shift")
     with pytest.raises(InputError, match=r"interaction\.D: is missing; needed too: alpha, r0$"):
         with_values(scene, {"interaction.potential": "morse"})
     values = {"upper.drive": "free", "upper.drive.load": 0.3}

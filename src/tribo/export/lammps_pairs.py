@@ -7,11 +7,12 @@ which LAMMPS differentiates.
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from tribo.export.lepton import NoFormulaError, energy_text
+from tribo.export.lepton import energy_text
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials.charges import Coulomb
 from tribo.potentials.cutoff import Shifted, Truncated
+from tribo.potentials.derivative import NoFormulaError
 from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
 from tribo.potentials.from_ase import Live
 from tribo.potentials.inverse_powers import LennardJones, Mie, WeeksChandlerAndersen

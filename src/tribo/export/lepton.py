@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tribo.potentials.derivative import NoFormulaError
 from tribo.potentials.potential import Potential
 
 # Text of what numpy's functions and Python's operators do.
@@ -38,10 +39,6 @@ OPERATIONS = {
 }
 
 COMPARISONS = (np.less, np.less_equal, np.greater, np.greater_equal)
-
-
-class NoFormulaError(Exception):
-    """An energy that is no formula of the distance and the charges."""
 
 
 def _refuse(formula: Formula, *_: object) -> Any:

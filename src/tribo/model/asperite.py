@@ -1,7 +1,7 @@
 """An asperite: a bar, and a pendulum on a torsion spring that swings from the bar's centre."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -100,7 +100,7 @@ class Asperite(ComparedByValue):
         The derived quantities are `mass` M = m1 + m2, `l1` and `l2` (distances of bob and bar
         from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
         """
-        each = {f.name: broadcast(f.name, getattr(self, f.name), count) for f in fields(self)}
+        each = {name: broadcast(name, getattr(self, name), count) for name in LIMITS}
         m1, m2 = self.m1, self.m2
         mass = m1 + m2
         l1, l2 = self.length * m2 / mass, self.length * m1 / mass

@@ -13,7 +13,6 @@ A star in place of the name of a surface means all surfaces.
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import fields as fields_of
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
 from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
-from tribo.model.tables import changed, table_of
+from tribo.model.tables import changed, field_names, table_of
 from tribo.plugins.classes import instance
 from tribo.potentials.tables import (
     CUTOFF_KEYS,
@@ -45,12 +44,9 @@ OF_SCENE = ("duration", "seed", "title")
 # The parts of the scene whose values have keys.
 PARTS_OF_SCENE = ("output", "numerics", "periodic")
 # The initial values of a surface, and the other values of its own that have keys.
-INITIAL = tuple(each.name for each in fields_of(Initial))
-OF_SURFACE = (
-    *INITIAL,
-    *("velocity", "facing", "bob", "shape", "spacing", "depth", "heights", "positions"),
-    *("drive", "bars", "species", "springs", "bath", "langevin"),
-)
+INITIAL = field_names(Initial)
+OWN = [name for name in field_names(Surface) if name not in ("name", "asperite", "initial")]
+OF_SURFACE = [*INITIAL, *OWN]
 # What reads a part of a surface from its table, or from a word.
 READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
 READ |= {"langevin": as_langevin, "springs": as_springs}

@@ -14,11 +14,11 @@ M. Peyrard, S. Aubry, J. Phys. C 16 (1983) 1593.
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
 from fractions import Fraction
 from typing import Any
 
 from tribo.model.surface import Surface
+from tribo.model.tables import field_names
 from tribo.validation import POSITIVE, InputError, inside, integer, known_keys, must_be, number
 
 # Ratio of the spacings of incommensurate rows.
@@ -166,4 +166,4 @@ def _row(
 ) -> Surface:
     row = {"name": name, "facing": facing, "bob": bob, "shape": (n, 1), "spacing": (spacing, 0.0)}
     with inside(name):
-        return Surface(**row | known_keys(settings or {}, [f.name for f in fields(Surface)]))
+        return Surface(**row | known_keys(settings or {}, field_names(Surface)))

@@ -5,7 +5,6 @@ The names of the keys are a contract: scene files of older versions stay valid.
 
 import tomllib
 from collections.abc import Callable
-from dataclasses import fields as fields_of
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
-from tribo.model.tables import from_table, part
+from tribo.model.tables import field_names, from_table, part
 from tribo.model.topography import as_topography, is_topography
 from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path, known_keys, must_be
@@ -28,7 +27,6 @@ KEYS = (
     *("title", "duration", "seed", "periodic"),
     *("interaction", "field", "surface", "output", "numerics"),
 )
-SURFACE_KEYS = [f.name for f in fields_of(Surface)]
 
 
 def load_scene(path: object) -> Scene:
@@ -84,7 +82,7 @@ def _interaction(table: Any, folder: Path) -> Interaction:
 
 
 def _surface(table: object, folder: Path) -> Surface:
-    table = known_keys(table, SURFACE_KEYS, ["name"])
+    table = known_keys(table, field_names(Surface), ["name"])
     readers: dict[str, Callable[[Any], object]] = {
         "asperite": partial(from_table, Asperite),
         "initial": partial(from_table, Initial),

@@ -40,7 +40,7 @@ def from_table(kind: type[Kind], value: object, required: Iterable[str] = ()) ->
     """A dataclass from its table in a scene file, or one that was made before."""
     if isinstance(value, kind):
         return value
-    return kind(**known_keys(value, _names(kind), required))
+    return kind(**known_keys(value, field_names(kind), required))
 
 
 def part(read: Callable[[Any], object]) -> Check:
@@ -55,12 +55,12 @@ def part(read: Callable[[Any], object]) -> Check:
 
 def changed(item: Kind, values: Mapping[str, Any]) -> Kind:
     """A dataclass with other values.  Raises InputError for names that it does not have."""
-    return replace(item, **known_keys(values, _names(item)))  # type: ignore[type-var]
+    return replace(item, **known_keys(values, field_names(item)))  # type: ignore[type-var]
 
 
 def table_of(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that are not None, as values of TOML."""
-    values = {name: getattr(item, name) for name in _names(item)}
+    values = {name: getattr(item, name) for name in field_names(item)}
     return {name: _of_toml(value) for name, value in values.items() if value is not None}
 
 
@@ -72,5 +72,6 @@ def _of_toml(value: Any) -> Any:
     return table_of(value) if is_dataclass(value) else value
 
 
-def _names(kind: Any) -> list[str]:
+def field_names(kind: Any) -> list[str]:
+    """The fields of a dataclass, of which tables and keyword arguments have the keys."""
     return [each.name for each in fields(kind)]

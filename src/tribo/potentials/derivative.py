@@ -39,7 +39,7 @@ SINGULAR = ("log", "sqrt")
 
 
 class NoFormulaError(Exception):
-    """Source that has no symbolic derivative here."""
+    """Source that has no symbolic derivative here, or an energy that is no formula."""
 
 
 class Rules:
