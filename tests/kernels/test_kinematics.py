@@ -8,10 +8,8 @@ from tribo.kernels import kinematics
 
 ARGUMENTS = {
     "nearest_image": (2.3, 1.5),
-    "bob_position": (0.3, -0.2, 1.4, 0.6, 0.8),
-    "bob_velocity": (0.3, -0.2, 1.7, 1.4, 0.6, 0.8),
-    "bar_position": (0.3, -0.2, 1.4, 0.6, 0.8),
-    "bar_velocity": (0.3, -0.2, 1.7, 1.4, 0.6, 0.8),
+    "rod_position": (0.3, -0.2, 1.4, 0.6, 0.8),
+    "rod_velocity": (0.3, -0.2, 1.7, 1.4, 0.6, 0.8),
     "end_force": (0.4, 1.3, 0.6, 0.8),
     "rotational_power": (1.4, 1.7, 0.6, 0.8, -0.3, 0.2),
 }
@@ -47,8 +45,8 @@ def test_rods_are_rigid():
     def places(t):
         theta = 0.4 + omega * t
         tx, ty = np.cos(theta), np.sin(theta)
-        bob = kinematics.bob_position(0.2 * t, 0.1, l1, tx, ty)
-        bar = kinematics.bar_position(0.2 * t, 0.1, l2, tx, ty)
+        bob = kinematics.rod_position(0.2 * t, 0.1, l1, tx, ty)
+        bar = kinematics.rod_position(0.2 * t, 0.1, -l2, tx, ty)
         return np.array([bob, bar])
 
     bob, bar = places(0.0)
@@ -56,15 +54,15 @@ def test_rods_are_rigid():
     assert bob - bar == pytest.approx((l1 + l2) * np.array([np.sin(0.4), -np.cos(0.4)]))
     rates = (places(step) - places(-step)) / (2.0 * step)
     tx, ty = np.cos(0.4), np.sin(0.4)
-    assert rates[0] == pytest.approx(kinematics.bob_velocity(0.2, 0.0, omega, l1, tx, ty))
-    assert rates[1] == pytest.approx(kinematics.bar_velocity(0.2, 0.0, omega, l2, tx, ty))
+    assert rates[0] == pytest.approx(kinematics.rod_velocity(0.2, 0.0, omega, l1, tx, ty))
+    assert rates[1] == pytest.approx(kinematics.rod_velocity(0.2, 0.0, omega, -l2, tx, ty))
 
 
 def test_rotational_power():
     """The power of a force about the centre of mass is force times relative velocity."""
     tx, ty, force = np.cos(0.4), np.sin(0.4), np.array([-0.3, 0.2])
-    bob = kinematics.bob_velocity(0.0, 0.0, 1.3, 0.7, tx, ty)
-    bar = kinematics.bar_velocity(0.0, 0.0, 1.3, 1.1, tx, ty)
+    bob = kinematics.rod_velocity(0.0, 0.0, 1.3, 0.7, tx, ty)
+    bar = kinematics.rod_velocity(0.0, 0.0, 1.3, -1.1, tx, ty)
     assert kinematics.rotational_power(0.7, 1.3, tx, ty, *force) == pytest.approx(force @ bob)
     assert kinematics.rotational_power(-1.1, 1.3, tx, ty, *force) == pytest.approx(force @ bar)
 

@@ -183,14 +183,14 @@ ARRAYS = {
     "turning": lambda scene, s: is_turning(s),
     "fields": lambda scene, s: bool(scene.fields),
     "external": lambda scene, s: bool(scene.fields),
-    "within": lambda scene, s: len(scene.interactions) > 1,
     "inner": lambda scene, s: len(scene.interactions) > 1,
     "box": lambda scene, s: scene.periodic.x is not None,
     "calculators": lambda scene, s: False,
     "species": lambda scene, s: False,
     "drives": lambda scene, s: False,
     "ends": lambda scene, s: False,
-    "end_forces": lambda scene, s: False,
+    "left": lambda scene, s: False,
+    "right": lambda scene, s: False,
 }
 
 

@@ -22,7 +22,7 @@ from tribo.accuracy.levels import NEAR
 from tribo.integrators.methods import METHODS, Method, refusal
 from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
-from tribo.kernels.kinematics import bob_position
+from tribo.kernels.kinematics import rod_position
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import swing_direction
 from tribo.ledger.separation import in_box
@@ -146,7 +146,7 @@ def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
     """The pairs of bobs that one evaluation visits, and whether some bobs are in lists."""
     counts = [surface.count for surface in layout.scene.surfaces]
     visited, listed = 0.0, False
-    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+    for contact in layout.model.contacts:
         for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
             among = counts[one] * (counts[one] - 1) // 2
             every = among if one == other else counts[one] * counts[other]
@@ -169,11 +169,11 @@ def steps_towards(layout: Layout) -> float:
     """The fewest steps that jump no encounter, if bobs keep their first velocity and swing."""
     a = layout.asperites
     tx, ty = swing_direction(a.facing, layout.start[: a.size])
-    places = np.column_stack([*bob_position(a.x, a.y, a.l1, tx, ty), layout.depths])
+    places = np.column_stack([*rod_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     in_place, box = in_box(layout, places)
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
     times, rates = np.linspace(0.0, layout.scene.duration, TIMES), [0.0]
-    for contact in layout.model.contacts:
+    for contact in (each for each in layout.model.contacts if each.within is None):
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))

@@ -8,7 +8,7 @@ from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import largest, resolved
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.kinematics import bob_velocity
+from tribo.kernels.kinematics import rod_velocity
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
@@ -95,7 +95,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     span, motion = layout.together, Motion(layout, layout.together, samples)
     relative = _relative_velocity(layout, span)
     vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
-    bob = bob_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
+    bob = rod_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
     velocity = max(guess.velocity, float(np.max(np.hypot(*bob))))
     torsion, internal = motion.swing - motion.phi, motion.energy
     highest, change = largest(internal), largest(internal - internal[0])

@@ -115,8 +115,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 def _of_cutoffs(layout: Layout) -> dict[str, float]:
     """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
     scene, found = layout.scene, {"total_energy_change": 0.0}
-    of = {"contact_energy": layout.model.contacts, "delta_E_int": layout.model.within or ()}
-    for name, contacts in of.items():
+    for name, within in (("contact_energy", None), ("delta_E_int", True)):
+        contacts = [contact for contact in layout.model.contacts if contact.within is within]
         energy = sum(_subtracted(contact.potential, scene) for contact in contacts)
         found[name] = TERM_ROUNDINGS * EPSILON * scene.count * energy
         found["total_energy_change"] += found[name]
@@ -196,8 +196,7 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
 
 def _shortest_length(layout: Layout, motion: Motion) -> float:
     """The shortest length over which a contact's force changes; infinite without contacts."""
-    contacts = (*layout.model.contacts, *(layout.model.within or ()))
-    lengths = [contact.potential.feature()[0] for contact in contacts]
+    lengths = [contact.potential.feature()[0] for contact in layout.model.contacts]
     sample, parts = int(np.argmax(np.abs(motion.samples.contact))), list(layout.parts.values())
     x, y = (place[sample] for place in motion.bob)
     for contact in layout.model.contacts:

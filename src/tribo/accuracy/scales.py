@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.kernels.kinematics import bob_velocity
+from tribo.kernels.kinematics import rod_velocity
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger
@@ -88,7 +88,7 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         internal = max(internal, largest(turning + bar + spring))
         vx, vy = table["vx_cm"] - mean[0], table["vy_cm"] - mean[1]
         direction = swing_direction(a.facing, swing)
-        bob = bob_velocity(vx, vy, table["omega"], a.l1, *direction)
+        bob = rod_velocity(vx, vy, table["omega"], a.l1, *direction)
         speed = max(speed, float(np.max(np.hypot(*bob))))
     return scales_of(layout, tops, speed, internal)
 

@@ -53,7 +53,7 @@ class Team(NamedTuple):
     lengths: np.ndarray  # (chunks,) of the rows of each chunk of a list of neighbours
     begins: np.ndarray  # (chunks + 1,) where the room of each chunk begins in that list
     reach: np.ndarray  # (chunks, 2) columns first <= i < last of the reactions to each chunk
-    reactions: np.ndarray  # (2 chunks, n) x and y of the reactions to the rows of each chunk
+    reactions: np.ndarray  # (chunks, 2, n) the reactions to the rows of each chunk
 
 
 @intrinsic

@@ -20,7 +20,7 @@ from tribo.accuracy.plan import make_plan
 from tribo.accuracy.search import FIRST, FoundSettings
 from tribo.accuracy.search_runs import COARSE_RUNS, PARTS, PILOT_LEVEL, StopTimes
 from tribo.integrators.methods import Method
-from tribo.kernels.probe import ROWS
+from tribo.kernels.probe import TABLES
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import assemble
@@ -197,7 +197,7 @@ def bytes_of_run(layout: Layout, method: Method, samples: int, compared: bool) -
     if compared:
         found += min(PORTION, BYTES * max(times, PARTS + 1) * layout.scene.count)
     if "forces" in layout.scene.output.series:
-        found += times * ROWS * layout.model.each[0].nbytes
+        found += times * 2 * TABLES * layout.model.each[0].nbytes
     return found
 
 

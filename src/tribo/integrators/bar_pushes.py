@@ -3,10 +3,10 @@
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, coordinates, directions, is_fixed, keeps_velocity
+from tribo.kernels.blocks import constant, coordinates, has, keeps_velocity, vectors
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
-from tribo.kernels.powers import place_of
+from tribo.kernels.powers import add_works
 
 
 @inlined
@@ -19,12 +19,9 @@ def impulse_on_end(model, s, i, impulse):
 
 @inlined
 def push_bars(model, s, i, px, py, v, accounts, slot):
-    """Give momenta (px, py) to a block of bars, frozen in place.
-
-    The works are added to the accounts from `slot` on.
-    """
+    """Give momenta (px, py) to a block of bars, frozen; works are added from account `slot` on."""
     l2, mobility = constant(model, rows.L2, s, i), constant(model, rows.INVERSE_MASS, s, i)
-    tx, ty = directions(model, i)
+    tx, ty = vectors(model.directions, i)
     along = tx * px + ty * py
     omega = block(v, i)
     change = 0.0 - l2 * along * constant(model, rows.INVERSE_INERTIA, s, i)
@@ -37,17 +34,11 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
         add_block(v, s.dof_y + i - s.start, change_y)
     if slot < 0:
         return
-    stride = s.account_stride
-    k = place_of(s, slot, i)
     swept = along * (omega + 0.5 * change)
     pivot = pivot_lengths(model.pivots, s, i)
-    add_block(accounts, k, px)
-    add_block(accounts, k + stride, py)
-    add_block(accounts, k + 2 * stride, 0.0 - (l2 + pivot) * swept)
-    add_block(accounts, k + 3 * stride, px * vx + py * vy + pivot * swept)
-    if is_fixed(model.fixed, s):
+    about, pseudowork = 0.0 - (l2 + pivot) * swept, px * vx + py * vy + pivot * swept
+    add_works(accounts, s, slot, i, px, py, about, pseudowork)
+    if has(model.fixed, s.fixed):
         x, y = impulse_on_end(model, s, i, 0.0 - l2 * along)
-        k = place_of(s, s.acc_ends + 2 * stride, i)
-        add_block(accounts, k, x)
-        add_block(accounts, k + stride, y)
-        add_block(accounts, k + 2 * stride, x * vx + y * vy)
+        k = s.acc_ends + 2 * s.account_stride
+        add_works(accounts, s, k, i, x, y, x * vx + y * vy)

@@ -13,10 +13,10 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import add_bath_works_of_jumps
 from tribo.integrators.reservoirs import damp_bars, damp_swings
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
-from tribo.kernels.baths import first_slot, torsional_slot
+from tribo.kernels.baths import oscillators_of
 from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
 from tribo.kernels.powers import place_of
-from tribo.kernels.records import ALONG_X, ALONG_Y, I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
+from tribo.kernels.records import I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, X, Y
 
 
 @inlined
@@ -36,11 +36,9 @@ def rotate_bath_of(model, bath, s, i, q, v, rotations):
     """Rotate the oscillators of bar i; returns their momentum after it."""
     px = broadcast(0.0)
     py = broadcast(0.0)
-    x = model.displaced[ALONG_X, i]
-    y = model.displaced[ALONG_Y, i]
-    count = s.oscillators
-    first = s.first_oscillator
-    slot = first_slot(s, i)
+    x = model.displaced[X, i]
+    y = model.displaced[Y, i]
+    first, count, slot = oscillators_of(s, i, 0)
     for m in range(0, count, LANES):
         turn = rotation_of(rotations, first + m)
         mass = block(bath[OSCILLATOR_MASS], first + m)
@@ -52,32 +50,24 @@ def rotate_bath_of(model, bath, s, i, q, v, rotations):
 
 
 @kernel
-def rotate_baths_of(model, bath, reservoirs, s, first, q, v, accounts, rotations):
-    """Rotate the oscillators of a block of bars, which take up the opposite momentum."""
-    after_x = broadcast(0.0)
-    after_y = broadcast(0.0)
-    for i in range(first, min(first + LANES, s.end)):
-        px, py = rotate_bath_of(model, bath, s, i, q, v, rotations)
-        after_x = with_lane(after_x, i - first, px)
-        after_y = with_lane(after_y, i - first, py)
-    before_x, before_y = vectors(model.bath_momentum, first)
-    set_vectors(model.bath_momentum, first, after_x, after_y)
-    px = before_x - after_x
-    py = before_y - after_y
-    push_bars(model, s, first, px, py, v, accounts, s.acc_internal)
-    add_bath_works_of_jumps(model, reservoirs, s, first, px, py, accounts)
-
-
-@kernel
 def rotate_bath(model, bath, reservoirs, tau, q, v, accounts, rotations):
-    """Rotate all oscillators exactly, bars frozen."""
+    """Rotate the oscillators of all bars, which take up the opposite momentum."""
     if bath is not None:
         set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.oscillators > 0:
-                for i in range(s.start, s.stop, LANES):
-                    rotate_baths_of(model, bath, reservoirs, s, i, q, v, accounts, rotations)
+                for first in range(s.start, s.stop, LANES):
+                    after_x, after_y = broadcast(0.0), broadcast(0.0)
+                    for i in range(first, min(first + LANES, s.end)):
+                        px, py = rotate_bath_of(model, bath, s, i, q, v, rotations)
+                        after_x = with_lane(after_x, i - first, px)
+                        after_y = with_lane(after_y, i - first, py)
+                    before_x, before_y = vectors(model.bath_momentum, first)
+                    set_vectors(model.bath_momentum, first, after_x, after_y)
+                    lost_x, lost_y = before_x - after_x, before_y - after_y
+                    push_bars(model, s, first, lost_x, lost_y, v, accounts, s.acc_internal)
+                    add_bath_works_of_jumps(model, reservoirs, s, first, lost_x, lost_y, accounts)
 
 
 @kernel
@@ -87,12 +77,10 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
         set_rotations(torsional[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_torsional
-            count = s.torsionals
-            if count > 0:
+            if s.torsionals > 0:
                 account = s.acc_internal + 2 * s.account_stride
                 for i in range(s.start, s.end):
-                    slot = torsional_slot(s, i)
+                    first, count, slot = oscillators_of(s, i, 2)
                     j = s.dof_phi + i - s.start
                     gain = broadcast(0.0)
                     for m in range(0, count, LANES):
@@ -110,14 +98,11 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
 def bath_substep(model, t, tau, q, v, accounts, reservoirs, rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
     turns, torsional_turns = rotations
-    if reservoirs is None:
-        rotate_bath(model, model.bath, reservoirs, tau, q, v, accounts, turns)
-        rotate_torsional(model, model.torsional, tau, q, v, accounts, torsional_turns)
-    else:
-        half = 0.5 * tau
-        rotate_bath(model, model.bath, reservoirs, half, q, v, accounts, turns)
-        rotate_torsional(model, model.torsional, half, q, v, accounts, torsional_turns)
+    part = tau if reservoirs is None else 0.5 * tau
+    rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)
+    rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
+    if reservoirs is not None:
         damp_bars(model, model.friction, reservoirs, t, q, v, accounts, noise)
         damp_swings(model, model.swing_friction, reservoirs, t, q, v, accounts, noise)
-        rotate_torsional(model, model.torsional, half, q, v, accounts, torsional_turns)
-        rotate_bath(model, model.bath, reservoirs, half, q, v, accounts, turns)
+        rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
+        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)

@@ -68,7 +68,6 @@ class Collocation(NamedTuple):
     most_growth: float = MAX_EXTRAPOLATION
 
     def workspace(self, model: Model, state: State) -> Nodes:
-        """The arrays that a step needs, for Python."""
         count, n = self.c.size, state.acceleration.size
         powers = room((count, state.s.size))
         return Nodes(room((count, n)), powers, room((2 * n,)), room((n,)), room((n,)))
@@ -85,7 +84,9 @@ class Collocation(NamedTuple):
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`.  The first node is its start."""
-        set_tolerance(state, tolerance, work.unit)
+        n = state.acceleration.size
+        for m in range(n, 2 * n):  # not less than the round-off of each velocity
+            work.unit[m - n] = tolerance.y[m] + 2.0 * EPSILON * abs(state.y[m])
         copy(state.acceleration, work.accelerations[0])
         copy(state.power, work.powers[0])
         if not solve(self, model, neighbours, clock, h, state, work, SWEEP_TOLERANCE, 1.0):
@@ -96,12 +97,6 @@ class Collocation(NamedTuple):
             copy_state(state, new)
             complete_step(self, model, neighbours, clock, h, end, new, work)
         return error, math.isfinite(error)
-
-
-@kernel
-def unknown_nodes(method):
-    """Number of nodes without the start of the step."""
-    return method.c.size - 1 if method.c[0] == 0.0 else method.c.size
 
 
 @kernel
@@ -118,19 +113,8 @@ def set_round_off(state, h, unit):
 
 
 @kernel
-def set_tolerance(state, tolerance, unit):
-    """The tolerance of each velocity, but not less than its round-off, as its unit."""
-    n = state.acceleration.size
-    for m in range(n):
-        unit[m] = tolerance.y[n + m] + 2.0 * EPSILON * abs(state.y[n + m])
-
-
-@kernel
 def predict(method, clock, h, memory, accelerations):
-    """First values at the nodes: those of the last step's polynomial, or that at the start.
-
-    The value at the start stands in row 0.
-    """
+    """First values at the nodes: by the last step's polynomial, or those at the start, in row 0."""
     ratio = h / clock.last_step if clock.last_step > 0.0 else math.inf
     for i in range(method.c.size):
         if ratio > MAX_EXTRAPOLATION:
@@ -149,22 +133,23 @@ def predict(method, clock, h, memory, accelerations):
 
 
 @expanded
-def evaluate_node(model, neighbours, method, i, t, h, y, work):
+def evaluate_node(model, neighbours, method, i, clock, h, y, work):
     """q'' at node i, and (q, v) there, from the present values at all nodes."""
     q, v = halves(work.y)
     q_start, v_start = halves(y)
     combine_twice(q_start, h, method.c[i], v_start, method.a[i], work.accelerations, q)
     combine(v_start, h, method.r[i], work.accelerations, v)
-    equations_of_motion(model, neighbours, t + method.c[i] * h, q, v, work.acceleration)
+    equations_of_motion(model, neighbours, clock.t + method.c[i] * h, q, v, work.acceleration)
+    clock.evaluations += 1
 
 
 @expanded
-def sweep(model, neighbours, method, t, h, y, work):
+def sweep(model, neighbours, method, clock, h, y, work):
     """Replace the values at all nodes; returns their largest change, times h, in their units."""
     change = 0.0
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            evaluate_node(model, neighbours, method, i, t, h, y, work)
+            evaluate_node(model, neighbours, method, i, clock, h, y, work)
             for m in range(work.acceleration.size):
                 new = h * abs(work.acceleration[m] - work.accelerations[i, m]) / work.unit[m]
                 if not new <= change:  # keeps nan
@@ -175,15 +160,11 @@ def sweep(model, neighbours, method, t, h, y, work):
 
 @expanded
 def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
-    """Sweep until the next change would be below `tolerance`, or stalls below `stall`.
-
-    Returns whether the iteration has converged.
-    """
+    """Whether sweeps bring the next change below `tolerance`, or a change stalls below `stall`."""
     predict(method, clock, h, state.memory, work.accelerations)
     before = 0.0
     for _ in range(MAX_SWEEPS):
-        change = sweep(model, neighbours, method, clock.t, h, state.y, work)
-        clock.evaluations += unknown_nodes(method)
+        change = sweep(model, neighbours, method, clock, h, state.y, work)
         if change <= tolerance or change * change <= tolerance * before:
             return True
         if 0.0 < before <= change <= stall:
@@ -199,11 +180,10 @@ def evaluate_powers(method, model, neighbours, clock, h, state, work):
     """A last sweep, with the powers at all nodes."""
     for i in range(method.c.size):
         if method.c[i] > 0.0:
-            evaluate_node(model, neighbours, method, i, clock.t, h, state.y, work)
+            evaluate_node(model, neighbours, method, i, clock, h, state.y, work)
             t = clock.t + method.c[i] * h
             all_powers(model, model.ledger, t, *halves(work.y), work.powers[i])
             copy(work.acceleration, work.accelerations[i])
-    clock.evaluations += unknown_nodes(method)
 
 
 @kernel

@@ -10,15 +10,15 @@ import numpy as np
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, coordinates, is_fixed, keeps_velocity
+from tribo.kernels.blocks import constant, coordinates, has, keeps_velocity
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
-from tribo.kernels.levers import lever_of_bar, pivot_lengths
-from tribo.kernels.powers import place_of
+from tribo.kernels.levers import levers, pivot_lengths
+from tribo.kernels.powers import add_works
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
@@ -30,22 +30,22 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 def add_end_impulses(model, s, i, impulse, v, accounts):
     """Add the impulse on the ends of clamped bars at rest, and its pseudowork."""
     x, y = impulse_on_end(model, s, i, impulse)
-    stride = s.account_stride
-    k = place_of(s, s.acc_ends + 2 * stride, i)
+    k = s.acc_ends + 2 * s.account_stride
     # Memory limits the steps of large scenes, so accounts that stay zero are left alone.
     if s.tilted:
-        add_block(accounts, k, x)
-    add_block(accounts, k + stride, y)
+        add_works(accounts, s, k, i, x)
+    add_works(accounts, s, k + s.account_stride, i, y)
     if not keeps_velocity(s):
         vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
-        add_block(accounts, k + 2 * stride, x * vx + y * vy)
+        add_works(accounts, s, k + 2 * s.account_stride, i, x * vx + y * vy)
 
 
 @kernel
 def settle_end_works(model, q, accounts, arcs):
     """Add the works of the ends of clamped bars at rest since they were last settled.
 
-    They are functions of the angles alone: the integral of x sin x is sin x - x cos x.
+    Without `accounts` they are counted from here on.  They are functions of the angles
+    alone: the integral of x sin x is sin x - x cos x.
     """
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
@@ -56,12 +56,11 @@ def settle_end_works(model, q, accounts, arcs):
                 arc = sin - twist * cos
                 force = constant(model, rows.KAPPA, s, i) / constant(model, rows.BAR_LENGTH, s, i)
                 swept = s.facing * force * (arc - block(arcs, i))
-                work = lever_of_bar(model, model.pivots, s, i) * swept
-                m = place_of(s, s.acc_ends, i)
-                stride = s.account_stride
-                add_block(accounts, m, -work)
-                add_block(accounts, m + stride, work)
-                add_block(accounts, m + 4 * stride, pivot_lengths(model.pivots, s, i) * swept)
+                if accounts is not None:
+                    work = levers(model, model.pivots, s, i)[1] * swept
+                    add_works(accounts, s, s.acc_ends, i, -work, work)
+                    pseudowork = pivot_lengths(model.pivots, s, i) * swept
+                    add_works(accounts, s, s.acc_ends + 4 * s.account_stride, i, pseudowork)
                 set_block(arcs, i, arc)
 
 
@@ -71,11 +70,8 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
     stiffness, frequency = constant(model, rows.KAPPA, s, i), constant(model, rows.FREQUENCY, s, i)
     inverse_length = constant(model, rows.INVERSE_BAR_LENGTH, s, i)
     start, nu = constant(model, rows.PHI_START, s, i), constant(model, rows.NU_START, s, i)
-    stride = s.account_stride
-    k = place_of(s, s.acc_ends, i)
     turning = 0.5 * nu * impulse
-    add_block(accounts, k, -turning)
-    add_block(accounts, k + stride, -turning)
+    add_works(accounts, s, s.acc_ends, i, -turning, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
         turn = rotation(frequency, NODES[m] * tau)
@@ -89,21 +85,15 @@ def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, acc
         tx = s.facing * cos
         ty = s.facing * sin
         swept = weight * rotational_power(1.0, now_rate + nu, tx, ty, x, y)
-        with_bar = -lever_of_bar(model, model.pivots, s, i) * swept
-        add_block(accounts, k, with_bar)
-        add_block(accounts, k + stride, -with_bar)
-        add_block(accounts, k + 2 * stride, weight * x)
-        add_block(accounts, k + 3 * stride, weight * y)
+        with_bar = -levers(model, model.pivots, s, i)[1] * swept
         pseudowork = weight * (x * vx + y * vy) + pivot_lengths(model.pivots, s, i) * swept
-        add_block(accounts, k + 4 * stride, pseudowork)
+        works = with_bar, -with_bar, weight * x, weight * y, pseudowork
+        add_works(accounts, s, s.acc_ends, i, *works)
 
 
 @inlined
 def drift_clamped(model, s, i, t, tau, q, v, turn):
-    """Pendulums on bars that rotate uniformly or rest.
-
-    Returns the new swings; twist, its rate, and the change of the rate.
-    """
+    """New swings on bars that turn uniformly or rest; twist, its rate, and the rate's change."""
     nu = constant(model, rows.NU_START, s, i)
     old = block(q, i)
     omega = block(v, i)
@@ -168,7 +158,7 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     twists = zero, zero, zero
     if s.dof_phi >= 0:
         swing = drift_free(model, s, i, tau, q, v, turn)
-    elif is_fixed(model.fixed, s):
+    elif has(model.fixed, s.fixed):
         swing = block(q, i)
     else:
         swing, twists = drift_clamped(model, s, i, now - tau, tau, q, v, turn)
@@ -176,5 +166,5 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     y = move(s.dof_y, s, i, tau, q, v)
     place_block(model, s, i, now, swing, x, y)
     # Works come last, since the next forces do not wait for them.
-    if s.acc_ends >= 0 and not is_fixed(model.fixed, s):
+    if s.acc_ends >= 0 and not has(model.fixed, s.fixed):
         add_end_works(model, model.turning, s, i, twists, now - tau, tau, v, accounts)

@@ -16,7 +16,7 @@ from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
 from tribo.compiler.lanes_memory import block
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import constant, is_fixed
+from tribo.kernels.blocks import constant, has
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places, rebuild
@@ -34,22 +34,19 @@ def update_lists(model, neighbours, active, t, q, v, accounts):
 
 @kernel
 def make_lists(model, neighbours, active, t, q, v, accounts):
-    """Build the list of neighbours for the bobs where they are, if there is a list."""
+    """Build the list of neighbours for the bobs where they are, if there is a list.
+
+    The active blocks are selected again if bobs have moved too far for the last selection.
+    """
     if neighbours is not None:
-        select_active(model, neighbours, active, t, q, v, accounts)
+        if active is not None:
+            if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
+                advance_inactive(model, active, t, q, v, accounts)
+                set_active(model, neighbours, active, t, q, v)
+                keep_places(model, active.place)
+                active.selected[0] = t
         rebuild(model, neighbours)
         neighbours.listed[0] = t
-
-
-@kernel
-def select_active(model, neighbours, active, t, q, v, accounts):
-    """Select the active blocks again, if bobs have moved too far for the last selection."""
-    if active is not None:
-        if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
-            advance_inactive(model, active, t, q, v, accounts)
-            set_active(model, neighbours, active, t, q, v)
-            keep_places(model, active.place)
-            active.selected[0] = t
 
 
 @kernel
@@ -123,7 +120,7 @@ def longest_paths(model, s, i, t, q, v):
     A swing of amplitude A goes by an angle of up to 2 A, and no bob goes farther than the diameter
     of its circle, as it may without a torsion spring.
     """
-    if is_fixed(model.fixed, s):
+    if has(model.fixed, s.fixed):
         return broadcast(0.0)
     diameter = 2.0 * constant(model, L1, s, i)
     if s.dof_phi >= 0:

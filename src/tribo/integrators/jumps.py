@@ -18,19 +18,17 @@ import numpy as np
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.kernels.blocks import constant, coordinates, directions, is_fixed, set_coordinates
+from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels.blocks import constant, coordinates, has, set_coordinates, vectors
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
-from tribo.kernels.levers import lever_of_bar, pivot_lengths
-from tribo.kernels.powers import place_of
+from tribo.kernels.levers import levers, pivot_lengths
+from tribo.kernels.powers import add_works
 from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS
 from tribo.kernels.samples import copy
 
 
 class Reservoirs(NamedTuple):
-    """What the reservoirs of a step need."""
-
     before: np.ndarray  # (coordinates,) velocities before the kick
     jumps: np.ndarray  # (coordinates,) the last displacements of coordinates
     tau: Any  # the step [time]
@@ -38,7 +36,6 @@ class Reservoirs(NamedTuple):
 
 @inlined
 def keep_velocities(reservoirs, v):
-    """Keep the velocities before a kick."""
     if reservoirs is not None:
         copy(v, reservoirs.before)
 
@@ -60,11 +57,9 @@ def with_jump(reservoirs, s, i, velocities):
 def add_to_reservoir(s, i, about, pseudowork, accounts):
     """Add works about the centre of mass and pseudoworks of a block's reservoir."""
     if s.acc_thermal >= 0:
-        k = place_of(s, s.acc_thermal + 2 * s.account_stride, i)
-        add_block(accounts, k, about)
-        add_block(accounts, k + s.account_stride, pseudowork)
+        add_works(accounts, s, s.acc_thermal + 2 * s.account_stride, i, about, pseudowork)
     elif s.acc_swing >= 0:
-        add_block(accounts, place_of(s, s.acc_swing, i), about)
+        add_works(accounts, s, s.acc_swing, i, about)
 
 
 @inlined
@@ -80,7 +75,7 @@ def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
         if s.gamma > 0.0 or s.swing_gamma > 0.0:
             swing, _, x, y = acceleration
             about = broadcast(0.0)
-            if not is_fixed(model.fixed, s):
+            if not has(model.fixed, s.fixed):
                 torque = constant(model, INERTIA, s, i) * swing
                 about = 0.5 * torque * block(reservoirs.jumps, i)
             half = 0.5 * constant(model, MASS, s, i)
@@ -97,14 +92,13 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
     if reservoirs is not None:
         if s.acc_internal >= 0:
             rate = 1.0 / reservoirs.tau
-            tx, ty = directions(model, i)
+            tx, ty = vectors(model.directions, i)
             swept = rate * (tx * px + ty * py) * block(reservoirs.jumps, i)
             lever = constant(model, L2, s, i)
             pivot = pivot_lengths(model.pivots, s, i)
             pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, rate * px, rate * py)
-            k = place_of(s, s.acc_internal + 2 * s.account_stride, i)
-            add_block(accounts, k, 0.0 - (lever + pivot) * swept)
-            add_block(accounts, k + s.account_stride, pseudowork + pivot * swept)
+            works = 0.0 - (lever + pivot) * swept, pseudowork + pivot * swept
+            add_works(accounts, s, s.acc_internal + 2 * s.account_stride, i, *works)
             add_to_reservoir(s, i, lever * swept, -pseudowork, accounts)
 
 
@@ -114,7 +108,7 @@ def set_jump(model, s, i, t, q, turn, x, y, jumps, accounts):
     set_block(jumps, i, turn)
     set_coordinates(s.dof_x, s, i, jumps, x)
     set_coordinates(s.dof_y, s, i, jumps, y)
-    if not is_fixed(model.fixed, s):
+    if not has(model.fixed, s.fixed):
         phi = bar_angles(model, s, i, t, q)
         swing = block(q, i) + 0.5 * turn  # in the middle of the jump
         torque = constant(model, KAPPA, s, i) * (swing - phi)
@@ -131,20 +125,17 @@ def add_end_works(model, s, i, swing, phi, torque, jumps, accounts):
     """
     x, y = end_force(torque, constant(model, INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
     pseudowork = pseudowork_along_jump(jumps, s, i, x, y)
-    k = place_of(s, s.acc_ends, i)
     if s.turning == 1:
         sin, cos = sine_cosine(swing)
         swept = rotational_power(1.0, block(jumps, i), s.facing * cos, s.facing * sin, x, y)
-        with_bar = lever_of_bar(model, model.pivots, s, i) * swept
-        add_block(accounts, k, -with_bar)
-        add_block(accounts, k + s.account_stride, with_bar)
+        with_bar = levers(model, model.pivots, s, i)[1] * swept
+        add_works(accounts, s, s.acc_ends, i, -with_bar, with_bar)
         pseudowork = pseudowork + pivot_lengths(model.pivots, s, i) * swept
-    add_block(accounts, k + 4 * s.account_stride, pseudowork)
+    add_works(accounts, s, s.acc_ends + 4 * s.account_stride, i, pseudowork)
 
 
 @inlined
 def jump(model, reservoirs, q):
-    """Let all asperites jump at the end of a kick."""
     if reservoirs is not None:
         for m in range(model.core):
             q[m] += reservoirs.jumps[m]

@@ -13,13 +13,12 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.blocks import (
+    active_range,
     all_coordinates,
     column_of,
-    first_block,
     halves,
-    is_fixed,
+    has,
     keeps_velocity,
-    last_block,
     set_all,
     set_coordinates,
     set_vectors,
@@ -36,10 +35,7 @@ ITERATIONS = 3
 
 @kernel
 def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
-    """Set the forces of plug-ins on the bars for their velocities in the middle of a kick.
-
-    These are found by iteration from the velocities before the kick.
-    """
+    """Set the forces of plug-ins in the middle of a kick, by iteration of the velocities there."""
     if drives is not None or ends is not None:
         equations.drive_forces(model, active, t, q)
         custom_forces(model, t, q, v)
@@ -51,59 +47,20 @@ def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
 
 
 @inlined
-def substep_of(model):
-    """True where baths or reservoirs act between two half kicks; None where nothing does."""
-    return any_present(model.bath, model.torsional, model.friction, model.swing_friction)
-
-
-@inlined
-def any_present(bath, torsional, friction, swing_friction):
-    """True, or None without any of them.
-
-    Numba leaves a branch out only where an argument is None, hence neither False nor ``and``.
-    """
-    if bath is None:
-        if torsional is None:
-            if friction is None:
-                if swing_friction is None:
-                    return None
-    return True
-
-
-@inlined
-def reservoirs_of(model, state, work, tau):
+def reservoirs_of(before, state, tau):
     """What the reservoirs of a step of length `tau` need; None where there are none."""
-    if any_present(None, None, model.friction, model.swing_friction) is None:
+    if before is None:
         return None
-    return Reservoirs(work.before, state.memory[1], tau)
-
-
-@inlined
-def repeats(model):
-    """True where the forces of a first half kick act in the second too; None where not."""
-    return if_alike(substep_of(model), model.drives, model.ends)
-
-
-@inlined
-def if_alike(substep, drives, ends):
-    """True where there is a substep, and no plug-in, whose forces may differ after it."""
-    if substep is not None:
-        if drives is None:
-            if ends is None:
-                return True
-    return None
+    return Reservoirs(before, state.memory[1], tau)
 
 
 @inlined
 def drive_in_kick(model, drives, s, i, t, q):
-    """f2 on a block of bars, which is already in place where there are plug-ins.
-
-    It is kept where powers are computed from it.
-    """
+    """f2 on a block of bars, in place where there are plug-ins; kept where powers need it."""
     if drives is not None:
         return vectors(model.drive, i)
     x, y = equations.drive_of_block(model, s, i, t, q)
-    if s.acc_drive >= 0 or s.acc_block >= 0 or is_fixed(model.fixed, s):
+    if s.acc_drive >= 0 or s.acc_block >= 0 or has(model.fixed, s.fixed):
         set_vectors(model.drive, i, x, y)
     return x, y
 
@@ -141,7 +98,6 @@ def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, accelera
 
 @inlined
 def pushed(velocities, tau, acceleration):
-    """Velocities of a block after a time."""
     omega, nu, vx, vy = velocities
     swing, phi, x, y = acceleration
     return omega + tau * swing, nu + tau * phi, vx + tau * x, vy + tau * y
@@ -149,7 +105,6 @@ def pushed(velocities, tau, acceleration):
 
 @inlined
 def mean(one, other):
-    """Means of the velocities of a block."""
     a, b, c, d = one
     e, f, g, h = other
     return 0.5 * (a + e), 0.5 * (b + f), 0.5 * (c + g), 0.5 * (d + h)
@@ -167,7 +122,7 @@ def add_half_shared_works(model, t, tau, state):
 def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
     q, v = halves(state.y)
-    reservoirs = reservoirs_of(model, state, work, 2.0 * tau)
+    reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     for n in range(begin, end):
         i = column_of(active, n)
         drive = drive_in_kick(model, model.drives, s, i, t, q)
@@ -193,7 +148,7 @@ def repeat_kick(model, reservoirs, active, t, tau, state, work):
         add_half_shared_works(model, t, tau, state)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for n in range(first_block(active, s, k), last_block(active, s, k)):
+        for n in range(*active_range(active, s, k)):
             i = column_of(active, n)
             now = all_coordinates(s, i, v)
             acceleration = all_coordinates(s, i, work.acceleration)

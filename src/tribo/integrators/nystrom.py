@@ -23,7 +23,7 @@ from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
-from tribo.kernels.samples import State, copy, copy_state
+from tribo.kernels.samples import State, copy, copy_rows, copy_state
 
 
 class Stages(NamedTuple):
@@ -32,8 +32,8 @@ class Stages(NamedTuple):
     q: np.ndarray  # (stages, coordinates)
     accelerations: np.ndarray  # (stages + 1, coordinates)
     powers: np.ndarray  # (stages + 1, accounts)
-    bobs: np.ndarray  # (stages, rows, asperites), positions and forces; [0] is those of the end
-    tables: np.ndarray  # (stages, rows, asperites), the forces of all other tables
+    tables: tuple[np.ndarray, ...]  # of the model, (2, asperites) each: what powers depend on
+    forces: np.ndarray  # (stages, tables, 2, asperites) in these; [0] is those of the end
     v: np.ndarray  # (coordinates,) at the present stage
 
 
@@ -55,49 +55,37 @@ class Nystrom(NamedTuple):
     most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
-        """The arrays that a step needs, for Python."""
         count, n = self.c.size, state.acceleration.size
-        rows, asperites = model.bobs.shape
-        tables = model.drive, model.inner, model.external, model.internal
-        others = sum(len(table) for table in tables if table is not None)
+        tables = model.bobs, model.directions, model.f1, model.drive
+        tables += model.inner, model.external, model.internal
+        tables = tuple(table for table in tables if table is not None)
         return Stages(
             room((count, n)),
             room((count + 1, n)),
             room((count + 1, state.s.size)),
-            room((count, rows, asperites)),
-            room((count, others, asperites)),
+            tables,
+            room((count, len(tables), *model.bobs.shape)),
             room((n,)),
         )
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
-        """Try a step; see :mod:`tribo.integrators.time_loops`."""
         error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
         clock.evaluations += self.c.size
         return error, math.isfinite(error)
 
 
 @kernel
-def exchange_table(table, stored, row, restore):
-    """Store a table, if there is one, from a row on, or restore it; returns the row after it."""
-    if table is None:
-        return row
-    for k in range(table.shape[0]):
-        if restore:
-            copy(stored[row + k], table[k])
-        else:
-            copy(table[k], stored[row + k])
-    return row + table.shape[0]
+def store_forces(work, i):
+    """Store what is in the tables as that of stage i."""
+    for k in range(len(work.tables)):
+        copy_rows(work.tables[k], work.forces[i, k])
 
 
 @kernel
-def exchange_forces(model, work, i, restore):
-    """Store the forces that are in place as those of stage i, or put those in place."""
-    exchange_table(model.bobs, work.bobs[i], 0, restore)
-    stored = work.tables[i]
-    row = exchange_table(model.drive, stored, 0, restore)
-    row = exchange_table(model.inner, stored, row, restore)
-    row = exchange_table(model.external, stored, row, restore)
-    exchange_table(model.internal, stored, row, restore)
+def restore_forces(work, i):
+    """Put what was stored of stage i into the tables."""
+    for k in range(len(work.tables)):
+        copy_rows(work.forces[i, k], work.tables[k])
 
 
 @expanded
@@ -127,11 +115,11 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
         place = work.q[i]
         combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
         equations_of_motion(model, neighbours, t + method.c[i] * h, place, v, f[i])
-        exchange_forces(model, work, i, False)
+        store_forces(work, i)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
     evaluate_rates(model, neighbours, end, new.y, f[last], work.powers[last])
-    exchange_forces(model, work, 0, False)
+    store_forces(work, 0)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)
 
@@ -143,11 +131,11 @@ def evaluate_powers(method, model, t, h, state, work):
         n = state.acceleration.size
         for m in range(method.with_power.size):
             i = method.with_power[m]
-            exchange_forces(model, work, i, True)
+            restore_forces(work, i)
             combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
             now = t + method.c[i] * h
             all_powers(model, model.ledger, now, work.q[i], work.v, work.powers[i])
-        exchange_forces(model, work, 0, True)
+        restore_forces(work, 0)
 
 
 @expanded

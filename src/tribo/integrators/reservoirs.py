@@ -14,16 +14,16 @@ The reasons for this scheme are in docs/developers/methods.md.
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, where_less
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import column_of_constants, constant, directions, is_fixed, own_number
+from tribo.kernels.blocks import column_of_constants, constant, has, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
-from tribo.kernels.powers import momentum, place_of
+from tribo.kernels.powers import add_works, momentum
 
 
 @inlined
@@ -34,7 +34,7 @@ def torsion_gains(model, s, i, t, tau, q):
     the change of rate by two halves of a rotation that meet at the present angle: the torque times
     tan(w tau / 2) / (w tau / 2).
     """
-    if is_fixed(model.fixed, s):
+    if has(model.fixed, s.fixed):
         return broadcast(0.0)
     a, c = model.constants, column_of_constants(s, i)
     angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
@@ -49,7 +49,7 @@ def torsion_gains(model, s, i, t, tau, q):
 def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
     a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
-    tx, ty = directions(model, i)
+    tx, ty = vectors(model.directions, i)
     vx, vy = velocities_of_bars(model, s, i, v)
     old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
     gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
@@ -67,7 +67,7 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
     turn_gain = torsion_gains(model, s, i, t, tau, q)
     turning = broadcast(0.0)
     given = turning
-    if is_present(swing_friction, s):
+    if has(swing_friction, s.swing_gamma):
         # Of the centre of mass, and of the swing.
         turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
@@ -94,19 +94,11 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
     side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
     px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
-    if is_present(swing_friction, s):
+    if has(swing_friction, s.swing_gamma):
         turn_swings(model, s, i, present * turning, present * given, v, accounts)
     turn, far, aside = present * turn, present * far, present * aside
     x, y = far * tx - aside * ty, far * ty + aside * tx
     set_jump(model, s, i, t, q, turn, x, y, reservoirs.jumps, accounts)
-
-
-@inlined
-def is_present(swing_friction, s):
-    """Whether a surface with a reservoir at its bars has one on its swings too."""
-    if swing_friction is None:
-        return False
-    return s.swing_gamma > 0.0
 
 
 @inlined
@@ -119,9 +111,9 @@ def turn_swings(model, s, i, turning, given, v, accounts):
     now = omega + turning * constant(model, rows.INVERSE_INERTIA, s, i)
     set_block(v, i, now)
     if s.acc_swing >= 0:
-        add_block(accounts, place_of(s, s.acc_swing, i), 0.0 - given)
+        add_works(accounts, s, s.acc_swing, i, 0.0 - given)
         rest = turning * (0.5 * (omega + now)) + given
-        add_block(accounts, place_of(s, s.acc_thermal + 2 * s.account_stride, i), rest)
+        add_works(accounts, s, s.acc_thermal + 2 * s.account_stride, i, rest)
 
 
 @kernel
@@ -166,6 +158,5 @@ def damp_swings(model, swing_friction, reservoirs, t, q, v, accounts, noise):
                     now = omega + gained * mobility
                     set_block(v, i, now)
                     if s.acc_swing >= 0:
-                        m = place_of(s, s.acc_swing, i)
-                        add_block(accounts, m, gained * (0.5 * (omega + now)))
+                        add_works(accounts, s, s.acc_swing, i, gained * (0.5 * (omega + now)))
                     set_jump(model, s, i, t, q, turn, zero, zero, reservoirs.jumps, accounts)

@@ -53,7 +53,9 @@ def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
     frequencies = model.constants[FREQUENCY]
     last = frequencies.size
-    selected = blocks.selected_at(active)
+    selected = 0.0
+    if active is not None:
+        selected = active.selected[0]
     if rotations[0, last] == tau and rotations[0, last + 1] == selected:
         return
     rotations[0, last] = tau
@@ -63,14 +65,13 @@ def set_active_rotations(model, active, tau, rotations):
         if s.constants_mask == 0:
             set_rotation(frequencies, s.first_constants, tau, rotations)
         else:
-            for n in range(blocks.first_block(active, s, k), blocks.last_block(active, s, k)):
+            for n in range(*blocks.active_range(active, s, k)):
                 i = blocks.column_of_constants(s, blocks.column_of(active, n))
                 set_rotation(frequencies, i, tau, rotations)
 
 
 @kernel
 def set_rotation(frequencies, i, tau, rotations):
-    """Set the rotations of a block of oscillators."""
     versine, over, times = rotation(block(frequencies, i), tau)
     set_block(rotations[0], i, versine)
     set_block(rotations[1], i, over)
@@ -79,5 +80,4 @@ def set_rotation(frequencies, i, tau, rotations):
 
 @inlined
 def rotation_of(rotations, i):
-    """The rotations of oscillators from i on."""
     return block(rotations[0], i), block(rotations[1], i), block(rotations[2], i)

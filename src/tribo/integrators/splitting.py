@@ -15,13 +15,13 @@ torsion springs (contact, fields, lattice springs, baths) have the error of the 
 L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.compiler import team as teams
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.lanes import broadcast
+from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
@@ -33,20 +33,18 @@ from tribo.integrators.kicks import (
     add_half_shared_works,
     kick_part,
     repeat_kick,
-    repeats,
     reservoirs_of,
     settle_custom_forces,
-    substep_of,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.kernels import blocks
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
-from tribo.kernels.neighbours import crowded, have_left, is_empty, list_piece, note_crossed
+from tribo.kernels.neighbours import crowded, have_moved, is_empty, list_chunk
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
-from tribo.kernels.samples import State, copy
+from tribo.kernels.samples import State
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 
 
@@ -55,12 +53,14 @@ class Work(NamedTuple):
 
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
-    before: np.ndarray  # (coordinates,) and before it, where there are reservoirs
-    accounts: np.ndarray  # (accounts,)
+    before: Any  # (coordinates,) and before it; None where there are no reservoirs
     speeds: np.ndarray  # (3, asperites)
     rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
     bath: np.ndarray  # (kicks, 3, oscillators + 8), since rotations take longer than their use
     torsional: np.ndarray
+    # numba leaves a branch out only where an argument is None, hence not False.
+    substep: Any  # True where baths or reservoirs act between two half kicks, else None
+    twice: Any  # True where the forces of the first half kick act in the second too, else None
 
 
 class Splitting(NamedTuple):
@@ -70,17 +70,20 @@ class Splitting(NamedTuple):
     kicks: np.ndarray  # (kicks,), a palindrome
 
     def workspace(self, model: Model, state: State) -> Work:
-        """The arrays that a step needs, for Python."""
         n = state.y.size // 2
+        damped = model.friction is not None or model.swing_friction is not None
+        substep = damped or model.bath is not None or model.torsional is not None
+        custom = model.drives is not None or model.ends is not None  # whose forces may differ
         return Work(
             room((n,)),
             room((n,)),
-            room((0 if model.friction is None and model.swing_friction is None else n,)),
-            room(state.s.shape),
+            room((n,)) if damped else None,
             room((3, model.each.shape[1])),
             empty_rotations(model.constants, 1),
             empty_rotations(model.bath, self.kicks.size),
             empty_rotations(model.torsional, self.kicks.size),
+            substep=True if substep else None,
+            twice=True if substep and not custom else None,
         )
 
 
@@ -109,7 +112,7 @@ def drift(model, neighbours, team, now, tau, state, work):
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            begin, end = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
+            begin, end = blocks.active_range(active, s, k)
             drift_part(model, neighbours, s, begin, end, now, tau, state, work)
     else:
         share_phase(model, neighbours, team, teams.DRIFT, now, tau, state, work)
@@ -117,7 +120,6 @@ def drift(model, neighbours, team, now, tau, state, work):
 
 @inlined
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
-    """Drift of some active blocks of a surface."""
     q, v = blocks.halves(state.y)
     rotations = work.rotations[0]
     active = blocks.active_of(neighbours)
@@ -126,13 +128,16 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
         i = blocks.column_of(active, n)
         turn = rotation_of(rotations, blocks.column_of_constants(s, i))
         drift_block(model, s, i, now, tau, q, v, state.s, turn)
-        crossed = crossed + have_left(model, neighbours, i)
-    note_crossed(neighbours, crossed)
+        if neighbours is not None:
+            crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
+    if neighbours is not None:
+        if sum_of_lanes(crossed) > 0.0:
+            neighbours.crossed[0] = 1
 
 
 @inlined
 def kick(model, twice, neighbours, team, t, tau, state, work):
-    """Contact, fields and springs, in place, and the drive act for tau; `twice` as `repeats`."""
+    """Contact, fields and springs, in place, and the drive act for tau; `twice` as in `Work`."""
     active = blocks.active_of(neighbours)
     gather_contact(model, model.members)
     q, v = blocks.halves(state.y)
@@ -140,7 +145,7 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
     if team is None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            begin, end = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
+            begin, end = blocks.active_range(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
         share_phase(model, neighbours, team, teams.KICK, t, tau, state, work)
@@ -157,7 +162,7 @@ def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, 
         kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
         q, v = blocks.halves(state.y)
-        reservoirs = reservoirs_of(model, state, work, tau)
+        reservoirs = reservoirs_of(work.before, state, tau)
         keep_velocities(reservoirs, v)
         kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         rotations = work.bath[m], work.torsional[m]
@@ -182,33 +187,27 @@ def share_phase(model, neighbours, team, phase, t, tau, state, work):
 
 @kernel
 def step_piece(model, neighbours, team, piece, state, work):
-    """Compute a piece of the present phase."""
     k = team.tiles[piece, 0]
     s = model.surfaces[k]
     active = blocks.active_of(neighbours)
-    first, last = blocks.first_block(active, s, k), blocks.last_block(active, s, k)
+    first, last = blocks.active_range(active, s, k)
     begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
     phase, t, tau = team.counters[teams.PHASE], team.numbers[0], team.numbers[1]
     if phase == teams.DRIFT:
         drift_part(model, neighbours, s, begin, end, t, tau, state, work)
     else:
-        kick_part(model, repeats(model), active, s, begin, end, t, tau, state, work)
+        kick_part(model, work.twice, active, s, begin, end, t, tau, state, work)
 
 
 def assist(model, neighbours, state, work):
-    """Compute pieces of the steps of :func:`splitting_steps`, called at the same time."""
+    """Compute pieces of the steps of :func:`splitting_steps` until the team is closed."""
     model, neighbours, state, work = pointers((model, neighbours, state, work))
-    assist_team(model, model.team, neighbours, state, work)
-
-
-@kernel
-def assist_team(model, team, neighbours, state, work):
-    """Compute pieces until the team is closed."""
+    team = model.team
     rank = teams.next_rank(team)
     piece = teams.wait_for_piece(team, rank)
     while piece >= 0:
         if team.counters[teams.PHASE] == teams.LISTS:
-            list_piece(model, team, neighbours, piece)
+            list_chunk(model, team, neighbours, piece)
         elif team.counters[teams.PHASE] <= teams.REACTIONS:
             contact_piece(model, team, neighbours, piece)
         else:
@@ -230,16 +229,8 @@ def begin(model, neighbours, clock, state, work):
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
-    begin_works(model, state, work)
+    settle_end_works(model, q, None, state.memory[0])
     return COMPLETED
-
-
-@kernel
-def begin_works(model, state, work):
-    """Set what the works of ends are counted from; the accounts stay as they are."""
-    copy(state.s, work.accounts)
-    settle_end_works(model, blocks.halves(state.y)[0], state.s, state.memory[0])
-    copy(work.accounts, state.s)
 
 
 @kernel
@@ -270,9 +261,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
-        kick_and_substep(
-            model, substep_of(model), repeats(model), neighbours, t, tau, state, work, m, noise
-        )
+        kick_and_substep(model, work.substep, work.twice, neighbours, t, tau, state, work, m, noise)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

@@ -15,7 +15,7 @@ from tribo.kernels.encounters import fastest_approach, least_clearance, next_enc
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
-from tribo.kernels.samples import write_sample
+from tribo.kernels.samples import write_row
 
 # Spacing of floating-point numbers at 1.
 EPSILON = 2.0**-52
@@ -90,6 +90,13 @@ def all_finite(x):
     return sum_of_lanes(outside) == 0.0
 
 
+@inlined
+def is_finite(state):
+    """The same of a state and its rates of change."""
+    rates = all_finite(state.acceleration) and all_finite(state.power)
+    return all_finite(state.y) and all_finite(state.s) and rates
+
+
 @expanded
 def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
@@ -117,13 +124,11 @@ def initialize(model, neighbours, clock, state, speeds):
     clock.encounter_rate, closest = current_encounter(model, neighbours, clock.t, state.y, speeds)
     if closest == 0.0:
         return codes.BOBS_COINCIDE
-    finite = all_finite(state.y) and all_finite(state.acceleration) and all_finite(state.power)
-    return codes.COMPLETED if finite else codes.NOT_FINITE
+    return codes.COMPLETED if is_finite(state) else codes.NOT_FINITE
 
 
 @kernel
 def time_left(clock, goal):
-    """Time left until the next sample."""
     return (goal - clock.t) - clock.t_low
 
 
@@ -134,7 +139,8 @@ def record_due(model, neighbours, clock, state, times, record):
         left = time_left(clock, times[clock.sample])
         if left > 0.0:
             return left
-        write_sample(model, neighbours, clock, state, record)
+        write_row(model, neighbours, clock.t, state, record, clock.sample, None)
+        clock.sample += 1
     return 0.0
 
 
@@ -165,10 +171,7 @@ def equal_step_status(clock, h, end):
 
 @inlined
 def update_encounter(model, neighbours, clock, y, speeds, h):
-    """Compute the encounter rate after an equal step, every few steps or where one is near.
-
-    Returns whether it was computed.
-    """
+    """Compute the encounter rate after an equal step if one is near or it is old; whether so."""
     clock.encounter_age += h
     near = (clock.encounter_age + h) * clock.encounter_rate > ENCOUNTER_UPDATE
     if clock.steps % UPDATE_INTERVAL != 0 and not near:
@@ -202,7 +205,6 @@ def step_underflows(h, landing, end):
 
 @kernel
 def underflow_status(clock):
-    """The status of a run whose steps became too short."""
     return codes.NOT_FINITE if clock.not_finite == 1 else codes.STEP_UNDERFLOW
 
 
@@ -255,7 +257,6 @@ def check_arrival(clock, h, encounter_rate, finite):
 
 @kernel
 def end_of_step(clock, goal, h, landing):
-    """The time at which the step ends."""
     return goal if landing else clock.t + (h + clock.t_low)
 
 

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyint, polyval
 
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
@@ -149,26 +150,22 @@ def collocation(nodes: tuple[str, ...]) -> Collocation:
     products: list[Any] = [np.poly(np.array(rest, object))[::-1] for rest in others]
     basis = [product * pole for product, pole in zip(products, poles, strict=True)]
     one = Fraction(1)
+
+    def integrals(ends: list[Fraction], times: int) -> np.ndarray:
+        """Integrals of the polynomials from 0 to each end, taken once or twice."""
+        sums = [polyint(each, times) for each in basis]
+        return np.array([[float(polyval(x, each)) for each in sums] for x in ends])
+
     return Collocation(
         c=np.array([float(x) for x in c]),
-        r=np.array([[float(_integral(p, x)) for p in basis] for x in c]),
-        a=np.array([[float(_twice(p, x)) for p in basis] for x in c]),
-        v=np.array([float(_integral(p, one)) for p in basis]),
-        b=np.array([float(_twice(p, one)) for p in basis]),
+        r=integrals(c, 1),
+        a=integrals(c, 2),
+        v=integrals([one], 1)[0],
+        b=integrals([one], 2)[0],
         pole=np.array([float(pole) for pole in poles]),
         last=np.array([float(pole / len(c)) for pole in poles]),
         order=float(len(c)),
     )
-
-
-def _integral(p: np.ndarray, x: Fraction) -> Fraction:
-    """The integral of a polynomial from 0 to x."""
-    return sum((a * x ** (k + 1) / (k + 1) for k, a in enumerate(p)), Fraction(0))
-
-
-def _twice(p: np.ndarray, x: Fraction) -> Fraction:
-    """The integral of its integral."""
-    return sum((a * x ** (k + 2) / ((k + 1) * (k + 2)) for k, a in enumerate(p)), Fraction(0))
 
 
 GAUSS_8 = collocation(GAUSS)

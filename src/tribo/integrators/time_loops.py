@@ -54,11 +54,7 @@ def equal_steps(
         if status != COMPLETED:
             return status
         control.advance_equally(clock, goal, h, landing)
-        if not (
-            control.all_finite(state.y)
-            and control.all_finite(state.acceleration)
-            and control.all_finite(state.s)
-        ):
+        if not control.is_finite(state):
             return NOT_FINITE
         control.update_encounter(model, neighbours, clock, state.y, speeds, h)
     return PAUSED
@@ -97,12 +93,7 @@ def adaptive_steps(
         if not control.check_error(clock, h, error, growth):
             continue
         rate, _ = control.current_encounter(model, neighbours, end, new.y, speeds)
-        finite = (
-            control.all_finite(new.y)
-            and control.all_finite(new.acceleration)
-            and control.all_finite(new.power)
-        )
-        if control.check_arrival(clock, h, rate, finite):
+        if control.check_arrival(clock, h, rate, control.is_finite(new)):
             control.accept_step(clock, end, h, landing, growth)
             copy_state(new, state)
     return PAUSED

@@ -12,15 +12,12 @@ from tribo.kernels.records import I2, NU_START, OSCILLATOR_FREQUENCY, OSCILLATOR
 
 
 @kernel
-def first_slot(s, i):
-    """Slot of the first oscillator on bar i."""
-    return s.dof_bath + (i - s.start) * (2 * s.oscillators + s.torsionals)
-
-
-@kernel
-def torsional_slot(s, i):
-    """Slot of the first torsional oscillator on bar i."""
-    return first_slot(s, i) + 2 * s.oscillators
+def oscillators_of(s, i, axis):
+    """First row, number and first slot of a bar's oscillators: along x, y, or torsional."""
+    slot = s.dof_bath + (i - s.start) * (2 * s.oscillators + s.torsionals)
+    if axis == 2:
+        return s.first_torsional, s.torsionals, slot + 2 * s.oscillators
+    return s.first_oscillator, s.oscillators, slot + axis * s.oscillators
 
 
 @kernel
@@ -33,53 +30,56 @@ def bar_angle(model, s, i, t, q):
 
 
 @kernel
-def pull(table, first, count, q, start, centre):
-    """Force of oscillators `first` on of a table, from slot `start` on, on what is at `centre`."""
+def place_of_bar(model, displaced, s, i, axis, t, q):
+    """The place on a bar about which its oscillators along an axis move: x, y, or its angle."""
+    if displaced is not None:
+        if axis < 2:
+            return displaced[axis, i]
+    return bar_angle(model, s, i, t, q)
+
+
+@kernel
+def pull(table, oscillators, q, centre):
+    """Force of a bar's oscillators, by :func:`oscillators_of`, on what is at `centre`."""
+    first, count, slot = oscillators
     force = broadcast(0.0)
     for m in range(0, count, LANES):
         w = block(table[OSCILLATOR_FREQUENCY], first + m)
         stiffness = block(table[OSCILLATOR_MASS], first + m) * w * w
-        force = force + stiffness * (block(q, start + m) - centre)
+        force = force + stiffness * (block(q, slot + m) - centre)
     return sum_of_lanes(force)
 
 
 @kernel
-def oscillate(table, first, count, q, start, centre, acceleration):
-    """Set q'' of oscillators about a place."""
+def oscillate(table, oscillators, q, centre, acceleration):
+    """Set q'' of a bar's oscillators about a place."""
+    first, count, slot = oscillators
     for m in range(0, count, LANES):
         w = block(table[OSCILLATOR_FREQUENCY], first + m)
-        set_block(acceleration, start + m, -w * w * (block(q, start + m) - centre))
+        set_block(acceleration, slot + m, -w * w * (block(q, slot + m) - centre))
 
 
 @kernel
-def oscillator_energy(table, first, count, q, v, start, centre):
-    """Energy of oscillators about a place."""
-    energy = broadcast(0.0)
+def oscillator_energy(table, oscillators, q, v, centre):
+    """Energy of a bar's oscillators about a place, and the kinetic part of it."""
+    first, count, slot = oscillators
+    energy, kinetic = broadcast(0.0), broadcast(0.0)
     for m in range(0, count, LANES):
-        away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, start + m) - centre)
-        rate = block(v, start + m)
+        away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, slot + m) - centre)
+        rate = block(v, slot + m)
         mass = block(table[OSCILLATOR_MASS], first + m)
         energy = energy + 0.5 * mass * (rate * rate + away * away)
-    return sum_of_lanes(energy)
+        kinetic = kinetic + 0.5 * mass * rate * rate
+    return sum_of_lanes(energy), sum_of_lanes(kinetic)
 
 
 @kernel
-def oscillator_kinetic(table, first, count, v, start):
-    """Kinetic energy of oscillators."""
-    energy = broadcast(0.0)
-    for m in range(0, count, LANES):
-        rate = block(v, start + m)
-        energy = energy + 0.5 * block(table[OSCILLATOR_MASS], first + m) * rate * rate
-    return sum_of_lanes(energy)
-
-
-@kernel
-def oscillator_momentum(table, first, count, v, start):
-    """Momentum of oscillators."""
+def oscillator_momentum(table, oscillators, v):
+    first, count, slot = oscillators
     momentum = broadcast(0.0)
     for m in range(0, count, LANES):
         mass = block(table[OSCILLATOR_MASS], first + m)
-        momentum = momentum + mass * block(v, start + m)
+        momentum = momentum + mass * block(v, slot + m)
     return sum_of_lanes(momentum)
 
 
@@ -89,22 +89,18 @@ def bath_forces(model, bath, q, acceleration):
     if bath is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
+            if s.oscillators > 0:
                 for i in range(s.start, s.end):
                     for axis in range(2):
-                        slot = first_slot(s, i) + axis * count
+                        oscillators = oscillators_of(s, i, axis)
                         bar = model.displaced[axis, i]
-                        model.internal[axis, i] += pull(bath, first, count, q, slot, bar)
-                        oscillate(bath, first, count, q, slot, bar, acceleration)
+                        model.internal[axis, i] += pull(bath, oscillators, q, bar)
+                        oscillate(bath, oscillators, q, bar, acceleration)
 
 
 @kernel
 def torsional_torque(model, torsional, s, i, t, q):
-    """Torque of the torsional oscillators on bar i."""
-    phi = bar_angle(model, s, i, t, q)
-    return pull(torsional, s.first_torsional, s.torsionals, q, torsional_slot(s, i), phi)
+    return pull(torsional, oscillators_of(s, i, 2), q, bar_angle(model, s, i, t, q))
 
 
 @kernel
@@ -113,12 +109,10 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
     if torsional is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_torsional
-            count = s.torsionals
-            if count > 0:
+            if s.torsionals > 0:
                 for i in range(s.start, s.end):
                     phi = bar_angle(model, s, i, t, q)
-                    oscillate(torsional, first, count, q, torsional_slot(s, i), phi, acceleration)
+                    oscillate(torsional, oscillators_of(s, i, 2), q, phi, acceleration)
                     torque = torsional_torque(model, torsional, s, i, t, q)
                     inertia = model.constants[I2, column_of_constants(s, i)]
                     acceleration[s.dof_phi + i - s.start] += torque / inertia
@@ -130,11 +124,8 @@ def set_bath_momenta(model, bath, v):
     if bath is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
+            if s.oscillators > 0:
                 for i in range(s.start, s.end):
-                    slot = first_slot(s, i)
                     for axis in range(2):
-                        momentum = oscillator_momentum(bath, first, count, v, slot + axis * count)
+                        momentum = oscillator_momentum(bath, oscillators_of(s, i, axis), v)
                         model.bath_momentum[axis, i] = momentum

@@ -11,7 +11,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
-from tribo.kernels.records import ALONG_X, ALONG_Y, FX, FY, TX, TY
+from tribo.kernels.records import X, Y
 
 
 @inlined
@@ -23,27 +23,11 @@ def active_of(neighbours):
 
 
 @inlined
-def selected_at(active):
-    """When the active blocks were selected; 0 where all are active."""
+def active_range(active, s, k):
+    """The range of the active blocks of surface k, whose record is s; all without `active`."""
     if active is None:
-        return 0.0
-    return active.selected[0]
-
-
-@inlined
-def first_block(active, s, k):
-    """Place of the first active block of surface k, whose record is s; all are without `active`."""
-    if active is None:
-        return s.start // LANES
-    return active.first[k]
-
-
-@inlined
-def last_block(active, s, k):
-    """Place of its last active block, plus one."""
-    if active is None:
-        return s.stop // LANES
-    return active.first[k + 1]
+        return s.start // LANES, s.stop // LANES
+    return active.first[k], active.first[k + 1]
 
 
 @inlined
@@ -55,19 +39,11 @@ def column_of(active, n):
 
 
 @inlined
-def first_column(s, lane):
-    """The first column of a surface, or the first one of a member of an ensemble in a lane."""
+def column_range(s, lane):
+    """The range of the columns of a surface, or of a member of an ensemble in a lane."""
     if lane is None:
-        return s.start
-    return s.start + lane
-
-
-@inlined
-def stride_of(lane):
-    """From one column of a surface, or of a member in a lane, to the next."""
-    if lane is None:
-        return 1
-    return LANES
+        return s.start, s.end, 1
+    return s.start + lane, s.end, LANES
 
 
 @inlined
@@ -146,37 +122,27 @@ def vectors(table, i):
     """x and y of a block of a table of vectors; without a table -0, which changes no sum."""
     if table is None:
         return broadcast(-0.0), broadcast(-0.0)
-    return block(table[ALONG_X], i), block(table[ALONG_Y], i)
+    return block(table[X], i), block(table[Y], i)
 
 
 @inlined
 def set_vectors(table, i, x, y):
-    """Set x and y of a block of a table of vectors."""
-    set_block(table[ALONG_X], i, x)
-    set_block(table[ALONG_Y], i, y)
+    set_block(table[X], i, x)
+    set_block(table[Y], i, y)
+
+
+@inlined
+def add_vectors(table, i, x, y):
+    set_vectors(table, i, *plus(vectors(table, i), (x, y)))
 
 
 @inlined
 def plus(one, other):
-    """The sum of two vectors."""
     return one[0] + other[0], one[1] + other[1]
 
 
 @inlined
-def contact_on(model, i):
-    """The contact force f1 on a block of bobs."""
-    return block(model.bobs[FX], i), block(model.bobs[FY], i)
-
-
-@inlined
-def directions(model, i):
-    """The unit vectors along which a growing theta moves a block of bobs."""
-    return block(model.bobs[TX], i), block(model.bobs[TY], i)
-
-
-@inlined
 def constant(model, row, s, i):
-    """One of the constants of a block of asperites."""
     return block(model.constants[row], column_of_constants(s, i))
 
 
@@ -196,11 +162,11 @@ def numbers(table, i):
 
 
 @inlined
-def is_fixed(fixed, s):
-    """Whether the asperites of a surface are rigid; `fixed` is None where none are."""
-    if fixed is None:
+def has(effect, number):
+    """Whether a surface has an effect, by a number that is 0 without; None where no surface has."""
+    if effect is None:
         return False
-    return s.fixed == 1
+    return number > 0
 
 
 @kernel

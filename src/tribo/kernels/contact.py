@@ -26,13 +26,13 @@ from tribo.compiler.lanes import (
     widen,
     with_lane,
 )
-from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.lanes_memory import block
 from tribo.compiler.numbers_in_lanes import potential_of
 from tribo.compiler.python_callback import call_at
 from tribo.kernels import blocks
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.records import CHARGE, FX, FY, X, Y, Z
+from tribo.kernels.records import CHARGE, X, Y, Z
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -48,22 +48,13 @@ def separation(dx, dy, dz):
 
 
 @kernel
-def inverses_one_by_one(inverse, square, dx, dy, dz, low, high):
-    """Inverses of distances with those from `low` to `high` computed without underflow."""
+def one_by_one(found, square, dx, dy, dz, low, high):
+    """Distances, or their inverses, with those from `low` to `high` computed without underflow."""
     for i in range(low, high):
         if not lane(square, i) > SQUARE_IS_SAFE:
             r = separation(lane(dx, i), lane(dy, i), lane(dz, i))
-            inverse = with_lane(inverse, i, 1.0 / r)
-    return inverse
-
-
-@kernel
-def separations_one_by_one(r, square, dx, dy, dz, low, high):
-    """The distances r with those from `low` to `high` computed without underflow."""
-    for i in range(low, high):
-        if not lane(square, i) > SQUARE_IS_SAFE:
-            r = with_lane(r, i, separation(lane(dx, i), lane(dy, i), lane(dz, i)))
-    return r
+            found = with_lane(found, i, 1.0 / r if FAST_INVERSE_ROOTS else r)
+    return found
 
 
 @inlined
@@ -72,9 +63,9 @@ def separations(square, dx, dy, dz, low, high):
     underflows = any_below(low, high, square, SQUARE_IS_SAFE)
     vectors = square, dx, dy, dz, low, high
     if FAST_INVERSE_ROOTS:
-        inverse = seldom(underflows, inverse_root(square), inverses_one_by_one, vectors)
+        inverse = seldom(underflows, inverse_root(square), one_by_one, vectors)
         return 1.0 / inverse, inverse
-    r = seldom(underflows, sqrt(square), separations_one_by_one, vectors)
+    r = seldom(underflows, sqrt(square), one_by_one, vectors)
     return r, 1.0 / r
 
 
@@ -119,10 +110,7 @@ def without_others(force, species, partners, m):
 
 @inlined
 def differences(model, x, y, i, m):
-    """Vectors to bob i, or to eight bobs at its depth, at x and y, from a block of bobs.
-
-    They are from the nearest images.
-    """
+    """Vectors from the nearest images of a block of bobs to bob i, or to eight at its depth."""
     zs = model.each[Z]
     dx = image(x - block(model.bobs[X], m), model.box, 0)
     dz = image(zs[i] - block(zs, m), model.box, 1)
@@ -149,27 +137,21 @@ def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
 
 
 @inlined
-def add_block_forces(model, contact, fx, fy, i, m, low, high):
-    """Add the forces of bob i on those from `low` to `high` of a block of bobs.
-
-    Returns the forces on bob i.
-    """
+def add_block_forces(model, contact, table, i, m, low, high):
+    """Add the forces of bob i on some lanes of a block of bobs; returns the forces on bob i."""
     charges = model.each[CHARGE]
     dx, dy, dz = differences(model, model.bobs[X, i], model.bobs[Y, i], i, m)
     others = block(charges, m)
     f = block_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
     f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
-    set_block(fx, m, block(fx, m) - f * dx)
-    set_block(fy, m, block(fy, m) - f * dy)
+    x, y = blocks.vectors(table, m)
+    blocks.set_vectors(table, m, x - f * dx, y - f * dy)
     return f * dx, f * dy
 
 
 @inlined
-def add_row(model, contact, fx, fy, i, other, row, neighbours):
-    """Add the forces of bob i on the candidates of its row to the rows fx and fy of a table.
-
-    Returns the force of the candidates on bob i.
-    """
+def add_row(model, contact, table, i, other, row, neighbours):
+    """Add the forces of bob i on the candidates of its row; returns the force on bob i."""
     sum_x = broadcast(0.0)
     sum_y = broadcast(0.0)
     start = first_candidate(other, i)
@@ -178,19 +160,15 @@ def add_row(model, contact, fx, fy, i, other, row, neighbours):
         m = block_of(neighbours, is_listed, n)
         low = max(0, start - m)
         high = min(LANES, other.end - m)
-        x, y = add_block_forces(model, contact, fx, fy, i, m, low, high)
+        x, y = add_block_forces(model, contact, table, i, m, low, high)
         sum_x = sum_x + x
         sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
 
 
 @inlined
-def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
-    """Add the forces of the kth pair of surfaces on the active blocks of the first in a range.
-
-    `fx` and `fy` are rows of a table with one column a bob, `back_x` and `back_y` those for the
-    reactions.
-    """
+def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
+    """Add the forces of the kth pair of surfaces on the active blocks of the first in a range."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     active = blocks.active_of(neighbours)
@@ -201,29 +179,36 @@ def add_rows(model, contact, k, begin, end, fx, fy, back_x, back_y, neighbours):
         own_y = broadcast(0.0)
         for i in range(first, min(first + LANES, one.end)):
             row = row_of(contact, k, other, i, one.start, neighbours)
-            x, y = add_row(model, contact, back_x, back_y, i, other, row, neighbours)
+            x, y = add_row(model, contact, reactions, i, other, row, neighbours)
             own_x = with_lane(own_x, i - first, x)
             own_y = with_lane(own_y, i - first, y)
-        add_block(fx, first, own_x)
-        add_block(fy, first, own_y)
+        blocks.add_vectors(table, first, own_x, own_y)
 
 
 @inlined
-def add_contact(model, members, contact, fx, fy, neighbours):
-    """Add the forces of one interaction to the rows fx and fy of a table, one column a bob."""
+def table_of_forces(model, within):
+    """The table for the forces of an interaction: f1, or that among the bobs of one surface."""
+    if within is None:
+        return model.f1
+    return model.inner
+
+
+@inlined
+def add_contact(model, members, contact, neighbours):
+    table = table_of_forces(model, contact.within)
     for k in range(contact.pairs.shape[0]):
         if members is not None:
-            add_lane_by_lane(model, contact, k, fx, fy)
+            add_lane_by_lane(model, contact, k, table)
             continue
         own = contact.pairs[k, 0]
         one = model.surfaces[own]
         active = blocks.active_of(neighbours)
-        begin, end = blocks.first_block(active, one, own), blocks.last_block(active, one, own)
-        add_rows(model, contact, k, begin, end, fx, fy, fx, fy, neighbours)
+        begin, end = blocks.active_range(active, one, own)
+        add_rows(model, contact, k, begin, end, table, table, neighbours)
 
 
 @inlined
-def add_lane_by_lane(model, contact, k, fx, fy):
+def add_lane_by_lane(model, contact, k, table):
     """Add the forces of the kth pair of surfaces, where each lane is a member of an ensemble."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
@@ -240,45 +225,33 @@ def add_lane_by_lane(model, contact, k, fx, fy):
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
                 f = over_distances(potential, square, dx, dy, dz, own, others, 0, LANES)
-                add_block(fx, m, 0.0 - f * dx)
-                add_block(fy, m, 0.0 - f * dy)
+                blocks.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
                 own_x = own_x + f * dx
                 own_y = own_y + f * dy
-        add_block(fx, i, own_x)
-        add_block(fy, i, own_y)
+        blocks.add_vectors(table, i, own_x, own_y)
 
 
 @kernel
 def call_calculator(model, calculator):
     """Have a calculator compute forces and energy at the bobs' present positions."""
-    row = 0
-    for k in range(calculator.surfaces.size):
-        s = model.surfaces[calculator.surfaces[k]]
-        for i in range(s.start, s.end):
-            calculator.positions[row, 0] = model.bobs[X, i]
-            calculator.positions[row, 1] = model.bobs[Y, i]
-            row += 1
+    for row in range(calculator.columns.size):
+        calculator.positions[row, 0] = model.bobs[X, calculator.columns[row]]
+        calculator.positions[row, 1] = model.bobs[Y, calculator.columns[row]]
     call_at(calculator.address)
 
 
 @kernel
 def add_calculated(model, calculators):
-    """Add the forces of calculators that are not compiled."""
     if calculators is not None:
         for calculator in calculators:
             call_calculator(model, calculator)
-            row = 0
-            for k in range(calculator.surfaces.size):
-                s = model.surfaces[calculator.surfaces[k]]
-                for i in range(s.start, s.end):
-                    model.bobs[FX, i] += calculator.forces[row, 0]
-                    model.bobs[FY, i] += calculator.forces[row, 1]
-                    row += 1
+            for row in range(calculator.columns.size):
+                model.f1[X, calculator.columns[row]] += calculator.forces[row, 0]
+                model.f1[Y, calculator.columns[row]] += calculator.forces[row, 1]
 
 
 @kernel
 def calculated_energy(model, calculators):
-    """Energy of the contacts by calculators that are not compiled."""
     energy = 0.0
     if calculators is not None:
         for calculator in calculators:
@@ -305,7 +278,7 @@ def pair_energy(model, contact, k, neighbours, lane):
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(blocks.first_column(one, lane), one.end, blocks.stride_of(lane)):
+    for i in range(*blocks.column_range(one, lane)):
         partners = partner_species(model.species, contact.species, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
@@ -325,6 +298,7 @@ def contact_energy(model, neighbours, lane):
     """Potential energy of all contacts between surfaces at the bobs' present positions."""
     energy = calculated_energy(model, model.calculators)
     for contact in literal_unroll(model.contacts):
-        for k in range(contact.pairs.shape[0]):
-            energy += pair_energy(model, contact, k, neighbours, lane)
+        if contact.within is None:
+            for k in range(contact.pairs.shape[0]):
+                energy += pair_energy(model, contact, k, neighbours, lane)
     return energy

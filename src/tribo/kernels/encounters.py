@@ -23,8 +23,6 @@ NEGLIGIBLE = 0.01
 
 
 class Encounter(NamedTuple):
-    """The next encounters of bobs."""
-
     rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
     closest: float  # smallest distance of a pair [length]
     clearance: float  # smallest distance that a pair may move before its force changes [length]
@@ -33,16 +31,8 @@ class Encounter(NamedTuple):
     other: int
 
 
-@inlined
-def temperature_of(own, s, i):
-    """The largest of a surface's reservoirs, of the member of column i where members differ."""
-    if own is None:
-        return max(s.temperature, s.swing_temperature)
-    return max(own[OWN_TEMPERATURE, i], own[OWN_SWING_TEMPERATURE, i])
-
-
 @kernel
-def thermal_energy(model, friction, swing_friction, lane):
+def thermal_energy(model, own, friction, swing_friction, lane):
     """The largest k_B T of a surface with noise; None where no surface has a reservoir."""
     if friction is None:
         if swing_friction is None:
@@ -51,7 +41,11 @@ def thermal_energy(model, friction, swing_friction, lane):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.gamma + s.swing_gamma > 0.0:
-            energy = max(energy, temperature_of(model.own, s, blocks.first_column(s, lane)))
+            bar, swing = s.temperature, s.swing_temperature
+            if own is not None:
+                i = blocks.column_range(s, lane)[0]
+                bar, swing = own[OWN_TEMPERATURE, i], own[OWN_SWING_TEMPERATURE, i]
+            energy = max(energy, bar, swing)
     return energy
 
 
@@ -76,7 +70,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
     for k in range(contact.pairs.shape[0]):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(blocks.first_column(one, lane), one.end, blocks.stride_of(lane)):
+        for i in range(*blocks.column_range(one, lane)):
             partners = partner_species(model.species, contact.species, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
@@ -117,30 +111,10 @@ def next_encounter(model, neighbours, speeds, lane):
     the velocity of each centre of mass, and the largest speed of the bob about it.
     """
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
-    thermal = thermal_energy(model, model.friction, model.swing_friction, lane)
+    thermal = thermal_energy(model, model.own, model.friction, model.swing_friction, lane)
     for contact in literal_unroll(model.contacts):
         found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
-    return encounter_within(model, model.within, neighbours, speeds, thermal, found, lane)
-
-
-@kernel
-def encounter_within(model, within, neighbours, speeds, thermal, found, lane):
-    """The same, with the contact within surfaces."""
-    if within is not None:
-        for contact in literal_unroll(within):
-            found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
     return found
-
-
-@kernel
-def shortest_feature(contacts):
-    """The smallest length over which a force changes; infinite without contacts."""
-    shortest = np.inf
-    if contacts is not None:
-        for contact in literal_unroll(contacts):
-            length, _ = contact.potential.feature()
-            shortest = min(shortest, length)
-    return shortest
 
 
 @inlined
@@ -148,15 +122,19 @@ def fastest_approach(model, active, speeds):
     """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
-        for m in range(k if model.within is None else k + 1):
+        for m in range(k if model.inner is None else k + 1):
             fastest = max(fastest, closing_speed(model, active, (k, m), speeds))
     return fastest
 
 
-@inlined
+@kernel
 def least_clearance(model, clearance):
     """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
-    return max(clearance, min(shortest_feature(model.contacts), shortest_feature(model.within)))
+    shortest = np.inf
+    for contact in literal_unroll(model.contacts):
+        length, _ = contact.potential.feature()
+        shortest = min(shortest, length)
+    return max(clearance, shortest)
 
 
 @inlined
@@ -170,7 +148,7 @@ def closing_speed(model, active, pair, speeds):
     for m in range(2):
         k = pair[m]
         s = model.surfaces[k]
-        for place in range(blocks.first_block(active, s, k), blocks.last_block(active, s, k)):
+        for place in range(*blocks.active_range(active, s, k)):
             i = blocks.column_of(active, place)
             n = s.end - i
             x = block(speeds[0], i)

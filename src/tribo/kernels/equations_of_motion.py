@@ -13,15 +13,12 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
+    active_range,
     all_coordinates,
     clear,
     column_of,
     constant,
-    contact_on,
     coordinates,
-    directions,
-    first_block,
-    last_block,
     numbers,
     own_number,
     plus,
@@ -31,8 +28,7 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
-from tribo.kernels.kinematics import bar_velocity, bob_position
-from tribo.kernels.langevin import friction_force
+from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.neighbours import crowded, refresh
 from tribo.kernels.records import BARS, FORCED, PULLED, PUSHED, RIGID
 from tribo.kernels.springs import spring_forces
@@ -49,10 +45,7 @@ def bar_angles(model, s, i, t, q):
 
 @inlined
 def place_bars(displaced, s, i, x, y, l2, sin, versine):
-    """Set the bars' displacements from rest in the initial uniform motion, where they are needed.
-
-    The position is r2 = r_cm + l2 (-sin theta, cos theta).
-    """
+    """Set bars' displacements from rest, if needed, by r2 = r_cm + l2 (-sin theta, cos theta)."""
     if displaced is not None:
         x = x - l2 * s.facing * sin
         y = y - l2 * s.facing * versine
@@ -62,25 +55,20 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 @inlined
 def place_block(model, s, i, t, swing, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
-    b = model.bobs
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, constant(model, rows.L2, s, i), sin, versine)
     x = block(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
     y = block(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
-    x, y = bob_position(x, y, constant(model, rows.L1, s, i), tx, ty)
-    set_block(b[rows.X], i, x)
-    set_block(b[rows.Y], i, y)
-    set_block(b[rows.TX], i, tx)
-    set_block(b[rows.TY], i, ty)
-    set_block(b[rows.FX], i, broadcast(0.0))
-    set_block(b[rows.FY], i, broadcast(0.0))
+    x, y = rod_position(x, y, constant(model, rows.L1, s, i), tx, ty)
+    set_vectors(model.bobs, i, x, y)
+    set_vectors(model.directions, i, tx, ty)
+    set_vectors(model.f1, i, broadcast(0.0), broadcast(0.0))
 
 
 @kernel
 def place_bobs(model, t, q):
-    """Set position and direction of every bob."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
@@ -94,32 +82,24 @@ def velocities_of_bars(model, s, i, v):
     vx = coordinates(s.dof_x, s, i, v)
     vy = coordinates(s.dof_y, s, i, v)
     l2 = constant(model, rows.L2, s, i)
-    return bar_velocity(vx, vy, block(v, i), l2, *directions(model, i))
+    return rod_velocity(vx, vy, block(v, i), -l2, *vectors(model.directions, i))
 
 
 @kernel
-def friction_forces(model, friction, v):
-    """Set the Langevin friction on the bars, f_T = -gamma (v_bar - u).
+def friction_forces(model, friction, swing_friction, v):
+    """Set the Langevin friction on the bars, f_T = -gamma (v_bar - u), and on swings, -gamma omega.
 
     The integrator adds the noise.
     """
-    if friction is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.stop, LANES):
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            if friction is not None:
                 vx, vy = velocities_of_bars(model, s, i, v)
-                fx, fy = friction_force(s.gamma, vx, vy, s.reservoir_x, s.reservoir_y)
+                fx, fy = -s.gamma * (vx - s.reservoir_x), -s.gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
-
-
-@kernel
-def swing_frictions(model, swing_friction, v):
-    """Set the Langevin friction on the swings, a torque -gamma omega, likewise."""
-    if swing_friction is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.stop, LANES):
+            if swing_friction is not None:
                 set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
 
 
@@ -131,7 +111,7 @@ def gather_contact(model, members):
         if s.drive == RIGID:
             total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
-                total = total + block(model.bobs[rows.FX], i)
+                total = total + block(model.f1[rows.X], i)
             if members is None:
                 s.fx = sum_of_lanes(total)
             else:
@@ -149,14 +129,14 @@ def gathered_contact(members, s):
 @inlined
 def drive_of_block(model, s, i, t, q):
     """f2 on a block of bars, contact forces in place."""
-    fx, fy = contact_on(model, i)
+    fx, fy = vectors(model.f1, i)
     if s.drive == FORCED:
         gx = -fx
     elif s.drive == RIGID:
         total = gathered_contact(model.members, s)
         gx = constant(model, rows.MASS, s, i) * (total / s.mass) - fx
     elif s.drive == PULLED:
-        bar = constant(model, rows.L2, s, i) * block(model.bobs[rows.TY], i)
+        bar = constant(model, rows.L2, s, i) * block(model.directions[rows.Y], i)
         bar = coordinates(s.dof_x, s, i, q) - bar
         stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
         speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
@@ -179,7 +159,7 @@ def drive_forces(model, active, t, q):
     gather_contact(model, model.members)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for n in range(first_block(active, s, k), last_block(active, s, k)):
+        for n in range(*active_range(active, s, k)):
             i = column_of(active, n)
             set_vectors(model.drive, i, *drive_of_block(model, s, i, t, q))
 
@@ -194,10 +174,7 @@ def update_neighbours(model, neighbours, t, q):
 
 @inlined
 def forces(model, neighbours, t):
-    """Set the forces that depend on positions alone: contact, fields, springs.
-
-    The bobs are newly placed, and listed.
-    """
+    """Set the forces that depend on positions alone; the bobs are newly placed, and listed."""
     contact_forces(model, neighbours)
     field_forces(model, model.fields, t)
     clear(model.internal)
@@ -205,49 +182,34 @@ def forces(model, neighbours, t):
 
 
 @inlined
-def forces_on_ends(end_forces, i):
-    """f_L and f_R of a plug-in on a block of bars."""
-    left = block(end_forces[rows.LEFT_X], i), block(end_forces[rows.LEFT_Y], i)
-    return left, (block(end_forces[rows.RIGHT_X], i), block(end_forces[rows.RIGHT_Y], i))
-
-
-@inlined
-def end_force_sums(end_forces, i):
-    """f_L + f_R of a plug-in on a block of bars."""
-    if end_forces is None:
-        return broadcast(-0.0), broadcast(-0.0)
-    return plus(*forces_on_ends(end_forces, i))
-
-
-@inlined
-def end_torques(model, end_forces, s, i, t, q):
+def end_torques(model, left, right, s, i, t, q):
     """Torques of a plug-in's forces on the ends of a block of bars, about the bars' centres."""
-    if end_forces is None:
+    if left is None:
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
     half = 0.5 * constant(model, rows.BAR_LENGTH, s, i)
-    left, right = forces_on_ends(end_forces, i)
-    return half * (cos * (right[1] - left[1]) - sin * (right[0] - left[0]))
+    (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
+    return half * (cos * (right_y - left_y) - sin * (right_x - left_x))
 
 
 @inlined
 def bar_forces(model, i, drive):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
     force = plus(plus(drive, vectors(model.internal, i)), vectors(model.friction, i))
-    return plus(force, end_force_sums(model.end_forces, i))
+    return plus(force, plus(vectors(model.left, i), vectors(model.right, i)))
 
 
 @inlined
 def bob_forces(model, i):
     """Force on a block of bobs: f1, contact within the surface, and external fields."""
     inner, external = vectors(model.inner, i), vectors(model.external, i)
-    return plus(plus(contact_on(model, i), inner), external)
+    return plus(plus(vectors(model.f1, i), inner), external)
 
 
 @inlined
 def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     """Torque on a block of pendulums, but for that of the torsion springs."""
-    tx, ty = directions(model, i)
+    tx, ty = vectors(model.directions, i)
     torque = constant(model, rows.L1, s, i) * (tx * bob_x + ty * bob_y)
     torque = torque - constant(model, rows.L2, s, i) * (tx * bar_x + ty * bar_y)
     return torque + numbers(model.swing_friction, i)
@@ -269,7 +231,7 @@ def accelerations(model, s, i, torsion, t, q, drive):
         spring = torsion * constant(model, rows.KAPPA, s, i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:
-            ends = end_torques(model, model.end_forces, s, i, t, q)
+            ends = end_torques(model, model.left, model.right, s, i, t, q)
             turning = (spring + ends) / constant(model, rows.I2, s, i)
     mobility = constant(model, rows.INVERSE_MASS, s, i)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
@@ -287,16 +249,20 @@ def accelerate(model, torsion, t, q, acceleration):
 
 
 @inlined
-def equations_of_motion(model, neighbours, t, q, v, acceleration):
-    """Set q'' of all coordinates."""
-    place_bobs(model, t, q)
-    refresh(model, neighbours)
+def all_forces(model, neighbours, t, q, v):
+    """Set all forces but those of baths; the bobs are newly placed, and listed."""
     forces(model, neighbours, t)
     drive_forces(model, None, t, q)
-    bath_forces(model, model.bath, q, acceleration)
-    friction_forces(model, model.friction, v)
-    swing_frictions(model, model.swing_friction, v)
+    friction_forces(model, model.friction, model.swing_friction, v)
     custom_forces(model, t, q, v)
+
+
+@inlined
+def equations_of_motion(model, neighbours, t, q, v, acceleration):
+    place_bobs(model, t, q)
+    refresh(model, neighbours)
+    all_forces(model, neighbours, t, q, v)
+    bath_forces(model, model.bath, q, acceleration)
     accelerate(model, 1.0, t, q, acceleration)
     torsional_accelerations(model, model.torsional, t, q, acceleration)
 
@@ -311,7 +277,7 @@ def top_speeds(model, active, t, q, v, speeds):
     """
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for n in range(first_block(active, s, k), last_block(active, s, k)):
+        for n in range(*active_range(active, s, k)):
             i = column_of(active, n)
             twist = block(q, i) - bar_angles(model, s, i, t, q)
             omega = block(v, i)

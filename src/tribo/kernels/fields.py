@@ -4,8 +4,8 @@ from numba import literal_unroll
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.numbers_in_lanes import lane_of
-from tribo.kernels.blocks import clear, first_column, stride_of
-from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y
+from tribo.kernels.blocks import clear, column_range
+from tribo.kernels.records import X, Y
 
 
 @kernel
@@ -16,7 +16,6 @@ def field_shift(field, t):
 
 @kernel
 def field_forces(model, fields, t):
-    """Set the force of the external fields on the bobs."""
     if fields is not None:
         clear(model.external)
         for field in literal_unroll(fields):
@@ -27,8 +26,8 @@ def field_forces(model, fields, t):
                     x = model.bobs[X, i] + lane_of(shift_x, i)
                     y = model.bobs[Y, i] + lane_of(shift_y, i)
                     fx, fy = field.potential.force_at(x, y)
-                    model.external[ALONG_X, i] += fx
-                    model.external[ALONG_Y, i] += fy
+                    model.external[X, i] += fx
+                    model.external[Y, i] += fy
 
 
 @kernel
@@ -40,7 +39,8 @@ def field_energy(model, fields, t, lane):
             shift_x, shift_y = field_shift(field, t)
             for k in range(field.surfaces.shape[0]):
                 s = model.surfaces[field.surfaces[k]]
-                for i in range(first_column(s, lane), s.end, stride_of(lane)):
+                start, stop, step = column_range(s, lane)
+                for i in range(start, stop, step):  # with range(*...) literal_unroll fails
                     x = model.bobs[X, i] + shift_x
                     y = model.bobs[Y, i] + shift_y
                     energy += field.potential.energy_at(x, y)

@@ -13,6 +13,7 @@ from numba.extending import register_jitable
 from tribo.compiler.jit import KERNEL
 
 Number = Any  # a float, or in calls from Python an array
+Vector = tuple[Number, Number]
 
 equation = register_jitable(**KERNEL)
 
@@ -26,37 +27,24 @@ def nearest_image(difference: Number, period: Number) -> Number:
 
 
 @equation
-def bob_position(x: Number, y: Number, l1: Number, tx: Number, ty: Number) -> tuple[Number, Number]:
-    """Position of the bob, r1 = r_cm + l1 (sin theta, -cos theta), from that of r_cm."""
-    return x + l1 * ty, y - l1 * tx
+def rod_position(x: Number, y: Number, arm: Number, tx: Number, ty: Number) -> Vector:
+    """Position of a point of the rod, r = r_cm + arm (sin theta, -cos theta).
+
+    `arm` is l1 at the bob and -l2 at the bar's centre.
+    """
+    return x + arm * ty, y - arm * tx
 
 
 @equation
-def bob_velocity(
-    vx: Number, vy: Number, omega: Number, l1: Number, tx: Number, ty: Number
-) -> tuple[Number, Number]:
-    """Velocity of the bob, v1 = v_cm + l1 omega t."""
-    return vx + l1 * omega * tx, vy + l1 * omega * ty
+def rod_velocity(
+    vx: Number, vy: Number, omega: Number, arm: Number, tx: Number, ty: Number
+) -> Vector:
+    """Velocity of a point of the rod, v = v_cm + arm omega t."""
+    return vx + arm * omega * tx, vy + arm * omega * ty
 
 
 @equation
-def bar_position(x: Number, y: Number, l2: Number, tx: Number, ty: Number) -> tuple[Number, Number]:
-    """Position of the bar's centre, r2 = r_cm - l2 (sin theta, -cos theta)."""
-    return x - l2 * ty, y + l2 * tx
-
-
-@equation
-def bar_velocity(
-    vx: Number, vy: Number, omega: Number, l2: Number, tx: Number, ty: Number
-) -> tuple[Number, Number]:
-    """Velocity of the bar's centre, v2 = v_cm - l2 omega t."""
-    return vx - l2 * omega * tx, vy - l2 * omega * ty
-
-
-@equation
-def end_force(
-    torque: Number, inverse_length: Number, sin_phi: Number, cos_phi: Number
-) -> tuple[Number, Number]:
+def end_force(torque: Number, inverse_length: Number, sin_phi: Number, cos_phi: Number) -> Vector:
     """Force on the left end of a clamped bar, f_L = -f_R = (torque / length) (-sin phi, cos phi).
 
     `torque` is that of the torsion spring on the pendulum, kappa (theta - phi - rest) where the
@@ -71,5 +59,5 @@ def end_force(
 def rotational_power(
     arm: Number, omega: Number, tx: Number, ty: Number, fx: Number, fy: Number
 ) -> Number:
-    """Power of a force about the centre of mass; `arm` is l1 at the bob and -l2 at the bar."""
+    """Power of a force about the centre of mass, on a point of the rod."""
     return arm * omega * (tx * fx + ty * fy)

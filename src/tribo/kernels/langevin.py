@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from tribo.compiler.jit import OVERLOAD, inlined, kernel
+from tribo.compiler.jit import OVERLOAD, inlined
 from tribo.compiler.lanes import broadcast, sqrt, where_less, with_lane
 from tribo.compiler.lanes_functions import exponential
 from tribo.compiler.lanes_memory import block
@@ -21,12 +21,6 @@ class Deviates(NamedTuple):
 
     numbers: np.ndarray  # (n, 8) a column for each member
     place: np.ndarray  # (1,) the next row
-
-
-@kernel
-def friction_force(gamma, vx, vy, reservoir_x, reservoir_y):
-    """Friction on a bar with velocity (vx, vy)."""
-    return -gamma * (vx - reservoir_x), -gamma * (vy - reservoir_y)
 
 
 @inlined

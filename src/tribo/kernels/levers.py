@@ -9,38 +9,29 @@ pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block
-from tribo.kernels.blocks import column_of_constants, constant, directions
+from tribo.kernels.blocks import column_of_constants, constant, vectors
 from tribo.kernels.records import L1, L2
 
 
 @inlined
-def lever_of_bob(model, pivots, s, i):
-    """Distance from the centre of mass to the bob, of a block."""
-    lever = constant(model, L1, s, i)
-    return lever if pivots is None else lever - pivot_lengths(pivots, s, i)
-
-
-@inlined
-def lever_of_bar(model, pivots, s, i):
-    """Distance from the centre of mass to the bar, of a block."""
-    lever = constant(model, L2, s, i)
-    return lever if pivots is None else lever + pivot_lengths(pivots, s, i)
+def levers(model, pivots, s, i):
+    """Distances from the centre of mass to the bob and to the bar, of a block."""
+    bob, bar = constant(model, L1, s, i), constant(model, L2, s, i)
+    if pivots is None:
+        return bob, bar
+    return bob - pivot_lengths(pivots, s, i), bar + pivot_lengths(pivots, s, i)
 
 
 @inlined
 def pivot_lengths(pivots, s, i):
-    """The lengths in `pivots`, of a block."""
     return broadcast(0.0) if pivots is None else block(pivots[0], column_of_constants(s, i))
 
 
 @inlined
 def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
-    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place.
-
-    They are those of the coordinates x and y without driven bars.
-    """
+    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
     if pivots is None:
         return vx, vy
     speed = pivot_lengths(pivots, s, i) * omega
-    tx, ty = directions(model, i)
+    tx, ty = vectors(model.directions, i)
     return vx + speed * tx, vy + speed * ty

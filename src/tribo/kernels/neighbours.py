@@ -16,12 +16,11 @@ import numpy as np
 
 from tribo.compiler.jit import inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
-from tribo.compiler.lanes_memory import block
 from tribo.compiler.team import LISTS, PAIR, begin_phase, continue_phase, part_of
-from tribo.kernels.blocks import column_of, first_block, last_block
+from tribo.kernels.blocks import active_range, column_of, vectors
 from tribo.kernels.cells import gap, near_blocks, periods, set_boxes, sort_boxes
 from tribo.kernels.kinematics import nearest_image
-from tribo.kernels.records import ALONG_X, ALONG_Y, X, Y, Z
+from tribo.kernels.records import X, Y, Z
 
 
 @inlined
@@ -41,7 +40,7 @@ def have_crossed(model, active, place, width, elapsed):
     crossed = broadcast(0.0)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for n in range(first_block(active, s, k), last_block(active, s, k)):
+        for n in range(*active_range(active, s, k)):
             crossed = crossed + have_moved(model, place, width, column_of(active, n))
     return sum_of_lanes(crossed) > 0.0 or inactive_have_crossed(model, active, width, elapsed)
 
@@ -49,25 +48,9 @@ def have_crossed(model, active, place, width, elapsed):
 @inlined
 def have_moved(model, place, width, i):
     """1 in the lanes of bobs of a block that are not within half of `width` of `place`, else 0."""
-    dx = block(model.bobs[X], i) - block(place[ALONG_X], i)
-    dy = block(model.bobs[Y], i) - block(place[ALONG_Y], i)
+    (x, y), (old_x, old_y) = vectors(model.bobs, i), vectors(place, i)
+    dx, dy = x - old_x, y - old_y
     return 1.0 - (dx * dx + dy * dy < 0.25 * width * width)
-
-
-@inlined
-def have_left(model, neighbours, i):
-    """The same of the places where bobs were listed, and of half the skin; 0 without a list."""
-    if neighbours is None:
-        return broadcast(0.0)
-    return have_moved(model, neighbours.place, neighbours.skin, i)
-
-
-@inlined
-def note_crossed(neighbours, crossed):
-    """Have the list rebuilt if there is a lane that is not 0."""
-    if neighbours is not None:
-        if sum_of_lanes(crossed) > 0.0:
-            neighbours.crossed[0] = 1
 
 
 @kernel
@@ -86,8 +69,8 @@ def inactive_have_crossed(model, active, width, elapsed):
 def keep_places(model, place):
     """Set `place` to the positions of all bobs."""
     for i in range(place.shape[1]):
-        place[ALONG_X, i] = model.bobs[X, i]
-        place[ALONG_Y, i] = model.bobs[Y, i]
+        place[X, i] = model.bobs[X, i]
+        place[Y, i] = model.bobs[Y, i]
 
 
 @kernel
@@ -153,14 +136,14 @@ def list_rows(model, box, neighbours, k, begin, end, used, room):
     near = np.empty(boxes.count[0], np.int64)
     for own_block in range(begin, end):
         count = near_blocks(box, own, own_block, boxes, reach, neighbours.cells, near)
-        column = column_of(active, first_block(active, one, mine) + own_block)
+        column = column_of(active, active_range(active, one, mine)[0] + own_block)
         row = fill_rows(start, row, top + column, used)
         for i in range(column, min(column + LANES, one.end)):
             start[row] = used
             if partner_species(model.species, neighbours.species[k], i) != -2:
                 for n in range(count):
                     m = near[n]
-                    place = first_block(active, other, theirs) + m
+                    place = active_range(active, other, theirs)[0] + m
                     last = column_of(active, place) + LANES - 1
                     dx = gap(xs[i] - centres[0, m], halves[0, m], box_x)
                     dy = gap(ys[i] - centres[1, m], halves[1, m], 0.0)
@@ -184,7 +167,7 @@ def first_row(model, neighbours, k, n):
     if n == neighbours.own.count[0]:
         return row + one.end - one.start
     active = neighbours.active
-    place = first_block(active, one, neighbours.pairs[k, 0]) + n
+    place = active_range(active, one, neighbours.pairs[k, 0])[0] + n
     return row + column_of(active, place) - one.start
 
 
@@ -217,43 +200,30 @@ def share_rows(model, team, neighbours, k, used):
     part = max(neighbours.index.size - used, 0) // chunks
     for chunk in range(chunks + 1):
         team.begins[chunk] = used + chunk * part
-    if fill_chunks(model, team, neighbours):
-        return True
-    for chunk in range(chunks):
-        team.begins[chunk + 1] = team.begins[chunk] + team.lengths[chunk]
-    if team.begins[chunks] > neighbours.index.size:
-        return False
-    return fill_chunks(model, team, neighbours)
-
-
-@kernel
-def fill_chunks(model, team, neighbours):
-    """Fill the rows of all chunks of a pair; whether each had enough of the room."""
-    chunk = begin_phase(team, LISTS, team.lengths.size)
-    while chunk >= 0:
-        list_chunk(model, team, neighbours, chunk)
-        chunk = continue_phase(team)
-    for chunk in range(team.lengths.size):
-        if team.lengths[chunk] > team.begins[chunk + 1] - team.begins[chunk]:
-            return False
-    return True
-
-
-@kernel
-def list_piece(model, team, neighbours, chunk):
-    """The same for an assistant, of a scene that may have no list."""
-    if neighbours is not None:
-        list_chunk(model, team, neighbours, chunk)
+    while team.begins[chunks] <= neighbours.index.size:
+        chunk = begin_phase(team, LISTS, chunks)
+        while chunk >= 0:
+            list_chunk(model, team, neighbours, chunk)
+            chunk = continue_phase(team)
+        fits = True
+        for chunk in range(chunks):
+            fits = fits and team.lengths[chunk] <= team.begins[chunk + 1] - team.begins[chunk]
+        if fits:
+            return True
+        for chunk in range(chunks):
+            team.begins[chunk + 1] = team.begins[chunk] + team.lengths[chunk]
+    return False
 
 
 @kernel
 def list_chunk(model, team, neighbours, chunk):
-    """Fill the rows of a chunk of a pair's active blocks, and note how long they are."""
-    k = team.counters[PAIR]
-    begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
-    first, room = team.begins[chunk], team.begins[chunk + 1]
-    last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
-    team.lengths[chunk] = last - first
+    """Fill the rows of a chunk of a pair's active blocks, if there is a list; note their length."""
+    if neighbours is not None:
+        k = team.counters[PAIR]
+        begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
+        first, room = team.begins[chunk], team.begins[chunk + 1]
+        last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
+        team.lengths[chunk] = last - first
 
 
 @kernel
@@ -274,10 +244,7 @@ def join_chunks(model, team, neighbours, k, used):
 
 @kernel
 def refresh(model, neighbours):
-    """Rebuild the list if bobs have moved too far.
-
-    All blocks are active.
-    """
+    """Rebuild the list if bobs have moved too far; all blocks are active."""
     if neighbours is not None:
         if have_crossed(model, None, neighbours.place, neighbours.skin, 0.0):
             rebuild(model, neighbours)

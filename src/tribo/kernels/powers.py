@@ -41,16 +41,14 @@ from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
     all_coordinates,
     constant,
-    contact_on,
     coordinates,
-    directions,
-    is_fixed,
+    has,
     plus,
     vectors,
 )
 from tribo.kernels.fields import field_shift
-from tribo.kernels.kinematics import bar_velocity, end_force, rotational_power
-from tribo.kernels.levers import lever_of_bar, lever_of_bob, velocities_of_centres
+from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
+from tribo.kernels.levers import levers, velocities_of_centres
 from tribo.kernels.records import BARS
 
 # Number of accounts in each group; POINT is that of internal, field and thermal.
@@ -92,28 +90,27 @@ def write_one(accounts, tau, k, x):
 
 
 @inlined
-def set_power(power, s, slot, i, x):
-    """Write the powers of a block in an account."""
+def write(power, s, slot, i, *powers):
+    """Write powers of a block in its accounts from `slot` on."""
     k = place_of(s, slot, i)
-    write_block(power.accounts, power.sums, power.tau, k, i == s.start, x)
+    for x in powers:
+        write_block(power.accounts, power.sums, power.tau, k, i == s.start, x)
+        k += s.account_stride
 
 
 @inlined
-def set_four(power, s, slot, i, first, second, third, fourth):
-    """The same of four accounts in a row."""
+def add_works(accounts, s, slot, i, *works):
+    """Add works of a block to its accounts from `slot` on."""
     k = place_of(s, slot, i)
-    begins = i == s.start
-    stride = s.account_stride
-    write_block(power.accounts, power.sums, power.tau, k, begins, first)
-    write_block(power.accounts, power.sums, power.tau, k + stride, begins, second)
-    write_block(power.accounts, power.sums, power.tau, k + 2 * stride, begins, third)
-    write_block(power.accounts, power.sums, power.tau, k + 3 * stride, begins, fourth)
+    for x in works:
+        add_block(accounts, k, x)
+        k += s.account_stride
 
 
 @inlined
 def held_torques(model, fixed, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
-    if is_fixed(fixed, s):
+    if has(fixed, s.fixed):
         bob_x, bob_y = equations.bob_forces(model, i)
         bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
         return equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
@@ -126,35 +123,31 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     phi = equations.bar_angles(model, s, i, t, q)
     torque = held_torques(model, model.fixed, s, i, phi, q)
     x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
-    lever = -lever_of_bar(model, model.pivots, s, i)
-    with_bar = rotational_power(lever, omega, *directions(model, i), x, y)
+    lever = -levers(model, model.pivots, s, i)[1]
+    with_bar = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
     turning = -0.5 * torque * constant(model, rows.NU_START, s, i)
-    k = s.acc_ends
-    set_four(power, s, k, i, turning + with_bar, turning - with_bar, x, y)
-    set_power(power, s, k + 4 * s.account_stride, i, x * vx + y * vy)
+    about = turning + with_bar, turning - with_bar
+    write(power, s, s.acc_ends, i, *about, x, y, x * vx + y * vy)
 
 
 @kernel
-def custom_end_powers(model, end_forces, s, i, t, q, velocities, power):
+def custom_end_powers(model, left, right, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
-    if end_forces is not None:
+    if left is not None:
         if s.acc_user_ends >= 0:
-            (left_x, left_y), (right_x, right_y) = equations.forces_on_ends(end_forces, i)
+            (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
             sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
             omega, nu, vx, vy = velocities
             tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
             tip_x = -tip * sin
             tip_y = tip * cos
             zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
-            x, y = bar_velocity(zero, zero, omega, l2, *directions(model, i))
-            left = left_x * (x - tip_x) + left_y * (y - tip_y)
-            right = right_x * (x + tip_x) + right_y * (y + tip_y)
-            k = s.acc_user_ends
-            set_four(power, s, k, i, left, right, left_x, left_y)
-            left = left_x * vx + left_y * vy
-            right = right_x * vx + right_y * vy
-            k += 4 * s.account_stride
-            set_four(power, s, k, i, right_x, right_y, left, right)
+            x, y = rod_velocity(zero, zero, omega, -l2, *vectors(model.directions, i))
+            on_left = left_x * (x - tip_x) + left_y * (y - tip_y)
+            on_right = right_x * (x + tip_x) + right_y * (y + tip_y)
+            impulses = left_x, left_y, right_x, right_y
+            pseudo = left_x * vx + left_y * vy, right_x * vx + right_y * vy
+            write(power, s, s.acc_user_ends, i, on_left, on_right, *impulses, *pseudo)
 
 
 @inlined
@@ -166,57 +159,53 @@ def set_point_powers(model, table, lever, slot, s, i, omega, vx, vy, power):
     if table is not None:
         if slot >= 0:
             x, y = vectors(table, i)
-            about = rotational_power(lever, omega, *directions(model, i), x, y)
-            set_four(power, s, slot, i, x, y, about, x * vx + y * vy)
+            about = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
+            write(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
 def set_swing_powers(model, swing_friction, s, i, omega, power):
-    """Set the power of the Langevin friction on the swings."""
     if swing_friction is not None:
         if s.acc_swing >= 0:
-            set_power(power, s, s.acc_swing, i, block(swing_friction[0], i) * omega)
+            write(power, s, s.acc_swing, i, block(swing_friction[0], i) * omega)
 
 
 @inlined
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
     if s.acc_internal >= 0:
-        tx, ty = directions(model, i)
+        tx, ty = vectors(model.directions, i)
+        bob, bar = levers(model, model.pivots, s, i)
         x, y = vectors(model.internal, i)
-        about = rotational_power(-lever_of_bar(model, model.pivots, s, i), omega, tx, ty, x, y)
         bob_x, bob_y = vectors(model.inner, i)
-        lever = lever_of_bob(model, model.pivots, s, i)
-        about = about + rotational_power(lever, omega, tx, ty, bob_x, bob_y)
+        about = rotational_power(-bar, omega, tx, ty, x, y)
+        about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
         x, y = x + bob_x, y + bob_y
-        set_four(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+        write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
 def set_contact_powers(model, sums, s, i, omega, power):
     """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
-    x, y = contact_on(model, i)
-    tx, ty = directions(model, i)
+    x, y = vectors(model.f1, i)
+    tx, ty = vectors(model.directions, i)
     along_x, along_y = x * omega * tx, y * omega * ty
     if sums is not None:
-        lever = lever_of_bob(model, model.pivots, s, i)
+        lever = levers(model, model.pivots, s, i)[0]
         along_x, along_y = lever * along_x, lever * along_y
-    set_four(power, s, s.acc_contact, i, x, y, along_x, along_y)
+    write(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
 @inlined
 def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
-    """Set the powers of f2, but of the reaction of driven bars, which the ledger finds.
-
-    In sums the work about the centre of mass has its lever.
-    """
+    """Set the powers of f2, likewise; the ledger finds the reaction of driven bars."""
     if s.acc_drive >= 0 and s.drive != BARS:
         x, y = vectors(model.drive, i)
-        tx, ty = directions(model, i)
+        tx, ty = vectors(model.directions, i)
         about = omega * (tx * x + ty * y)
         if sums is not None:
-            about = lever_of_bar(model, model.pivots, s, i) * about
-        set_four(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
+            about = levers(model, model.pivots, s, i)[1] * about
+        write(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -231,19 +220,17 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         set_contact_powers(model, model.sums, s, i, omega, power)
         if s.acc_slide >= 0:
-            fx, fy = contact_on(model, i)
-            set_power(power, s, s.acc_slide, i, fx * vx)
-            set_power(power, s, s.acc_slide + s.account_stride, i, fy * vy)
+            fx, fy = vectors(model.f1, i)
+            write(power, s, s.acc_slide, i, fx * vx, fy * vy)
         set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
-        if s.acc_ends >= 0 and (torsion != 0.0 or is_fixed(model.fixed, s)):
+        if s.acc_ends >= 0 and (torsion != 0.0 or has(model.fixed, s.fixed)):
             clamped_ends(model, s, i, t, q, omega, vx, vy, power)
-        bob = lever_of_bob(model, model.pivots, s, i)
+        bob, bar = levers(model, model.pivots, s, i)
         set_point_powers(model, model.external, bob, s.acc_field, s, i, omega, vx, vy, power)
         set_internal_powers(model, s, i, omega, vx, vy, power)
-        bar = -lever_of_bar(model, model.pivots, s, i)
-        set_point_powers(model, model.friction, bar, s.acc_thermal, s, i, omega, vx, vy, power)
+        set_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, omega, vx, vy, power)
         set_swing_powers(model, model.swing_friction, s, i, omega, power)
-        custom_end_powers(model, model.end_forces, s, i, t, q, velocities, power)
+        custom_end_powers(model, model.left, model.right, s, i, t, q, velocities, power)
 
 
 @kernel
@@ -269,7 +256,6 @@ def field_powers(model, fields, t, power):
 
 @kernel
 def torsional_powers(model, torsional, t, q, v, power):
-    """Add the power of the torsional oscillators on the bars."""
     if torsional is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -282,10 +268,7 @@ def torsional_powers(model, torsional, t, q, v, power):
 
 @kernel
 def momentum(model, s, v):
-    """Momentum of a surface and its bath in its first frame; see :func:`set_bath_momenta`.
-
-    That of members in Lanes.
-    """
+    """Momentum of a surface, and of its bath if it is set, in its first frame; Lanes of members."""
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
@@ -301,9 +284,9 @@ def external_force(model, s):
     """Sum of f1, f2, field, f_T and a plug-in's forces on ends over a surface, Lanes of members."""
     total = broadcast(0.0), broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        total = plus(plus(total, contact_on(model, i)), vectors(model.drive, i))
+        total = plus(plus(total, vectors(model.f1, i)), vectors(model.drive, i))
         total = plus(plus(total, vectors(model.external, i)), vectors(model.friction, i))
-        total = plus(total, equations.end_force_sums(model.end_forces, i))
+        total = plus(total, plus(vectors(model.left, i), vectors(model.right, i)))
     return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
 
 
@@ -312,19 +295,14 @@ def shared_powers(model, ledger, t, v, power):
     """Set the powers of the accounts that are of no asperite, if there is a ledger."""
     if ledger is not None:
         field_powers(model, model.fields, t, power)
-        block_powers(model, v, power)
-
-
-@inlined
-def block_powers(model, v, power):
-    """Set the power of each surface's external force at the velocity of its centre of mass."""
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        if s.acc_block >= 0:
-            fx, fy = external_force(model, s)
-            px, py = momentum(model, s, v)
-            x = (fx * px + fy * py) * s.inverse_total_mass
-            write_one(power.accounts, power.tau, s.acc_block, x)
+        for k in range(model.surfaces.shape[0]):
+            s = model.surfaces[k]
+            if s.acc_block >= 0:
+                # The surface's external force at the velocity of its centre of mass.
+                fx, fy = external_force(model, s)
+                px, py = momentum(model, s, v)
+                x = (fx * px + fy * py) * s.inverse_total_mass
+                write_one(power.accounts, power.tau, s.acc_block, x)
 
 
 @inlined

@@ -6,67 +6,57 @@ from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, contact_on, set_vectors, vectors
+from tribo.kernels.blocks import constant, set_vectors, vectors
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.neighbours import crowded, rebuild
 from tribo.kernels.powers import held_torques
 from tribo.kernels.samples import PULL_X, PULL_Y
-from tribo.kernels.user_forces import custom_forces
 
-# Rows of what is found, each but the last with the row of y behind that of x: contact, contact
-# within, fields, drive, springs, bath, left and right end, friction; acceleration of the swing.
-F1, WITHIN, FIELD, F2, SPRING, BATH, LEFT, RIGHT, FRICTION, SWING = range(0, 20, 2)
-ROWS = SWING + 1
-
-
-@inlined
-def set_pair(found, row, i, x, y):
-    """Set x and y of a block of forces."""
-    set_block(found[row], i, x)
-    set_block(found[row + 1], i, y)
+# Tables of what is found, of vectors: contact, contact within, fields, drive, springs, bath, left
+# and right end, friction; the last has the acceleration of the swing in its first row.
+F1, WITHIN, FIELD, F2, SPRING, BATH, LEFT, RIGHT, FRICTION, SWING = range(10)
+TABLES = 10
 
 
 @inlined
 def add_bath(internal, found, baths, i):
     """Note the springs' forces on a block of bars, and add the recorded ones of the bath."""
     x, y = vectors(internal, i)
-    set_pair(found, SPRING, i, x, y)
+    set_vectors(found[SPRING], i, x, y)
     if internal is not None:
         if baths.shape[0] > 0:
-            pull_x = block(baths[PULL_X], i)
-            pull_y = block(baths[PULL_Y], i)
-            set_pair(found, BATH, i, pull_x, pull_y)
+            pull_x, pull_y = block(baths[PULL_X], i), block(baths[PULL_Y], i)
+            set_vectors(found[BATH], i, pull_x, pull_y)
             set_vectors(internal, i, x + pull_x, y + pull_y)
 
 
 @kernel
-def set_ends(model, end_forces, s, i, t, q, found):
+def set_ends(model, left, right, s, i, t, q, found):
     """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
         phi = equations.bar_angles(model, s, i, t, q)
         torque = held_torques(model, model.fixed, s, i, phi, q)
         x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
-        set_pair(found, LEFT, i, x, y)
-        set_pair(found, RIGHT, i, -x, -y)
-    if end_forces is not None:
+        set_vectors(found[LEFT], i, x, y)
+        set_vectors(found[RIGHT], i, -x, -y)
+    if left is not None:
         if s.user_ends == 1:
-            left, right = equations.forces_on_ends(end_forces, i)
-            set_pair(found, LEFT, i, *left)
-            set_pair(found, RIGHT, i, *right)
+            set_vectors(found[LEFT], i, *vectors(left, i))
+            set_vectors(found[RIGHT], i, *vectors(right, i))
 
 
 @kernel
 def note_forces(model, s, i, t, q, acceleration, found):
     """Set what is found of a block, forces and accelerations in place."""
-    set_pair(found, F1, i, *contact_on(model, i))
-    set_pair(found, WITHIN, i, *vectors(model.inner, i))
-    set_pair(found, FIELD, i, *vectors(model.external, i))
-    set_pair(found, F2, i, *vectors(model.drive, i))
-    set_pair(found, FRICTION, i, *vectors(model.friction, i))
-    set_ends(model, model.end_forces, s, i, t, q, found)
-    set_block(found[SWING], i, block(acceleration, i))
+    set_vectors(found[F1], i, *vectors(model.f1, i))
+    set_vectors(found[WITHIN], i, *vectors(model.inner, i))
+    set_vectors(found[FIELD], i, *vectors(model.external, i))
+    set_vectors(found[F2], i, *vectors(model.drive, i))
+    set_vectors(found[FRICTION], i, *vectors(model.friction, i))
+    set_ends(model, model.left, model.right, s, i, t, q, found)
+    set_block(found[SWING, 0], i, block(acceleration, i))
 
 
 def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceleration, found):
@@ -74,7 +64,7 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
 
     Returns the number of the samples that are done: fewer than all where the neighbour list needs
     more room.  `places` of the sampled coordinates in q, y (times, 2 places), baths as in
-    :class:`tribo.kernels.samples.Record`, found (times, ROWS, n), and scratch q, v, acceleration.
+    :class:`tribo.kernels.samples.Record`, found (times, TABLES, 2, n), scratch q, v, acceleration.
     """
     for k in range(begin, times.size):
         t = times[k]
@@ -83,15 +73,11 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
             v[places[m]] = y[k, places.size + m]
         if not equations.update_neighbours(model, neighbours, t, q):
             return k
-        equations.forces(model, neighbours, t)
+        equations.all_forces(model, neighbours, t, q, v)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
                 add_bath(model.internal, found[k], baths[k], i)
-        equations.drive_forces(model, None, t, q)
-        equations.friction_forces(model, model.friction, v)
-        equations.swing_frictions(model, model.swing_friction, v)
-        custom_forces(model, t, q, v)
         equations.accelerate(model, 1.0, t, q, acceleration)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
@@ -115,8 +101,8 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
             bobs[rows.Y, i] = positions[k, m, 1]
             model.each[rows.Z, i] = positions[k, m, 2]
             model.each[rows.CHARGE, i] = charges[k, m]
-            bobs[rows.FX, i] = 0.0
-            bobs[rows.FY, i] = 0.0
+            model.f1[rows.X, i] = 0.0
+            model.f1[rows.Y, i] = 0.0
         if neighbours is not None:
             rebuild(model, neighbours)
         if crowded(neighbours):
@@ -124,16 +110,13 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
         contact_forces(model, neighbours)
         energies[k] = contact_energy(model, neighbours, None)
         for m in range(columns.size):
-            found[k, m, 0] = bobs[rows.FX, columns[m]]
-            found[k, m, 1] = bobs[rows.FY, columns[m]]
+            found[k, m, 0] = model.f1[rows.X, columns[m]]
+            found[k, m, 1] = model.f1[rows.Y, columns[m]]
     return positions.shape[0]
 
 
 def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
-    """Compute q'' of all coordinates.
-
-    Returns 1, or `begin`, which is 0, where the neighbour list needs more room.
-    """
+    """Compute q'' of all coordinates; returns 1, or `begin`, 0, where the list needs more room."""
     if not equations.update_neighbours(model, neighbours, t, q):
         return begin
     equations.equations_of_motion(model, neighbours, t, q, v, acceleration)

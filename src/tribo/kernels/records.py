@@ -124,16 +124,8 @@ OF_MEMBERS = (
 OWN_VX, OWN_VY, OWN_LOAD, OWN_STIFFNESS, OWN_SPEED = range(5)
 OWN_GAMMA, OWN_SWING_GAMMA, OWN_TEMPERATURE, OWN_SWING_TEMPERATURE = range(5, len(OF_MEMBERS))
 
-# Rows of the table of bobs, one column a bob.  (TX, TY) is the unit vector along which a growing
-# theta moves the bob, and (FX, FY) the contact force f1.
-X, Y, TX, TY, FX, FY = range(6)
-BOB_ROWS = 6
-
-# Rows of a table of forces, or of displacements, in the plane.
-ALONG_X, ALONG_Y = range(2)
-
-# Rows of the table of a plug-in's forces on the ends of bars, f_L and f_R.
-LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y = range(4)
+# Rows of a table of places, directions or forces in the plane.
+X, Y = range(2)
 
 # Rows of a table of bath oscillators, whose masses are inertias if they are torsional.
 OSCILLATOR_MASS, OSCILLATOR_FREQUENCY = range(2)
@@ -191,6 +183,7 @@ class Contact(NamedTuple):
     pairs: np.ndarray  # (n, 2) indices of surfaces, the first not above the second
     rows: np.ndarray  # (n,) first row of each pair in the neighbour list; -1: all pairs
     species: Any  # (2,) between bobs of which species; None: of any
+    within: Any = None  # True where it acts among the bobs of one surface
     numbers: Any = None  # (fields, 8) of the potential, where members of an ensemble differ in them
 
 
@@ -219,8 +212,8 @@ class Calculator(NamedTuple):
     """Contact that is computed outside of the kernels, for all bobs of some surfaces at once."""
 
     address: int  # of a function without arguments that sets `forces` and `energy`
-    surfaces: np.ndarray  # (k,) indices
-    positions: np.ndarray  # (m, 2) x and y of the surfaces' bobs, set before the call
+    columns: np.ndarray  # (m,) of the surfaces' bobs
+    positions: np.ndarray  # (m, 2) x and y of these, set before the call
     forces: np.ndarray  # (m, 2) on each of them
     energy: np.ndarray  # (1,) their potential energy
 
@@ -245,8 +238,6 @@ class Active(NamedTuple):
 
 
 class Boxes(NamedTuple):
-    """Boxes around blocks of bobs in x, y and z."""
-
     count: np.ndarray  # (1,) how many there are
     centres: np.ndarray  # (3, room)
     halves: np.ndarray  # (3, room) half widths
@@ -287,8 +278,6 @@ class Neighbours(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """The lattice springs."""
-
     chains: Any  # recarray of CHAIN
     table: np.ndarray  # (3, springs), see STIFFNESS
 
@@ -305,12 +294,13 @@ class Model(NamedTuple):
     each: np.ndarray  # (EACH_ROWS, n), see X_START
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
-    contacts: tuple  # of Contact between different surfaces
-    bobs: Any  # (BOB_ROWS, n), scratch
+    contacts: tuple  # of Contact, those within surfaces last
+    bobs: Any  # (2, n), scratch: place of each bob
+    directions: Any  # (2, n), scratch: the unit vector along which a growing theta moves it
+    f1: Any  # (2, n), scratch: contact force on it
     drive: Any  # (2, n), scratch: f2 on each bar
     ledger: Any = None  # True, or None where no works are kept
     sums: Any = None  # True where accounts are sums over asperites
-    within: Any = None  # tuple of Contact among the bobs of one surface
     calculators: Any = None  # tuple of Calculator
     species: Any = None  # (n,) of each bob, floats
     inner: Any = None  # (2, n), scratch: contact within on each bob
@@ -322,7 +312,8 @@ class Model(NamedTuple):
     pivots: Any = None  # (1, columns of constants), see `kernels.levers`; None without driven bars
     fixed: Any = None  # True, or None where no asperites are rigid
     turning: Any = None  # True, or None where no clamped bars turn
-    end_forces: Any = None  # (4, n), scratch: a plug-in's forces on the ends of each bar
+    left: Any = None  # (2, n), scratch: a plug-in's force on the left end of each bar
+    right: Any = None  # (2, n), scratch: on its right end
     box: Any = None  # Box
     springs: Any = None  # Springs
     bath: Any = None  # (2, oscillators), see OSCILLATOR_MASS

@@ -8,7 +8,7 @@ from numba import literal_unroll
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.kernels import baths
-from tribo.kernels.blocks import clear, first_column, halves, stride_of
+from tribo.kernels.blocks import clear, column_range, halves
 from tribo.kernels.contact import contact_energy, pair_energy
 from tribo.kernels.fields import field_energy
 from tribo.kernels.springs import spring_energies
@@ -18,6 +18,9 @@ SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 # Rows of what samples may have of the baths: their force on each bar, and their kinetic energy.
 # Displacements of oscillators from the bar follow on request: a row of each x, then of each y.
 PULL_X, PULL_Y, KINETIC, BATH_ROWS = range(4)
+
+# Ranges of axes of oscillators: those along x and y, and the torsional ones.
+ALONG, TURNING = (0, 2), (2, 3)
 
 
 class State(NamedTuple):
@@ -74,7 +77,6 @@ def copy(source, target):
 
 @kernel
 def copy_rows(source, target):
-    """Make the rows of one array equal to those of another."""
     for i in range(target.shape[0]):
         copy(source[i], target[i])
 
@@ -86,7 +88,6 @@ def empty_state(state: State) -> State:
 
 @kernel
 def copy_state(source, target):
-    """Make one state equal to another."""
     copy(source.y, target.y)
     copy(source.y_low, target.y_low)
     copy(source.s, target.s)
@@ -97,83 +98,52 @@ def copy_state(source, target):
 
 
 @kernel
-def bath_energies(model, bath, q, v, stored, lane):
-    """Energy and momentum of each surface's bath, in the frame of its initial velocity."""
-    if bath is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
-            if count > 0:
-                for i in range(first_column(s, lane), s.end, stride_of(lane)):
-                    energy = 0.0
-                    for axis in range(2):
-                        m = baths.first_slot(s, i) + axis * count
-                        bar = model.displaced[axis, i]
-                        energy += baths.oscillator_energy(bath, first, count, q, v, m, bar)
-                        momentum = baths.oscillator_momentum(bath, first, count, v, m)
-                        stored[k, MOMENTUM_X + axis] += momentum
-                    stored[k, BATH] += energy
-
-
-@kernel
-def energies_within(model, within, neighbours, stored, lane):
-    """Energy of the contact among each surface's own bobs."""
-    if within is not None:
-        for contact in literal_unroll(within):
+def energies_within(model, neighbours, stored, lane):
+    for contact in literal_unroll(model.contacts):
+        if contact.within is not None:
             for k in range(contact.pairs.shape[0]):
                 owner = contact.pairs[k, 0]
                 stored[owner, WITHIN] += pair_energy(model, contact, k, neighbours, lane)
 
 
 @kernel
-def torsional_energies(model, torsional, t, q, v, stored, lane):
-    """Energy of each surface's torsional oscillators."""
-    if torsional is not None:
+def bath_energies(model, table, axes, t, q, v, stored, lane):
+    """Energy and momentum of oscillators, in the frame of their surface's initial velocity."""
+    if table is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_torsional
-            count = s.torsionals
-            if count > 0:
-                for i in range(first_column(s, lane), s.end, stride_of(lane)):
-                    phi = baths.bar_angle(model, s, i, t, q)
-                    m = baths.torsional_slot(s, i)
-                    energy = baths.oscillator_energy(torsional, first, count, q, v, m, phi)
-                    stored[k, TORSIONAL] += energy
+            for i in range(*column_range(s, lane)):
+                energy = 0.0
+                for axis in range(*axes):
+                    oscillators = baths.oscillators_of(s, i, axis)
+                    bar = baths.place_of_bar(model, model.displaced, s, i, axis, t, q)
+                    energy += baths.oscillator_energy(table, oscillators, q, v, bar)[0]
+                    if axis < 2:
+                        momentum = baths.oscillator_momentum(table, oscillators, v)
+                        stored[k, MOMENTUM_X + axis] += momentum
+                stored[k, BATH if axes[0] == 0 else TORSIONAL] += energy
 
 
 @kernel
-def write_baths(model, bath, q, v, record):
+def write_baths(model, table, axes, t, q, v, record):
     """Record the force of the bath on each bar, its kinetic energy, and displacements from the bar.
 
     Those of as many oscillators as have rows; the record is clear before.
     """
-    if bath is not None:
+    if table is not None:
         half = (record.shape[0] - BATH_ROWS) // 2
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            first = s.first_oscillator
-            count = s.oscillators
             for i in range(s.start, s.end):
-                for axis in range(2):
-                    m = baths.first_slot(s, i) + axis * count
-                    bar = model.displaced[axis, i]
-                    record[PULL_X + axis, i] = baths.pull(bath, first, count, q, m, bar)
-                    record[KINETIC, i] += baths.oscillator_kinetic(bath, first, count, v, m)
-                    for n in range(min(half, count)):
-                        record[BATH_ROWS + axis * half + n, i] = q[m + n] - bar
-
-
-@kernel
-def add_torsional_kinetic(model, torsional, v, record):
-    """Add the kinetic energy of the torsional oscillators on each bar."""
-    if torsional is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.end):
-                m = baths.torsional_slot(s, i)
-                energy = baths.oscillator_kinetic(torsional, s.first_torsional, s.torsionals, v, m)
-                record[KINETIC, i] += energy
+                for axis in range(*axes):
+                    oscillators = baths.oscillators_of(s, i, axis)
+                    bar = baths.place_of_bar(model, model.displaced, s, i, axis, t, q)
+                    record[KINETIC, i] += baths.oscillator_energy(table, oscillators, q, v, bar)[1]
+                    if axis < 2:
+                        record[PULL_X + axis, i] = baths.pull(table, oscillators, q, bar)
+                        _, count, slot = oscillators
+                        for n in range(min(half, count)):
+                            record[BATH_ROWS + axis * half + n, i] = q[slot + n] - bar
 
 
 @inlined
@@ -185,15 +155,8 @@ def first_place(place, lane):
 
 
 @kernel
-def write_sample(model, neighbours, clock, state, record):
-    """Record the state as the next sample; the bobs are in place."""
-    write_row(model, neighbours, clock.t, state, record, clock.sample, None)
-    clock.sample += 1
-
-
-@kernel
 def write_row(model, neighbours, t, state, record, k, lane):
-    """Record the state at time t in row k of a record, for `lane` that of one member."""
+    """Record the state at time t in row k, for `lane` that of one member; the bobs are in place."""
     q, v = halves(state.y)
     for m in range(record.y_places.size):
         record.y[k, m] = state.y[first_place(record.y_places[m], lane)]
@@ -205,10 +168,10 @@ def write_row(model, neighbours, t, state, record, k, lane):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
     spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
-    energies_within(model, model.within, neighbours, record.stored[k], lane)
-    bath_energies(model, model.bath, q, v, record.stored[k], lane)
-    torsional_energies(model, model.torsional, t, q, v, record.stored[k], lane)
+    energies_within(model, neighbours, record.stored[k], lane)
+    bath_energies(model, model.bath, ALONG, t, q, v, record.stored[k], lane)
+    bath_energies(model, model.torsional, TURNING, t, q, v, record.stored[k], lane)
     if record.baths.shape[1] > 0:
         clear(record.baths[k])
-        write_baths(model, model.bath, q, v, record.baths[k])
-        add_torsional_kinetic(model, model.torsional, v, record.baths[k])
+        write_baths(model, model.bath, ALONG, t, q, v, record.baths[k])
+        write_baths(model, model.torsional, TURNING, t, q, v, record.baths[k])

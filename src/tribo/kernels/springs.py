@@ -9,7 +9,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import add_block, block
 from tribo.kernels.blocks import sum_at
-from tribo.kernels.records import ALONG_X, ALONG_Y, REST_X, REST_Y, STIFFNESS
+from tribo.kernels.records import REST_X, REST_Y, STIFFNESS, X, Y
 
 
 @inlined
@@ -39,10 +39,10 @@ def spring_forces(model, springs):
     if springs is not None:
         for k in range(springs.chains.shape[0]):
             chain = springs.chains[k]
-            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.i, -1.0)
-            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.i, -1.0)
-            add_to_bars(model, springs, chain, ALONG_X, REST_X, chain.j, 1.0)
-            add_to_bars(model, springs, chain, ALONG_Y, REST_Y, chain.j, 1.0)
+            add_to_bars(model, springs, chain, X, REST_X, chain.i, -1.0)
+            add_to_bars(model, springs, chain, Y, REST_Y, chain.i, -1.0)
+            add_to_bars(model, springs, chain, X, REST_X, chain.j, 1.0)
+            add_to_bars(model, springs, chain, Y, REST_Y, chain.j, 1.0)
 
 
 @kernel
@@ -56,8 +56,8 @@ def spring_energies(model, springs, stored, slot, lane):
                 j = chain.j + m
                 rest_x = block(springs.table[REST_X], chain.first + m)
                 rest_y = block(springs.table[REST_Y], chain.first + m)
-                x = stretches(model.displaced, ALONG_X, rest_x, i, j)
-                y = stretches(model.displaced, ALONG_Y, rest_y, i, j)
+                x = stretches(model.displaced, X, rest_x, i, j)
+                y = stretches(model.displaced, Y, rest_y, i, j)
                 stiffness = block(springs.table[STIFFNESS], chain.first + m)
                 energies = 0.5 * stiffness * (x * x + y * y)
                 stored[chain.surface, slot] += sum_at(lane, energies)

@@ -7,7 +7,7 @@ from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
-from tribo.kernels.kinematics import bar_position, bar_velocity
+from tribo.kernels.kinematics import rod_position, rod_velocity
 
 
 @kernel
@@ -21,25 +21,24 @@ def custom_drives(model, drives, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     if drives is not None:
         a = model.constants
-        b = model.bobs
         for drive in literal_unroll(drives):
             s = model.surfaces[drive.surface]
             for i in range(s.start, s.end):
                 c = column_of_constants(s, i)
-                tx, ty = b[rows.TX, i], b[rows.TY, i]
-                x, y = bar_position(
-                    b[rows.X, i], b[rows.Y, i], a[rows.L1, c] + a[rows.L2, c], tx, ty
-                )
+                tx, ty = model.directions[rows.X, i], model.directions[rows.Y, i]
+                length = a[rows.L1, c] + a[rows.L2, c]
+                x, y = rod_position(model.bobs[rows.X, i], model.bobs[rows.Y, i], -length, tx, ty)
                 now = lane_of(t, i)
                 x = x + drive.origin[0] + drive.velocity[0] * now
                 y = y + drive.origin[1] + drive.velocity[1] * now
                 vx, vy = coordinate(s.dof_x, s, i, v), coordinate(s.dof_y, s, i, v)
-                vx, vy = bar_velocity(vx, vy, v[i], a[rows.L2, c], tx, ty)
+                vx, vy = rod_velocity(vx, vy, v[i], -a[rows.L2, c], tx, ty)
                 vx += s.vx + drive.velocity[0]
                 vy += s.vy + drive.velocity[1]
-                gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, b[rows.FX, i], b[rows.FY, i])
-                model.drive[rows.ALONG_X, i] = gx
-                model.drive[rows.ALONG_Y, i] = s.load if s.loaded else gy
+                fx, fy = model.f1[rows.X, i], model.f1[rows.Y, i]
+                gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
+                model.drive[rows.X, i] = gx
+                model.drive[rows.Y, i] = s.load if s.loaded else gy
 
 
 @kernel
@@ -53,11 +52,8 @@ def custom_ends(model, ends, t, q, v):
                 nu = coordinate(s.dof_phi, s, i, v)
                 now = lane_of(t, i)
                 found = end.plugin.end_forces(now, phi, nu, q[i] - phi)
-                left_x, left_y, right_x, right_y = found
-                model.end_forces[rows.LEFT_X, i] = left_x
-                model.end_forces[rows.LEFT_Y, i] = left_y
-                model.end_forces[rows.RIGHT_X, i] = right_x
-                model.end_forces[rows.RIGHT_Y, i] = right_y
+                model.left[rows.X, i], model.left[rows.Y, i] = found[0], found[1]
+                model.right[rows.X, i], model.right[rows.Y, i] = found[2], found[3]
 
 
 @kernel

@@ -9,8 +9,9 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
+from tribo.integrators.drift import settle_end_works
 from tribo.integrators.nystrom import try_step
-from tribo.integrators.splitting import arrive, begin_works, take_step
+from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
@@ -176,7 +177,7 @@ def splitting_members(
     if clock.evaluations == 0:
         place_bobs(model, clock.t, q)
         watch_encounters(model, clock.t, state.y, work.speeds, watch, 0.0, True)
-        begin_works(model, state, work)
+        settle_end_works(model, q, None, state.memory[0])
     for done in range(budget + 1):
         left = control.time_left(clock, times[clock.sample])
         if left <= 0.0:

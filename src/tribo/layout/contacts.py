@@ -32,14 +32,13 @@ LISTED_BLOCKS = 6
 
 def lay_out_contacts(
     scene: Scene,
-) -> tuple[tuple[Contact, ...], tuple[Contact, ...] | None, int, float]:
-    """The contacts of a scene: between surfaces, at least one; and among the bobs of one, or None.
+) -> tuple[tuple[Contact, ...], int, float]:
+    """The contacts of a scene, at least one; those among the bobs of one surface come last.
 
     Also the rows of the neighbour list, 0 without one, and how much farther than the cutoff it
     reaches [length].  An interaction with a cutoff has a list where its bobs are many.
     """
-    between: list[Contact] = []
-    within: list[Contact] = []
+    found: list[Contact] = []
     rows, longest = 0, 0.0
     for interaction in scene.interactions:
         reach = interaction.potential.range()
@@ -57,19 +56,18 @@ def lay_out_contacts(
             potential = ZeroForce(potential.length, potential.reach)
         both, named = np.array(pairs, np.int64).reshape(-1, 2), interaction.species
         kinds = None if named is None else np.searchsorted(scene.species, named)
-        contact = Contact(potential, both, np.array(first, np.int64), kinds)
-        (within if inner else between).append(contact)
-    if not between:  # kernels cannot iterate over an empty tuple: a contact without pairs
+        found.append(Contact(potential, both, np.array(first, np.int64), kinds, inner or None))
+    if not found:  # kernels cannot iterate over an empty tuple: a contact without pairs
         nothing = np.empty(0, dtype=np.int64)
-        between.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
-    return tuple(between), tuple(within) or None, rows, SKIN * longest
+        found.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
+    return tuple(sorted(found, key=lambda each: bool(each.within))), rows, SKIN * longest
 
 
 def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:
     """An empty list of so many rows, which reaches by `skin` farther than the cutoff [length]."""
     listed = [
         ((one, other, row), contact)
-        for contact in (*model.contacts, *(model.within or ()))
+        for contact in model.contacts
         for (one, other), row in zip(contact.pairs, contact.rows, strict=True)
         if row >= 0
     ]
@@ -96,8 +94,7 @@ def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool)
 
 def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
     """All blocks, before the first selection; None where no asperite can be inactive."""
-    contacts = (*model.contacts, *(model.within or ()))
-    unlisted = {int(k) for each in contacts for k in each.pairs[each.rows < 0].ravel()}
+    unlisted = {int(k) for each in model.contacts for k in each.pairs[each.rows < 0].ravel()}
     eligible = []
     for k, surface in enumerate(scene.surfaces):
         # Nothing but contact acts on its asperites, and its bars move uniformly.
@@ -139,9 +136,12 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
 
 
 def calculators(
-    scene: Scene, depths: list[np.ndarray]
+    scene: Scene, depths: list[np.ndarray], starts: np.ndarray
 ) -> tuple[tuple[Calculator, ...] | None, tuple[Call, ...]]:
-    """ASE calculators for bobs at `depths`, surface by surface, or None; and what kernels call."""
+    """ASE calculators for bobs, or None; and what kernels call.
+
+    Bobs are at `depths`, surface by surface, and have the columns from `starts` on.
+    """
     found: list[Calculator] = []
     calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):
@@ -155,7 +155,8 @@ def calculators(
             call = Call(interaction.potential.calculator, symbols, z, counts, lengths)
             calls.append(call)
             arrays = call.place, call.force, call.energy
-            found.append(Calculator(call.address, np.array(indices), *arrays))
+            columns = [starts[k] + np.arange(scene.surfaces[k].count) for k in indices]
+            found.append(Calculator(call.address, np.concatenate(columns), *arrays))
     return tuple(found) or None, tuple(calls)
 
 

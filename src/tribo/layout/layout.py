@@ -131,7 +131,7 @@ class Layout:
         """All plug-ins that the kernels are compiled with."""
         model = self.model
         own = [custom.plugin for custom in (*(model.drives or ()), *(model.ends or ()))]
-        acting = (*model.contacts, *(model.within or ()), *(model.fields or ()))
+        acting = (*model.contacts, *(model.fields or ()))
         return [item.potential for item in acting] + own
 
     @property
@@ -254,8 +254,10 @@ def lay_out(scene: Scene) -> Layout:
             asperites[name] = -1
     start = start_of(asperites, scene, mine)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    calculators, calls = contacts.calculators(scene, [own[:, 2] for own in bobs])
-    between, within, rows, skin = contacts.lay_out_contacts(scene)
+    calculators, calls = contacts.calculators(
+        scene, [own[:, 2] for own in bobs], theirs.surfaces["start"]
+    )
+    found, rows, skin = contacts.lay_out_contacts(scene)
     # Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
     # are faster where the bars of a row follow one another.
     compact = rows > 0 and not calls
@@ -265,16 +267,16 @@ def lay_out(scene: Scene) -> Layout:
     ]
     places = slots.places(mine, theirs, np.arange(shared), orders)
     model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
-        contacts=between,
-        within=within,
-        inner=True if within else None,
+        contacts=found,
+        inner=True if any(contact.within for contact in found) else None,
         calculators=calculators,
         fields=fields,
         external=True if fields else None,
         drives=user_forces(scene, origin, "drive", CustomDrive),
         ends=(ends := user_forces(scene, origin, "bars", Ends)),
-        end_forces=True if ends else None,
-        team=True if contacts.is_shared(scene, between + (within or ())) else None,
+        left=True if ends else None,
+        right=True if ends else None,
+        team=True if contacts.is_shared(scene, found) else None,
     )
     layout = Layout(
         scene=scene,

@@ -68,7 +68,7 @@ def _is_plain(surface: Surface) -> bool:
 def _names_of_potential(layout: Layout) -> tuple[str, ...]:
     """The numbers of the potential of the only interaction, if it consists of numbers."""
     contacts = layout.model.contacts
-    if len(contacts) != 1 or layout.model.within is not None:
+    if len(contacts) != 1 or layout.model.inner is not None:
         return ()
     potential = contacts[0].potential
     return tuple(potential._fields) if numbers_of(potential) else ()

@@ -47,6 +47,8 @@ def model_tables(
         contacts=(),
         species=contacts.species(scene, columns, n),
         bobs=True,
+        directions=True,
+        f1=True,
         drive=True,
         internal=True if pulls else None,
         displaced=True if pulls else None,

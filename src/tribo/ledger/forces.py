@@ -33,7 +33,7 @@ def always(scene: Scene, surface: Surface) -> bool:
 class Force(NamedTuple):
     """A force on asperites."""
 
-    row: int  # of its x in what the kernels find
+    table: int  # of what the kernels find
     meaning: str  # in a few words
     work: str = ""  # the name of its work; empty where it never has noise
     acts: Has = always  # on the asperites of a surface
@@ -91,11 +91,11 @@ class Forces:
             return self._mean(span, force.work, axis)
         if name == "f2" and self.layout.surfaces[index].drive == BARS:
             return self._reaction(motion, axis)
-        return self._found(span, force.row + axis)
+        return self._found(span, force.table, axis)
 
-    def _found(self, span: Span, row: int) -> np.ndarray:
-        """A row of what the kernels find."""
-        return self._every[:, row, self.layout.places.columns[span.place]]
+    def _found(self, span: Span, table: int, axis: int = 0) -> np.ndarray:
+        """A row of a table that the kernels find."""
+        return self._every[:, table, axis, self.layout.places.columns[span.place]]
 
     def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
         """The mean of a force over the interval that ends at each sample; NaN at the first."""
@@ -112,14 +112,14 @@ class Forces:
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
-        others = (force.row + axis for name, force in FORCES.items() if name != "f2")
-        return a.mass * acceleration - sum(self._found(motion.span, row) for row in others)
+        others = (force.table for name, force in FORCES.items() if name != "f2")
+        return a.mass * acceleration - sum(self._found(motion.span, row, axis) for row in others)
 
     @cached_property
     def _every(self) -> np.ndarray:
-        """What the kernels find, (times, ROWS, columns)."""
+        """What the kernels find, (times, TABLES, 2, columns)."""
         layout, samples = self.layout, self._samples
-        found = room((samples.t.size, probe.ROWS, layout.model.each.shape[1]))
+        found = room((samples.t.size, probe.TABLES, 2, layout.model.each.shape[1]))
         scratch = [room((layout.room[0],)) for _ in range(3)]
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
         arrays = places, samples.t, y, samples.baths

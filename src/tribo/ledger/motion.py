@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tribo.kernels.kinematics import bar_position, bob_position, bob_velocity
+from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout
 from tribo.layout.span import Asperites, Span, columns
@@ -97,12 +97,12 @@ class Motion:
 
     @cached_property
     def bob(self) -> Position:
-        return bob_position(*self.centre, self.span.asperites.l1, *self.direction)
+        return rod_position(*self.centre, self.span.asperites.l1, *self.direction)
 
     @cached_property
     def bar(self) -> Position:
         """The centre of the bar."""
-        return bar_position(*self.centre, self.span.asperites.l2, *self.direction)
+        return rod_position(*self.centre, -self.span.asperites.l2, *self.direction)
 
     @cached_property
     def direction(self) -> Position:
@@ -153,7 +153,7 @@ class Motion:
         """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
         (vx, vy), (frame_x, frame_y) = self.velocity, frame[..., None]
         moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
-        return np.asarray(np.hypot(*bob_velocity(*moving, *self.direction)))
+        return np.asarray(np.hypot(*rod_velocity(*moving, *self.direction)))
 
     @cached_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:

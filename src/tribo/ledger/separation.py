@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import KDTree
 
-from tribo.kernels.kinematics import bob_position, nearest_image
+from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import motions
@@ -56,7 +56,7 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
     if not np.all(np.isfinite(places)):
         return
     places, box = in_box(layout, places)
-    for contact in (*layout.model.contacts, *(layout.model.within or ())):
+    for contact in layout.model.contacts:
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
             own = places[mine.start : mine.stop]
@@ -99,7 +99,7 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
             a = motion.span.asperites
             x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
             mine = places[:, motion.span.place]
-            mine[..., 0], mine[..., 1] = bob_position(x, y, a.l1, *motion.direction)
+            mine[..., 0], mine[..., 1] = rod_position(x, y, a.l1, *motion.direction)
     return places
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tribo.kernels.probe import ROWS
+from tribo.kernels.probe import TABLES
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Account, Integrals
@@ -193,5 +193,5 @@ def _sample_bytes(layout: Layout) -> int:
     reported = len(ASPERITE_QUANTITIES) + len(OPTIONAL_QUANTITIES)
     raw = 2 * layout.core + layout.accounts + math.prod(layout.sampled_baths)
     if "forces" in layout.scene.output.series:
-        raw += ROWS * layout.model.each.shape[1]
+        raw += 2 * TABLES * layout.model.each.shape[1]
     return 8 * (raw + 2 * reported * layout.scene.count)

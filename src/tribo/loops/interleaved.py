@@ -58,7 +58,6 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     model = with_scratch(old, theirs.columns)._replace(
         **{name: getattr(tables, name) for name in OF_COLUMNS},
         contacts=tuple(map(_unlisted, old.contacts)),
-        within=tuple(map(_unlisted, old.within or ())) or None,
         fields=tuple(map(_with_accounts_of_lanes, old.fields or ())) or None,
         members=room((theirs.columns,)),
         team=None,
@@ -78,7 +77,7 @@ def _with_own_numbers(model: Model) -> Model:
         for row, name in enumerate(records.OF_MEMBERS):
             own[row, surface["start"] : surface["end"]] = surface[name]
     contacts = model.contacts
-    if len(contacts) == 1 and model.within is None:
+    if len(contacts) == 1 and model.inner is None:
         numbers = np.array(numbers_of(contacts[0].potential), float)
         if numbers.size:
             table = with_spare_lanes(np.repeat(numbers[:, None], LANES, axis=1))

@@ -80,7 +80,7 @@ def root_and_inverse(square):
 def bob_separation(pair, t, k, sin1, cos1, sin2, cos2):
     """Vector from the second bob to the first, in x and y; floats or Lanes.
 
-    Of two positions by :func:`tribo.kernels.kinematics.bob_position` this is the difference,
+    Of two positions by :func:`tribo.kernels.kinematics.rod_position` this is the difference,
     summed in the order that loses no digits where the bobs are close: the gap of the centres of
     mass is a coordinate here.
     """

@@ -79,7 +79,7 @@ def new_team(scene: Scene, model: Model) -> Team:
         lengths=np.zeros(chunks, np.int64),
         begins=np.zeros(chunks + 1, np.int64),
         reach=np.zeros((chunks, 2), np.int64),
-        reactions=room((2 * chunks, columns)),
+        reactions=room((chunks, 2, columns)),
     )
 
 

@@ -12,7 +12,7 @@ from tribo.compiler.jit import EntryPoint, time_loop
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
-from tribo.kernels.records import BOB_ROWS, Model
+from tribo.kernels.records import Model
 from tribo.layout import contacts
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
@@ -25,11 +25,9 @@ from tribo.validation import InputError
 # Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
 # model of a layout they are True where a loop needs them.
 SCRATCH = {
-    **dict.fromkeys(("drive", "inner", "external", "internal", "displaced", "friction"), 2),
-    "bobs": BOB_ROWS,
+    **dict.fromkeys(("bobs", "directions", "f1", "drive", "inner", "external", "internal"), 2),
+    **dict.fromkeys(("displaced", "friction", "left", "right", "bath_momentum"), 2),
     "swing_friction": 1,
-    "end_forces": 4,
-    "bath_momentum": 2,
 }
 
 
@@ -53,7 +51,7 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
     calls: tuple[Call, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
-        calculators, calls = contacts.calculators(layout.scene, depths)
+        calculators, calls = contacts.calculators(layout.scene, depths, model.surfaces.start)
         model = model._replace(calculators=calculators)
     team = None if model.team is None else new_team(layout.scene, model)
     return model._replace(surfaces=model.surfaces.copy(), team=team), calls
