@@ -11,19 +11,8 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
+from tribo.kernels import blocks
 from tribo.kernels import equations_of_motion as equations
-from tribo.kernels.blocks import (
-    active_range,
-    all_coordinates,
-    column_of,
-    halves,
-    has,
-    keeps_velocity,
-    set_all,
-    set_coordinates,
-    set_vectors,
-    vectors,
-)
 from tribo.kernels.powers import Powers, powers_of_block, shared_powers
 from tribo.kernels.user_forces import custom_forces
 
@@ -58,10 +47,10 @@ def reservoirs_of(before, state, tau):
 def drive_in_kick(model, drives, s, i, t, q):
     """f2 on a block of bars, in place where there are plug-ins; kept where powers need it."""
     if drives is not None:
-        return vectors(model.drive, i)
+        return blocks.vectors(model.drive, i)
     x, y = equations.drive_of_block(model, s, i, t, q)
-    if s.acc_drive >= 0 or s.acc_block >= 0 or has(model.fixed, s.fixed):
-        set_vectors(model.drive, i, x, y)
+    if s.acc_drive >= 0 or s.acc_block >= 0 or blocks.has(model.fixed, s.fixed):
+        blocks.set_vectors(model.drive, i, x, y)
     return x, y
 
 
@@ -84,12 +73,12 @@ def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, accelera
     nu = kick_slot(s.dof_phi, s, i, tau * phi, v)
     vx = broadcast(0.0)
     vy = broadcast(0.0)
-    if not keeps_velocity(s):
+    if not blocks.keeps_velocity(s):
         vx = kick_slot(s.dof_x, s, i, tau * x, v)
         vy = kick_slot(s.dof_y, s, i, tau * y, v)
     if s.acc_block >= 0:
-        set_coordinates(s.dof_x, s, i, middle, vx)
-        set_coordinates(s.dof_y, s, i, middle, vy)
+        blocks.set_coordinates(s.dof_x, s, i, middle, vx)
+        blocks.set_coordinates(s.dof_y, s, i, middle, vy)
     power = Powers(accounts, model.sums, tau)
     velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
     powers_of_block(model, model.ledger, s, i, 0.0, t, q, velocities, power)
@@ -115,32 +104,32 @@ def add_half_shared_works(model, t, tau, state):
     """Add half of the works that are of no asperite: noise changes a surface's momentum."""
     if model.friction is not None:
         power = Powers(state.s, model.sums, tau)
-        shared_powers(model, model.ledger, t, halves(state.y)[1], power)
+        shared_powers(model, model.ledger, t, blocks.halves(state.y)[1], power)
 
 
 @inlined
 def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     for n in range(begin, end):
-        i = column_of(active, n)
+        i = blocks.column_of(active, n)
         drive = drive_in_kick(model, model.drives, s, i, t, q)
         acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
         if twice is None:
             kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
         else:
-            after = pushed(all_coordinates(s, i, v), tau, acceleration)
-            set_all(s, i, v, after)
-            set_all(s, i, work.middle, with_jump(reservoirs, s, i, after))
-            set_all(s, i, work.acceleration, acceleration)
+            after = pushed(blocks.all_coordinates(s, i, v), tau, acceleration)
+            blocks.set_all(s, i, v, after)
+            blocks.set_all(s, i, work.middle, with_jump(reservoirs, s, i, after))
+            blocks.set_all(s, i, work.acceleration, acceleration)
             add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
 
 
 @inlined
 def repeat_kick(model, reservoirs, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
-    q, v = halves(state.y)
+    q, v = blocks.halves(state.y)
     power = Powers(state.s, model.sums, 2.0 * tau)
     if model.friction is None:
         shared_powers(model, model.ledger, t, v, power)
@@ -148,11 +137,13 @@ def repeat_kick(model, reservoirs, active, t, tau, state, work):
         add_half_shared_works(model, t, tau, state)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        for n in range(*active_range(active, s, k)):
-            i = column_of(active, n)
-            now = all_coordinates(s, i, v)
-            acceleration = all_coordinates(s, i, work.acceleration)
-            set_all(s, i, v, pushed(now, tau, acceleration))
-            between = mean(all_coordinates(s, i, work.middle), with_jump(reservoirs, s, i, now))
+        for n in range(*blocks.active_range(active, s, k)):
+            i = blocks.column_of(active, n)
+            now = blocks.all_coordinates(s, i, v)
+            acceleration = blocks.all_coordinates(s, i, work.acceleration)
+            blocks.set_all(s, i, v, pushed(now, tau, acceleration))
+            between = mean(
+                blocks.all_coordinates(s, i, work.middle), with_jump(reservoirs, s, i, now)
+            )
             powers_of_block(model, model.ledger, s, i, 0.0, t, q, between, power)
             add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
