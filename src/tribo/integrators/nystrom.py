@@ -23,7 +23,7 @@ from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
-from tribo.kernels.samples import State, copy, copy_rows, copy_state
+from tribo.kernels.samples import State, copy, copy_state
 
 
 class Stages(NamedTuple):
@@ -32,8 +32,7 @@ class Stages(NamedTuple):
     q: np.ndarray  # (stages, coordinates)
     accelerations: np.ndarray  # (stages + 1, coordinates)
     powers: np.ndarray  # (stages + 1, accounts)
-    tables: tuple[np.ndarray, ...]  # of the model, (2, asperites) each: what powers depend on
-    forces: np.ndarray  # (stages, tables, 2, asperites) in these; [0] is those of the end
+    forces: np.ndarray  # (stages, rows, asperites) in all tables; [0] is those of the end
     v: np.ndarray  # (coordinates,) at the present stage
 
 
@@ -58,13 +57,12 @@ class Nystrom(NamedTuple):
         count, n = self.c.size, state.acceleration.size
         tables = model.bobs, model.directions, model.f1, model.drive
         tables += model.inner, model.external, model.internal
-        tables = tuple(table for table in tables if table is not None)
+        rows = sum(len(table) for table in tables if table is not None)
         return Stages(
             room((count, n)),
             room((count + 1, n)),
             room((count + 1, state.s.size)),
-            tables,
-            room((count, len(tables), *model.bobs.shape)),
+            room((count, rows, model.bobs.shape[1])),
             room((n,)),
         )
 
@@ -75,17 +73,29 @@ class Nystrom(NamedTuple):
 
 
 @kernel
-def store_forces(work, i):
-    """Store what is in the tables as that of stage i."""
-    for k in range(len(work.tables)):
-        copy_rows(work.tables[k], work.forces[i, k])
+def exchange_table(table, stored, row, restore):
+    """Store a table, if there is one, from a row on, or restore it; returns the row after it."""
+    if table is None:
+        return row
+    for k in range(table.shape[0]):
+        if restore:
+            copy(stored[row + k], table[k])
+        else:
+            copy(table[k], stored[row + k])
+    return row + table.shape[0]
 
 
 @kernel
-def restore_forces(work, i):
-    """Put what was stored of stage i into the tables."""
-    for k in range(len(work.tables)):
-        copy_rows(work.forces[i, k], work.tables[k])
+def exchange_forces(model, work, i, restore):
+    """Store the forces that are in place as those of stage i, or put those in place."""
+    stored = work.forces[i]
+    row = exchange_table(model.bobs, stored, 0, restore)
+    row = exchange_table(model.directions, stored, row, restore)
+    row = exchange_table(model.f1, stored, row, restore)
+    row = exchange_table(model.drive, stored, row, restore)
+    row = exchange_table(model.inner, stored, row, restore)
+    row = exchange_table(model.external, stored, row, restore)
+    exchange_table(model.internal, stored, row, restore)
 
 
 @expanded
@@ -115,11 +125,11 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
         place = work.q[i]
         combine_twice(q, h, method.c[i], v, method.a[i][:i], f, place)
         equations_of_motion(model, neighbours, t + method.c[i] * h, place, v, f[i])
-        store_forces(work, i)
+        exchange_forces(model, work, i, False)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
     evaluate_rates(model, neighbours, end, new.y, f[last], work.powers[last])
-    store_forces(work, 0)
+    exchange_forces(model, work, 0, False)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)
 
@@ -131,11 +141,11 @@ def evaluate_powers(method, model, t, h, state, work):
         n = state.acceleration.size
         for m in range(method.with_power.size):
             i = method.with_power[m]
-            restore_forces(work, i)
+            exchange_forces(model, work, i, True)
             combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
             now = t + method.c[i] * h
             all_powers(model, model.ledger, now, work.q[i], work.v, work.powers[i])
-        restore_forces(work, 0)
+        exchange_forces(model, work, 0, True)
 
 
 @expanded
