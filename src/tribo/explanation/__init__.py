@@ -262,7 +262,7 @@ def coordinates(layout: Layout) -> dict[str, int]:
 
 def contact(layout: Layout, method: Method) -> Contact:
     """How contact is computed."""
-    acting = [each.potential for each in (*layout.model.contacts, *(layout.model.within or ()))]
+    acting = [each.potential for each in layout.model.contacts]
     if not config.DISABLE_JIT:  # type: ignore[attr-defined]
         acting = [each for each in acting if not is_vectorized(type_of(each))]
     names = tuple(dict.fromkeys(type(each).__name__ for each in acting))
