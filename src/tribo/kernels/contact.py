@@ -186,16 +186,16 @@ def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
 
 
 @inlined
-def table_of_forces(model, within):
-    """The table for the forces of an interaction: f1, or that among the bobs of one surface."""
+def add_contact(model, within, contact, neighbours):
+    """Add the forces of one interaction to f1, or to those among the bobs of one surface."""
     if within is None:
-        return model.f1
-    return model.inner
+        add_to_table(model, model.members, contact, model.f1, neighbours)
+    else:
+        add_to_table(model, model.members, contact, model.inner, neighbours)
 
 
 @inlined
-def add_contact(model, members, contact, neighbours):
-    table = table_of_forces(model, contact.within)
+def add_to_table(model, members, contact, table, neighbours):
     for k in range(contact.pairs.shape[0]):
         if members is not None:
             add_lane_by_lane(model, contact, k, table)

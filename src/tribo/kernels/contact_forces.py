@@ -17,7 +17,6 @@ from tribo.kernels.contact import (
     add_rows,
     block_of,
     row_of,
-    table_of_forces,
 )
 
 
@@ -33,7 +32,7 @@ def contact_forces(model, neighbours):
 def add_contacts(model, team, neighbours):
     if team is None:
         for contact in literal_unroll(model.contacts):
-            add_contact(model, model.members, contact, neighbours)
+            add_contact(model, contact.within, contact, neighbours)
     else:
         share_contacts(model, team, neighbours)
 
@@ -65,15 +64,22 @@ def contact_piece(model, team, neighbours, piece):
     number = 0
     for contact in literal_unroll(model.contacts):
         if number == team.counters[teams.INTERACTION]:
-            piece_of_contact(model, team, contact, neighbours, piece)
+            piece_of_contact(model, contact.within, team, contact, neighbours, piece)
         number += 1
 
 
 @inlined
-def piece_of_contact(model, team, contact, neighbours, piece):
+def piece_of_contact(model, within, team, contact, neighbours, piece):
+    if within is None:
+        piece_of_table(model, team, contact, model.f1, neighbours, piece)
+    else:
+        piece_of_table(model, team, contact, model.inner, neighbours, piece)
+
+
+@inlined
+def piece_of_table(model, team, contact, table, neighbours, piece):
     """A chunk of rows of one pair of surfaces, or a tile of the sum of their reactions."""
     k = team.counters[teams.PAIR]
-    table = table_of_forces(model, contact.within)
     if team.counters[teams.PHASE] == teams.CONTACT:
         add_chunk(model, team, contact, k, table, neighbours, piece)
     elif team.tiles[piece, 0] == contact.pairs[k, 1]:
