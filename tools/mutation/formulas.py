@@ -30,9 +30,9 @@ def points_of_a_rod() -> str:
             return np.array([x + vx * t + arm * np.sin(theta), y + vy * t - arm * np.cos(theta)])
 
         tx, ty = facing * np.cos(swing), facing * np.sin(swing)
-        for name, length, arm in (("bob", l1, l1), ("bar", l2, -l2)):
-            position = getattr(kinematics, f"{name}_position")(x, y, length, tx, ty)
-            velocity = getattr(kinematics, f"{name}_velocity")(vx, vy, omega, length, tx, ty)
+        for name, arm in (("bob", l1), ("bar", -l2)):
+            position = kinematics.rod_position(x, y, arm, tx, ty)
+            velocity = kinematics.rod_velocity(vx, vy, omega, arm, tx, ty)
             rate = along(1e-100j, arm).imag / 1e-100
             if not np.allclose([position, velocity], [along(0.0, arm), rate], 1e-13):
                 return f"{name} of a surface with facing {facing}"
@@ -70,7 +70,6 @@ class Recorder(NamedTuple):
 def arguments_of_a_drive() -> str:
     """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
     from tribo.kernels.equations_of_motion import place_bobs
-    from tribo.kernels.records import FX, FY
     from tribo.kernels.user_forces import custom_drives
     from tribo.layout.layout import lay_out
     from tribo.model.drives import Custom
@@ -87,7 +86,7 @@ def arguments_of_a_drive() -> str:
     place_bobs(model, t, q)
     count = layout.asperites.size
     fx, fy = 1.0 + np.arange(count), -2.0 - np.arange(count)
-    model.bobs[[[FX], [FY]], layout.places.columns] = fx, fy
+    model.f1[:, layout.places.columns] = fx, fy
     CALLS.clear()
     custom_drives(model, model.drives, t, q, v)
     start = start_of(table)
@@ -288,18 +287,19 @@ def steps_towards_encounters() -> str:
         from tribo.pair import step
         from tribo.pair.step_rows import ROWS
 
+        rest = SimpleNamespace(r=np.zeros(8))
+        nodes = step.Nodes((np.zeros(8),) * 3, np.zeros(8), np.zeros(8), rest)
         nothing = {
-            "solve": lambda *_: (True, None),
+            "solve": lambda *_: (True, nodes),
             "powers": lambda *_: None,
             "end_values": lambda *_: np.zeros(8),
             "sums_of": lambda *_: sums,
             "error_of": lambda *_: 0.0,
             "update_state": lambda *_: None,
-            "store_start": lambda *_: None,
         }
         for rate, later in ((0.2, 0.8), (0.6, 0.8), (0.8, 0.8), (1.2, 0.8)):
             work = np.zeros((ROWS, 8))
-            changed = nothing | {"encounter_after": lambda *_, later=later: later}
+            changed = nothing | {"encounter_rate_of": lambda *_, later=later: later}
             with mock.patch.multiple(step, **changed):
                 _, growth, _ = step.try_step(None, None, clock, length, rate, 1.0, work)
             longest = clock.encounter_fraction / later
@@ -439,14 +439,23 @@ def given_starts() -> str:
     return ""
 
 
+def empty_cells(room: int):
+    """Cells for so many boxes."""
+    from tribo.kernels.records import Cells
+
+    numbers = (np.empty(size, np.int64) for size in (2 * room + 17, room, room))
+    return Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), *numbers)
+
+
 def cells() -> str:
-    """Points in cells of at least a size, as many as fit, each point in the cell around it."""
-    from tribo.kernels.cells import sort_into_cells
-    from tribo.layout.contacts import empty_cells
+    """Boxes in cells of at least a size, as many as fit, each box in the cell around its centre."""
+    from tribo.kernels.cells import sort_boxes
+    from tribo.kernels.records import Boxes
 
     rng = np.random.default_rng(7)
     xs, zs = rng.uniform(3.0, 15.0, 60), rng.uniform(-9.0, 0.0, 60)
     extent_x, extent_z = np.ptp(xs), np.ptp(zs)
+    points = Boxes(np.array([60]), np.array([xs, np.zeros(60), zs]), np.zeros((3, 60)))
     for size_x, size_z, box_x, box_z, expected in (
         (2.0, 3.0, 0.0, 0.0, (int(extent_x / 2.0), int(extent_z / 3.0))),
         (2.0, 3.0, 0.9, 10.0, (1, 3)),  # below three cells there is one
@@ -455,8 +464,12 @@ def cells() -> str:
         (50.0, 40.0, 0.0, 0.0, (1, 1)),
         (1e-3, 1e-3, 0.0, 0.0, None),
     ):
-        cells = empty_cells(60)
-        sort_into_cells(xs, zs, 60, size_x, size_z, box_x, box_z, cells)
+        cells, box = empty_cells(60), SimpleNamespace(x=box_x, z=box_z)
+        reach = 0.5 * min(size_x, size_z)  # the rest is of boxes on either side
+        halves = np.array([[size_x - reach], [0.0], [size_z - reach]])
+        own = Boxes(np.array([1]), np.zeros((3, 1)), 0.75 * halves)
+        theirs = points._replace(halves=np.repeat(0.25 * halves, 60, axis=1))
+        sort_boxes(box if box_x or box_z else None, own, theirs, reach, cells)
         (width_x, width_z), (nx, nz) = cells.widths, cells.counts
         if expected is None:
             if not 60 <= nx * nz <= 2 * 60 + 16:
@@ -484,7 +497,6 @@ def boxes_within_reach() -> str:
     """Of boxes in cells, exactly those within reach of another box, in ascending order."""
     from tribo.kernels.cells import near_blocks, sort_boxes
     from tribo.kernels.records import Boxes
-    from tribo.layout.contacts import empty_cells
 
     rng = np.random.default_rng(9)
     boxes = (
@@ -566,15 +578,14 @@ def lists_in_chunks() -> str:
 
 
 def one_bob_that_crosses() -> str:
-    """A list is due as soon as a single bob has crossed half the skin, and not before."""
-    from tribo.kernels.neighbours import have_left, note_crossed
+    """A bob has crossed as soon as it has moved by half the skin, and not before."""
+    from tribo.kernels.neighbours import have_moved
 
-    for far, due in ((0.0, 0), (0.249, 0), (0.251, 1)):
-        bobs = np.zeros((6, 8))
-        bobs[:2, 5] = 0.6 * far, -0.8 * far
-        neighbours = SimpleNamespace(place=np.zeros((2, 8)), skin=0.5, crossed=np.zeros(1, int))
-        note_crossed(neighbours, have_left(SimpleNamespace(bobs=bobs), neighbours, 0))
-        if neighbours.crossed[0] != due:
+    for far, crossed in ((0.0, 0.0), (0.249, 0.0), (0.251, 1.0)):
+        bobs = np.zeros((2, 8))
+        bobs[:, 5] = 0.6 * far, -0.8 * far
+        found = have_moved(SimpleNamespace(bobs=bobs), np.zeros((2, 8)), 0.5, 0)
+        if not np.array_equal(found, crossed * (np.arange(8) == 5)):
             return f"a bob that has moved by {far}"
     return ""
 
@@ -635,16 +646,16 @@ def partners() -> str:
 
 
 def short_rows() -> str:
-    """A part of an array is sorted, and the rest is as it was."""
+    """The beginning of an array is sorted, and the rest is as it was."""
     from tribo.kernels.cells import sort_row
 
     rng = np.random.default_rng(8)
-    for start, end in ((0, 0), (0, 1), (0, 9), (2, 7), (3, 5)):
+    for count in (0, 1, 2, 7, 9):
         row = rng.permutation(9)
-        expected = np.concatenate([row[:start], np.sort(row[start:end]), row[end:]])
-        sort_row(row, start, end)
+        expected = np.concatenate([np.sort(row[:count]), row[count:]])
+        sort_row(row, count)
         if not np.array_equal(row, expected):
-            return f"from {start} to {end}"
+            return f"the first {count}"
     return ""
 
 

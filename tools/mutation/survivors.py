@@ -6,15 +6,9 @@ EQUIVALENT = {
     "kernels/encounters.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
         "a bound on the rate that is too high: only the cost changes"
     ),
-    "kernels/blocks.py: selected_at: return 0.0 -> return 1.0": (
-        "only whether it changes matters, and without a selection it does not"
-    ),
     "kernels/blocks.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
     "kernels/blocks.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
-    "kernels/neighbours.py: have_left: broadcast(0.0) -> broadcast(1.0)": (
-        "without a list nothing is rebuilt"
-    ),
-    "kernels/cells.py: largest: found = 0.0 -> found = 1.0": (
+    "kernels/cells.py: sort_boxes: own_widest = 0.0 -> own_widest = 1.0": (
         "wider cells hold all boxes within reach: only the cost changes"
     ),
     "integrators/kicks.py: drive_in_kick: s.acc_drive >= 0 -> s.acc_drive >= 1": (
@@ -38,7 +32,7 @@ EQUIVALENT = {
     "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
-    "kernels/cells.py: sort_into_cells: max(extent_z / nz, size_z) -> max(extent_z * nz, size_z)": (
+    "kernels/cells.py: sort_boxes: max(extent / count, size) -> max(extent * count, size)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
     "integrators/inactive.py: longest_paths: broadcast(0.0) -> broadcast(1.0)": (
@@ -48,7 +42,7 @@ EQUIVALENT = {
     "integrators/inactive.py: longest_paths: "
     "where_less(0.0, frequency, block(v, i) / frequency, 1.0) -> "
     "where_less(0.0, frequency, block(v, i) / frequency, 2.0)": ("amplitudes above 1 count as 1"),
-    "ledger/accounts.py: _columns: -1 -> -2": "any negative slot is absent",
+    "ledger/accounts.py: account_columns: -1 -> -2": "any negative slot is absent",
     "ledger/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
@@ -69,10 +63,8 @@ NEEDS_COMPILER = {
     "add_calculated": "tests/potentials/test_live_calculators.py",
     "calculated_energy": "tests/potentials/test_live_calculators.py",
     "share_rows": "tests/loops/test_threads.py",
-    "list_piece": "tests/loops/test_threads.py",
     "add_lane_by_lane": "tests/ensembles/test_lanes.py",
     "own_number": "tests/ensembles/test_own_numbers.py",
-    "temperature_of": "tests/ensembles/test_own_numbers.py",
     "next_row": "tests/ensembles/test_lanes.py",
     "spread_of_travel": "tests/integrators/test_mobility.py",
     "_normals_of_members": "tests/ensembles/test_lanes.py",
