@@ -65,10 +65,7 @@ NEW = ".part.new"
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """A new file that takes the place of another, at once, when all is on disk after the block.
-
-    Raises InputError.
-    """
+    """A new file that takes the place of another once all is on disk.  Raises InputError."""
     new = path.with_name(path.name + NEW)
     try:
         yield new
@@ -81,10 +78,7 @@ def replaced(path: Path) -> Iterator[Path]:
 
 
 def replace_file(path: Path, content: bytes) -> None:
-    """Write a file; one that was there stays as it was until all is on disk.
-
-    Raises InputError.
-    """
+    """Write a file whole, or leave the one that was there.  Raises InputError."""
     with replaced(checked_target(str(path), path)) as new:
         new.write_bytes(content)
 
@@ -99,15 +93,11 @@ def read_file(path: Path) -> bytes:
 
 
 def not_written(path: Path, error: OSError) -> InputError:
-    """The error of a file that cannot be written."""
     return InputError(str(path), f"cannot be written ({error.strerror or error})")
 
 
 def lock(file: BinaryIO, path: Path) -> None:
-    """Take an open file for this process alone, until it is closed or the process ends.
-
-    Raises InputError, and closes it, where another process has it.
-    """
+    """Lock an open file for this process.  Raises InputError, and closes it, if another has it."""
     try:
         system.lock(file)
     except BlockingIOError:

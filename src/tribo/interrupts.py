@@ -100,10 +100,7 @@ def report_by(function: Callable[[], None]) -> None:
 
 
 def report(json: bool) -> None:
-    """Print what a command that is ended has reached; its status, if it has no result yet.
-
-    With `json`, the status is printed as JSON too.
-    """
+    """Print what a command has reached when it is ended, or its status, with `json` as JSON too."""
     if _report:
         _report[0]()
         return

@@ -366,10 +366,7 @@ def _reported(layout: Layout, run: Integration) -> Ledger:
 
 
 def with_warning(result: Result) -> Result:
-    """The result; warns the caller of the caller if it falls short.
-
-    Raises Interrupted with the result if it was interrupted.
-    """
+    """Return a result; warn the caller's caller if it falls short, raise if it was interrupted."""
     if result.status == Status.INTERRUPTED:
         raise Interrupted(result)
     if result.status != Status.COMPLETED or result.met is False:

@@ -28,7 +28,6 @@ class ProgressBar:
         self._runs = ""
 
     def __call__(self, reached: float) -> None:
-        """Show what is reached."""
         if self._bar is None:
             from tqdm.auto import tqdm
 
@@ -56,17 +55,13 @@ class ProgressBar:
             print(plan, file=sys.stderr, flush=True)
 
     def close(self) -> None:
-        """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
             self._bar = None
 
 
 def shown(progress: Shown, total: float, unit: str) -> Callable[[float], None] | None:
-    """The function to call with what is reached, if any: a bar, or one that is given.
-
-    See :data:`Shown`.  Raises InputError.
-    """
+    """The function to call with what is reached; see :data:`Shown`.  Raises InputError."""
     if progress is True or (progress is None and _is_watched()):
         return ProgressBar(total, unit)
     if callable(progress) or progress in (None, False):

@@ -101,10 +101,7 @@ class _Task(NamedTuple):
     threads: int | None
 
     def simulation(self, progress: Progress | None, journal: Journal | None = None) -> Simulation:
-        """Compiled and planned; warns of bobs that start deep in a core.
-
-        A progress bar also shows which of the runs it is.
-        """
+        """Compile and plan, with a bar for the runs; warn of bobs that start deep in a core."""
         layout, method = self.layout, self.choice.method
         count = threads_of(layout.model, method, self.threads).number
         integrator = Integrator(layout, method, progress, self.origin, journal, count)
@@ -145,10 +142,7 @@ def _task(
 
 
 def from_settings(scene: Scene, settings: Plan) -> Simulation:
-    """A simulation of a scene by the settings of another of its kind, without a search.
-
-    The scene differs from the other in numbers, not in the effects that it calls for.
-    """
+    """A simulation without a search, by the settings of a scene that differs in numbers alone."""
     layout = lay_out(scene)
     return Simulation(settings, Integrator(layout, methods.METHODS[settings.method]))
 

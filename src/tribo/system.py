@@ -28,10 +28,7 @@ LONGEST_NAME = 255
 
 
 def lock(file: BinaryIO) -> None:
-    """Lock a file for this process, until it is closed or the process ends.
-
-    Raises BlockingIOError where another process has locked it.
-    """
+    """Lock a file until it is closed or the process ends; BlockingIOError if it is locked."""
     if not WINDOWS:
         import fcntl
 
@@ -50,10 +47,7 @@ def lock(file: BinaryIO) -> None:
 
 
 def replace(new: Path, path: Path) -> None:
-    """Give a new file the name of another, which it replaces at once or not at all.
-
-    Raises OSError.
-    """
+    """Give a new file the name of another, which it replaces at once or never.  Raises OSError."""
     end = time.monotonic() + PATIENCE
     while True:
         try:
@@ -81,6 +75,4 @@ def available_cores() -> int:
 
 def longest_name(folder: Path) -> int:
     """Bytes that the name of a file in a folder can have."""
-    if WINDOWS:
-        return LONGEST_NAME
-    return os.pathconf(folder, "PC_NAME_MAX")
+    return LONGEST_NAME if WINDOWS else os.pathconf(folder, "PC_NAME_MAX")

@@ -189,7 +189,6 @@ def integer(field: str, value: object, least: int, most: int | None = None) -> i
 
 
 def choice(field: str, value: object, options: Iterable[Word]) -> Word:
-    """One of the given words."""
     options = list(options)
     for option in options:
         if isinstance(value, str) and value == option:
@@ -219,7 +218,6 @@ def instance(kind: type) -> Check:
 
 
 def boolean(field: str, value: object) -> bool:
-    """True or false."""
     if not isinstance(value, (bool, np.bool_)):
         raise must_be(field, "true or false", value)
     return bool(value)
@@ -246,7 +244,6 @@ def known_keys(
 
 
 def as_path(value: object) -> Path:
-    """The path of a file."""
     if not isinstance(value, (str, os.PathLike)) or "\0" in os.fspath(value):
         raise must_be("path", "the name of a file", value)
     return Path(value)

@@ -29,8 +29,6 @@ MOST_PHASE = 2.0
 
 @dataclass(frozen=True)
 class Choice:
-    """A method with an accuracy or a step."""
-
     method: methods.Method
     accuracy: Accuracy | None
     step: float | None  # [time]

@@ -89,7 +89,6 @@ class Errors(NamedTuple):
 
 
 def strictest(accuracy: Accuracy) -> float:
-    """The smallest error in an accuracy."""
     return min(accuracy.values()) if isinstance(accuracy, Mapping) else accuracy
 
 

@@ -32,8 +32,6 @@ from tribo.loops.resolution import bath_frequency, unit_step
 
 @dataclass(frozen=True)
 class Rate:
-    """What a method costs."""
-
     evaluations: float  # per radian of the fastest pendulum, at an accuracy of 1e-6
     slope: float  # a tenth of the error takes 10^(1/slope) times as many evaluations
     run: float  # time of an evaluation, whatever the scene [ns]
@@ -125,7 +123,6 @@ def _at_accuracy(layout: Layout, each: float, slope: float, accuracy: float) -> 
 
 
 def rate_of(layout: Layout, method: Method) -> Rate:
-    """The costs of a method on a scene."""
     return PAIR if has_pair_loop(layout, method) else RATES[method.name]
 
 

@@ -69,8 +69,6 @@ class Limits:
 
 
 class Stop(StrEnum):
-    """Why a search ends."""
-
     ENDED = "a run was ended from outside"
     EXHAUSTED = "the evaluations are spent"
     MET = "the request is met"

@@ -34,7 +34,6 @@ class Extremes(NamedTuple):
     internal: float | np.ndarray  # the largest internal energy of an asperite
 
     def join(self, other: Extremes) -> Extremes:
-        """Those of two portions."""
         return Extremes(self.names, *map(np.maximum, self[1:], other[1:]))
 
 

@@ -53,7 +53,6 @@ class Plan:
         return replace(self, tuned=tuned, single=single)
 
     def at_half_step(self) -> Plan:
-        """The same plan with half of its given step."""
         assert isinstance(self.setting, float)
         return replace(self, setting=0.5 * self.setting)
 

@@ -42,8 +42,6 @@ SHORT_SEARCH = 1.5e6
 
 @dataclass(frozen=True)
 class FoundSettings:
-    """Settings that a search found."""
-
     coarse: Setting  # of the runs that estimate the error
     fine: Setting  # of the run that is delivered
     level: float  # of the fine setting, relative to the scales

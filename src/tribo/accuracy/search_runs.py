@@ -140,7 +140,6 @@ class SearchRuns:
             self._left = self._seconds(level, last)
 
     def _seconds(self, level: float, last: Integration | None) -> float:
-        """What a round at a level should take."""
         layout, method = self.layout, self.method
         rate, finer = rate_of(layout, method), levels.fine_level(method) * level
         before, evaluations = self.known

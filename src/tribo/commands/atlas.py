@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 
 def run_atlas(options: argparse.Namespace) -> int:
-    """Run the scenes and print the table; the exit status."""
     from tribo import atlas
 
     entries = atlas.chosen(options.names)

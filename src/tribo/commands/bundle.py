@@ -28,7 +28,6 @@ NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def add_bundle(bundle: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo bundle`."""
     files = "a scene file, whose plug-ins and data are added, a result, or any other file"
     bundle.add_argument("files", nargs="+", type=Path, metavar="FILE", help=files)
     out = "the archive to write"

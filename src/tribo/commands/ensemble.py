@@ -37,10 +37,7 @@ FORM = (
 
 
 def _all_varied(texts: Sequence[str]) -> dict[str, Source]:
-    """Keys and their distributions, from texts as "upper.theta=normal(0,0.1)", or points of a grid.
-
-    Raises InputError.
-    """
+    """Sources by key, from texts as "upper.theta=normal(0,0.1)".  Raises InputError."""
     sources = dict(map(_varied, texts))
     axes = {key: source for key, source in sources.items() if isinstance(source, np.ndarray)}
     if axes and len(axes) < len(sources):
@@ -80,10 +77,7 @@ def _source(name: str, *numbers: float) -> Distribution | SwingStates | np.ndarr
 
 
 def _sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: int) -> Sampler:
-    """A sampler of scipy.stats.qmc by the name that the command line has for it.
-
-    Raises InputError if there is nothing to draw.
-    """
+    """The sampler of an option.  Raises InputError if there is nothing to draw."""
     from scipy.stats import qmc
 
     with inside("--vary"):
@@ -121,7 +115,6 @@ def workers(options: argparse.Namespace) -> AbstractContextManager[Engine | None
 
 
 def run_ensemble(options: argparse.Namespace) -> int:
-    """Run the ensemble and print its summary; the exit status."""
     from tribo.ensembles import ensemble
 
     shared.check_figure(options.figure)

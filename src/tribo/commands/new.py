@@ -12,7 +12,6 @@ CASES = "ABCDE"
 
 
 def add_new(new: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo new`."""
     kinds = ";  ".join(f"{kind}: {meaning}" for kind, meaning in KINDS.items())
     kinds += ";  A to E: that case of the paper, without comments"
     new.add_argument("kind", nargs="?", choices=[*KINDS, *CASES], default="paper", help=kinds)

@@ -54,7 +54,6 @@ class CommandParser(argparse.ArgumentParser):
 
 
 def run_command(arguments: list[str] | None) -> int:
-    """Run the command that the arguments name; return the exit status."""
     options = _parser().parse_args(arguments)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
@@ -169,8 +168,6 @@ def _add_completion(
     parser: argparse.ArgumentParser,
     commands: Iterable[argparse.ArgumentParser],
 ) -> None:
-    """Add the arguments of `tribo completion`, for a parser and its commands."""
-
     def print_script(options: argparse.Namespace) -> int:
         import shtab
 

@@ -19,7 +19,6 @@ CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 
 
 def add_run(run: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo run`."""
     shared.add_scene(run, "SCENE.toml|FILE.nc")
     out = "write all time series as NetCDF; until the run is complete, FILE.part contains its "
     shared.add_files(run, f"{out}samples", "print the result if FILE is complete")

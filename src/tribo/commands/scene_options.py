@@ -60,7 +60,6 @@ def add_scene(
 
 
 def add_numerics(command: argparse.ArgumentParser) -> None:
-    """Add an accuracy, a method and a step."""
     accuracy = "largest relative error, as 1e-6 (default: the file's)"
     command.add_argument("--accuracy", metavar="A", help=accuracy)
     method = "integration method (default: the file's, or the fastest)"

@@ -24,7 +24,6 @@ LINES, COLUMNS = 20, 5
 
 
 def run_sweep(options: argparse.Namespace) -> int:
-    """Run the sweep and print its points; the exit status."""
     from tribo.commands.ensemble import settings_of, workers
     from tribo.plotting import save
     from tribo.sweeps import sweep
@@ -62,7 +61,6 @@ def _values_of(texts: list[str]) -> dict[Keys, list[object]]:
 
 
 def _as_json(data: xarray.Dataset) -> str:
-    """The points as one JSON object."""
     dimensions, keys, scalars = _layout(data)
     points = []
     for at in np.ndindex(tuple(data.sizes[name] for name in dimensions)):

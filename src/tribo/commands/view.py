@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 
 def add_view(view: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo view`."""
     shared.add_scene(view, "SCENE.toml|FILE.nc")
     beside = "a second run, shown beside the first"
     view.add_argument("beside", type=Path, nargs="?", metavar="OTHER", help=beside)
@@ -32,7 +31,6 @@ def add_view(view: argparse.ArgumentParser) -> None:
 
 
 def add_play(play: argparse.ArgumentParser) -> None:
-    """Add the arguments of `tribo play`."""
     shared.add_scene(play)
     _add_slider(play, "each move simulates the scene again")
     quiet = "print the address, but open no browser"

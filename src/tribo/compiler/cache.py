@@ -23,10 +23,7 @@ CHECKSUM = 32
 
 
 class KernelCache(caching.FunctionCache):
-    """The compiled forms of one function on disk.
-
-    Raises RuntimeError if there is no folder for it that can be written.
-    """
+    """Compiled forms of one function on disk.  Raises RuntimeError without a writable folder."""
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)

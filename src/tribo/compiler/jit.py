@@ -129,10 +129,7 @@ def _named(loop: FunctionType, stamps: str) -> Any:
 
 
 def cached_files(loop: FunctionType) -> list[Path]:
-    """Files of machine code on disk in the folder of a time loop.
-
-    They are of all loops from sources in one folder, and of all versions of package and plug-ins.
-    """
+    """Machine code on disk of all loops from the same folder, of all versions and plug-ins."""
     folder = _named(loop, code_stamp()).stats.cache_path
     if folder is None:
         return []

@@ -105,10 +105,7 @@ for _name, _symbol in {"lt": "<", "le": "<=", "gt": ">", "ge": ">="}.items():
 
 
 def in_kernels(python) -> Any:
-    """numba's intrinsic; in its place a function of Python where numba does not compile.
-
-    There an array of eight numbers stands for a register.
-    """
+    """numba's intrinsic; where it does not compile, a function of Python on arrays of eight."""
     return (lambda find: python) if config.DISABLE_JIT else intrinsic  # type: ignore[attr-defined]
 
 

@@ -84,7 +84,6 @@ class KernelLower(Lower):
     """
 
     def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
-        """Store the value into a variable."""
         super().storevar(value, name, argidx if self.context.enable_nrt else None)
 
 
@@ -120,7 +119,6 @@ class LoopLowering(typed.NativeLowering):
     _name = "loop_lowering"
 
     def run_pass(self, state: compiler.StateDict) -> bool:
-        """Lower into a :class:`LoopLibrary`."""
         state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
         return super().run_pass(state)

@@ -27,10 +27,7 @@ def _as_it_is(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _read_as(number: types.Type, spacing: int) -> Any:
-    """A function that reads a NamedTuple of numbers from an array.
-
-    `first` is the place of the first one, in units of their `spacing`.
-    """
+    """A reader of a NamedTuple of numbers in an array; its `first` is in units of `spacing`."""
 
     @in_kernels(lambda shared, table, array, first: shared)
     def read(typing_context, shared, table, array, first):

@@ -108,7 +108,6 @@ def recognize_class(cls: Any) -> None:
 
 
 def type_of(plugin: Any) -> Any:
-    """The type of a plug-in."""
     recognize(plugin)
     return typeof(plugin)
 

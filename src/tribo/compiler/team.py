@@ -157,7 +157,6 @@ def next_rank(team):
 
 @kernel
 def finish_piece(team):
-    """Tell that a piece is finished."""
     _count(_at(team.counters, DONE))
 
 

@@ -73,7 +73,6 @@ def member_coordinates(members: Members, seed: str = "seed") -> dict[str, Variab
 
 
 def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:
-    """The times at which quantities are kept."""
     if kept.at_samples:
         return {"time": (("time",), scene.times, {"units": "time", "long_name": "time"})}
     return {"time": ((), scene.duration, {"units": "time", "long_name": "time of the end"})}

@@ -126,7 +126,6 @@ class Kept:
         return int(np.prod(self.shapes[name], dtype=int)) // self.times
 
     def dimensions(self, name: str) -> tuple[str, ...]:
-        """Of a quantity in one member."""
         found = ("time",) if self.at_samples else ()
         asperites = (f"{name.rpartition('.')[0]}_asperite",)
         return found + asperites * (len(self.shapes[name]) > len(found))

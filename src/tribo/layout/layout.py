@@ -66,7 +66,6 @@ class Layout:
 
     @property
     def parts(self) -> dict[str, slice]:
-        """Surface -> slice of its asperites."""
         return self.scene.parts
 
     @cached_property
@@ -161,7 +160,6 @@ class Layout:
 
     @cached_property
     def spans(self) -> tuple[tuple[Span, ...], ...]:
-        """The asperites of each surface."""
         return tuple(spans_of(self.together, part) for part in self.parts.values())
 
     @cached_property

@@ -145,7 +145,6 @@ class Ledger:
 
     @property
     def names(self) -> list[str]:
-        """The quantities of which there are series."""
         tables = [*self.surfaces.values(), *self.blocks.values(), self.system]
         return [name for name in EVERY_QUANTITY if any(name in table for table in tables)]
 
@@ -206,7 +205,6 @@ class Ledger:
         return Ledger(t, each, whole, known(system, kept), kept)
 
     def at_end(self) -> Ledger:
-        """The ledger at the last time alone."""
         return self.rows(slice(-1, None)) if self.last is None else self.last()
 
     def __reduce__(self) -> tuple[Any, ...]:

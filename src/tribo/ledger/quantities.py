@@ -30,8 +30,6 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a reported quantity is."""
-
     kind: str  # a key of `UNITS`; accuracies are relative to one scale per kind
     long_name: str  # its meaning in a few words
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system

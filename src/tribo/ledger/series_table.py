@@ -27,7 +27,6 @@ class SeriesTable(NamedTuple):
     values: np.ndarray  # (times, columns)
 
     def rows(self, selected: slice | np.ndarray) -> SeriesTable:
-        """The same series at some of the times."""
         return self._replace(values=self.values[selected])
 
     def largest(self, runs: int = 1) -> np.ndarray:

@@ -67,7 +67,6 @@ class SurfaceSeries(AsperiteSeries):
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The motion of the asperites, span by span."""
         if self._among is None:
             return super().motions
         return tuple(self._among.part(span) for span in self.spans)
@@ -149,7 +148,6 @@ class SurfaceSeries(AsperiteSeries):
 
     @property
     def potential_of_bath(self) -> np.ndarray:
-        """The potential energy of the bath."""
         return np.asarray(self._bath_energy - self._own_kinetic_of_bath)
 
     @property

@@ -39,7 +39,6 @@ class MemberStarts(NamedTuple):
     numbers: MemberNumbers | None = None  # where members have numbers of their own
 
     def of_members(self, selected: np.ndarray | slice) -> MemberStarts:
-        """Some of them."""
         numbers = None if self.numbers is None else self.numbers.of_members(selected)
         return MemberStarts(self.y[selected], self.seeds[selected], numbers)
 
@@ -50,8 +49,6 @@ class MemberStarts(NamedTuple):
 
 
 class MemberRuns(NamedTuple):
-    """The runs of some members."""
-
     layout: Layout  # by which the samples are read
     samples: Samples  # without a meaning for members that did not complete
     # (members, COUNTS); the code is PAUSED where a member needs a run of its own.
@@ -99,7 +96,6 @@ class RecordingLoop(ABC):
         return moved
 
     def forget(self) -> None:
-        """Forget the members that were run before."""
         for array, fresh in zip(self._own, self._fresh, strict=True):
             array[...] = fresh
 
@@ -108,7 +104,6 @@ class RecordingLoop(ABC):
         """Run members, fill in their samples (members, times, ...), and return their counts."""
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with a step or tolerances, and return their samples."""
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
         counts = self.fill(setting, starts, columns)

@@ -40,7 +40,6 @@ class PairMembers:
         self._loop = entry_point(pair.layout, pair_members, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with tolerances."""
         assert isinstance(setting, Tolerance)
         self._rows[LIMITS:STATE] = self._pair.limits(setting)
         self._clocks["encounter_fraction"] = setting.encounter_fraction
@@ -114,7 +113,6 @@ class PairLanes:
         self._loop = entry_point(pair.layout, pair_members_in_lanes, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        """Run members with tolerances."""
         assert isinstance(setting, Tolerance)
         y, numbers = np.ascontiguousarray(starts.y), starts.numbers
         scenes, others = None, np.zeros(len(y), bool)

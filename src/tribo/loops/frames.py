@@ -102,7 +102,6 @@ class Frames:
         return [name for name in self._places if name != IDENTITY]
 
     def forget(self, names: Iterable[object]) -> None:
-        """Need some frames no longer."""
         for name in names:
             self._places.pop(name, None)
 
@@ -219,7 +218,6 @@ class Frames:
 
 
 def _header(content: bytes) -> bytes:
-    """The header of a frame with that content."""
     size = struct.pack("<Q", len(content))
     return HEADER.pack(len(content), hashlib.blake2b(size + content, digest_size=16).digest())
 

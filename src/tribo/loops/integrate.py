@@ -160,8 +160,6 @@ class Checkpoints(Protocol):
 
 @dataclass(eq=False)
 class Integration:
-    """One integration of the equations of motion."""
-
     samples: Samples  # raw
     status: Status
     counts: np.ndarray  # (COUNTS,) steps, and evaluations of all forces
@@ -189,12 +187,10 @@ class Integration:
 
     @property
     def steps(self) -> int:
-        """Steps taken."""
         return int(self.counts[STEPS])
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of all forces."""
         return int(self.counts[EVALUATIONS])
 
 

@@ -27,10 +27,7 @@ __all__ = ["PART", "Journal", "key_of"]
 
 
 class Journal(Frames):
-    """The journal of a run; with `resume`, else the first integration replaces the file.
-
-    Raises InputError if the file is of another run, cannot be read, or is in use.
-    """
+    """The journal of a run, with `resume` and the errors of :class:`tribo.loops.frames.Frames`."""
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
         super().__init__(path, identity, resume)
@@ -110,7 +107,6 @@ class JournaledIntegration:
         self._journal.forget((name, self._number) for name in done_with)
 
     def write(self, name: object, arrays: Arrays) -> None:
-        """Append a frame; it replaces the last one of the same name.  Raises InputError."""
         self._journal.append((name, self._number), arrays)
 
 

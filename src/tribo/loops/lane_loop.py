@@ -119,8 +119,6 @@ class LaneLoop(RecordingLoop):
 
 
 class NystromLanes(LaneLoop):
-    """The loop of a Nystrom method."""
-
     def prepare(self, setting: Setting) -> None:
         assert isinstance(setting, Tolerance)
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
@@ -168,8 +166,6 @@ class NystromLanes(LaneLoop):
 
 
 class SplittingLanes(LaneLoop):
-    """The loop of a splitting method."""
-
     def prepare(self, setting: Setting) -> None:
         assert isinstance(setting, float)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)

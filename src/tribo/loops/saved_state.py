@@ -157,7 +157,6 @@ def digest_of(origin: Origin | None) -> str | None:
 
 
 def state_of(layout: Layout, method: str, run: Integration) -> State:
-    """The state at the end of a run."""
     last = run.samples.last()
     core, n = layout.core, layout.coordinates
     y = last.y[0].copy()

@@ -137,7 +137,6 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
 
 
 def _integrator_from(scene: Scene, method: str, state: State | None, threads: int) -> Integrator:
-    """The integrator of a scene, or of its continuation from a state."""
     layout, origin = lay_out(scene), None
     if state is not None:
         layout, origin = continued(layout, state)

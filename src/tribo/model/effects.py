@@ -70,7 +70,6 @@ def reason_for(scene: Any, effect: Effect) -> str:
 
 
 def potential_name(item: Interaction) -> str:
-    """The name of a potential in a scene file."""
     if isinstance(item.potential, Live):
         return type(item.potential.calculator).__name__
     return f'"{as_table(item.potential)["potential"]}"'

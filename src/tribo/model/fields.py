@@ -123,7 +123,6 @@ def as_field_potential(value: Any) -> Any:
 
 
 def from_table(table: Any, folder: Path) -> Field:
-    """The field that a table of a scene file describes."""
     parameters = check.known_keys(table, table, ["kind", "on"])
     settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
     kind = parameters.pop("kind")
@@ -134,7 +133,6 @@ def from_table(table: Any, folder: Path) -> Field:
 
 
 def as_table(field: Field) -> dict[str, Any]:
-    """The table of a scene file that `from_table` reads."""
     settings = {name: list(getattr(field, name)) for name in ("on", "origin", "velocity")}
     kind = plugins.name_of(field.potential, BUILT_IN)
     return {"kind": kind} | field.potential._asdict() | settings

@@ -57,10 +57,7 @@ class Langevin:
 
 
 def as_langevin(value: object) -> Langevin | tuple[Langevin, Langevin] | None:
-    """A reservoir, or those on the bars and on the swings; or None (no reservoir).
-
-    Each is a table of a scene file or a Langevin.
-    """
+    """A Langevin, or those on the bars and swings, also from tables of scene files; or None."""
     if value is None or not is_list(value):
         return None if value is None else from_table(Langevin, value, ["gamma"])
     found: dict[str, Langevin] = {}

@@ -74,10 +74,7 @@ def is_parameter(scene: Scene, key: str) -> bool:
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values, by keys, as in a scene file. Raises InputError.
-
-    A number for a velocity is its x component.
-    """
+    """The scene with other values by keys; a number sets a velocity's x.  Raises InputError."""
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
     for key, value in of_each_surface(scene, values).items():
@@ -113,10 +110,7 @@ def parts_of(surface: Surface) -> tuple[str, ...]:
 
 
 def value_of(scene: Scene, key: str) -> object:
-    """The value of a key in a scene: the number, word or list that its file has; None without one.
-
-    That of a velocity is its x component, that of a drive its kind.
-    """
+    """The value of a key as in a file, or None; of a velocity its x, of a drive its kind."""
     part, _, name = key.rpartition(".")
     table = scene.to_table()
     if part in (INTERACTION, FIELD):
@@ -190,7 +184,6 @@ def _values_of(potential: Any) -> dict[str, Any]:
 
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
-    """The present value of a part of a surface."""
     key, _, on = part.partition(".")
     present, values = getattr(surface, key), dict[str, Any]()
     if on:
@@ -232,7 +225,6 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
 
 
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
-    """A part of a surface with other values."""
     if isinstance(present, Custom):
         own = {"load": present.load} | own
         load, parameters = own.pop("load"), present.force._asdict() | own
@@ -249,10 +241,7 @@ def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
 
 
 def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
-    """A potential with other parameters, or another cutoff.
-
-    The distance from which a potential is reduced stays the same fraction of its cutoff.
-    """
+    """A potential with other parameters or cutoff, reduced from the same fraction of it."""
     if "potential" in own:  # another kind, which keeps the parameters that both kinds have
         kind = None if own["potential"] in (*MADE, "ase") else class_named(own["potential"], Path())
         known = (*getattr(kind, "_fields", ()), *CUTOFF_KEYS) if kind else ()

@@ -36,8 +36,6 @@ class Grid(NamedTuple):
 
 
 class Sampled(NamedTuple):
-    """The heights at the asperites of a grid."""
-
     grid: Grid
     heights: np.ndarray  # (n,) shifts in y, x running fastest [length]
 

@@ -76,7 +76,6 @@ def with_numbers(value: Any) -> Any:
 
 
 def instance(cls: Any, parameters: dict[str, Any]) -> Any:
-    """An instance of a class with the parameters of a file or a command line."""
     required = [f for f in cls._fields if f not in cls._field_defaults]
     return cls(**known_keys(parameters, cls._fields, required))
 
@@ -88,10 +87,7 @@ def is_named(name: object) -> bool:
 
 
 def class_named(field: str, name: str, folder: Path) -> type:
-    """The class of ``file.py:Class``, relative to `folder`, or of ``package.module:Class``.
-
-    Raises InputError about `field`.
-    """
+    """The class ``file.py:Class`` in `folder`, or ``package.module:Class``.  Raises InputError."""
     refuse_code(field, name)
     place, _, class_name = name.rpartition(":")
     with inside(field):
@@ -106,10 +102,7 @@ def class_named(field: str, name: str, folder: Path) -> type:
 
 
 def from_file(field: str, name: str, parameters: dict[str, Any], folder: Path, method: str) -> Any:
-    """The plug-in that a table of a scene file names, which has `method`, or an Unloaded for it.
-
-    Raises InputError about `field`.
-    """
+    """The plug-in with `method` that a table names, or an Unloaded for it.  Raises InputError."""
     stand_in = left(name, parameters)
     if stand_in is not None:
         return stand_in
@@ -129,10 +122,7 @@ def name_of(plugin: NamedTuple | Unloaded, built_in: dict[str, type]) -> str:
 
 
 def call_method(plugin: object, field: str, method: str, *arguments: object) -> Any:
-    """Call a method of a plug-in.
-
-    Raises InputError about `field`, with the line of the source, if the method raises an error.
-    """
+    """Call a method.  Raises InputError, with the line of the source, if it raises an error."""
     try:
         with np.errstate(all="ignore"):
             return getattr(plugin, method)(*arguments)
@@ -145,10 +135,7 @@ def call_method(plugin: object, field: str, method: str, *arguments: object) -> 
 
 
 def returned_numbers(plugin: object, field: str, method: str, *arguments: object) -> Any:
-    """Call a method that returns real numbers.
-
-    Raises InputError about `field` if it returns anything else, or another count of numbers.
-    """
+    """Call a method.  Raises InputError unless it returns real numbers, as many as it should."""
     value = call_method(plugin, field, method, *arguments)
     count = RETURN_COUNTS.get(method, 1)
     # np.where of numbers is an array without dimensions.

@@ -108,10 +108,7 @@ def is_own(item: type | FunctionType) -> bool:
 
 
 def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) -> None:
-    """Add the source of a module, and of all modules that it imports, to `sources`.
-
-    Installed packages are left out, except the package of `root`.
-    """
+    """Add the sources of a module and its imports; of installed packages only those of `root`."""
     name = getattr(module, "__name__", "")
     place = getattr(module, "__file__", None)
     if module is None or place is None or name in sources or name.split(".")[0] == "tribo":

@@ -38,7 +38,6 @@ class Unloaded:
         return self.parameters
 
     def range(self) -> float:
-        """The cutoff."""
         return float(self.parameters.get("cutoff", math.inf))
 
     def smoothness(self) -> float:
@@ -48,7 +47,6 @@ class Unloaded:
 
 @contextmanager
 def code(policy: Code) -> Iterator[None]:
-    """Decide what becomes of code that scene files name."""
     token = _POLICY.set(policy)
     try:
         yield

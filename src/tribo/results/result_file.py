@@ -113,7 +113,6 @@ def _coordinates(result: RunResult) -> dict[str, Variable]:
 
 
 def _attributes(result: RunResult) -> dict[str, str]:
-    """The scene and all that is known of the run, as text."""
     return {
         "version": version(),
         "plugins": json.dumps(plugin_stamps(result.scene)),
