@@ -499,6 +499,7 @@ def bars_that_stand():
 def named_plugins():
     """Every plug-in of a scene goes with the field that it is in."""
     lay_out = importlib.import_module("tribo.layout.layout").lay_out
+    plugins_of = importlib.import_module("tribo.model.identity").plugins_of
     contact = "interaction[0].potential"
     for name, fields in {
         "by hand": [contact, "surface[0].drive", "surface[1].bars"],
@@ -506,7 +507,7 @@ def named_plugins():
         "rows": [contact, "interaction[1].potential", "interaction[2].potential"],
     }.items():
         layout = lay_out(scene_of(ALL[name]))
-        found = layout.named_plugins
+        found = plugins_of(layout.scene)
         if [field for field, _ in found] != fields:
             return f"{name}: {found}"
         if {id(plugin) for _, plugin in found} != {id(plugin) for plugin in layout.plugins}:
