@@ -60,8 +60,7 @@ def also_in_part(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) ->
     try:
         return function(*args, **kwargs)
     except Interrupted as interrupt:
-        result: R = interrupt.result
-        return result
+        return interrupt.result
 
 
 def watch(json: bool) -> None:

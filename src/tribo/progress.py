@@ -43,10 +43,7 @@ class ProgressBar:
             self.close()
 
     def announce(self, number: int, runs: int, seconds: float | None) -> None:
-        """Begin a run, which is `number` of `runs`.
-
-        The predicted `seconds` of it and of those that follow are printed from DELAY on.
-        """
+        """Begin run `number` of `runs`; print the `seconds` predicted from here, if over DELAY."""
         self.close()
         self._runs = f"run {number} of {runs}: "
         if seconds is not None and DELAY <= seconds < math.inf:

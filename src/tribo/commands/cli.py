@@ -21,14 +21,13 @@ def main(arguments: list[str] | None = None) -> int:
 
         if arguments is None:
             interrupts.watch(json)
-        status = _run(arguments)
+        return _run(arguments)
     except KeyboardInterrupt:
         from tribo import interrupts
 
         interrupts.answer()
         interrupts.report(json)
-        status = interrupts.STOPPED
-    return status
+        return interrupts.STOPPED
 
 
 def _run(arguments: list[str] | None) -> int:

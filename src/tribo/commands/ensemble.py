@@ -85,8 +85,7 @@ def _sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: in
     if numbers == 0:
         raise InputError("--sampler", "needs distributions in --vary, as normal(0,0.1)")
     kinds = {"sobol": qmc.Sobol, "latin-hypercube": qmc.LatinHypercube}
-    sampler: Sampler = kinds[name](numbers, rng=np.random.default_rng(seed))
-    return sampler
+    return kinds[name](numbers, rng=np.random.default_rng(seed))
 
 
 def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:

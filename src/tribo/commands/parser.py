@@ -22,7 +22,6 @@ from tribo.files import checked_target, strict_json
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
-# The end of `tribo --help`.
 FIRST_STEPS = """\
 first steps:
   tribo new -o scene.toml              a commented scene file
@@ -31,7 +30,6 @@ first steps:
   tribo COMMAND --help                 all options of a command
 """
 
-# Shells for which `tribo completion` writes a script.
 SHELLS = ("bash", "zsh", "tcsh")
 # Adds a command by its name, its purpose, and the function that runs it, if that is given.
 Add = Callable[..., argparse.ArgumentParser]
@@ -57,8 +55,7 @@ def run_command(arguments: list[str] | None) -> int:
     options = _parser().parse_args(arguments)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
-        status: int = options.command(options)
-    return status
+        return options.command(options)
 
 
 def _parser() -> argparse.ArgumentParser:

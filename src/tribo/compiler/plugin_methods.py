@@ -151,12 +151,11 @@ def constructor(cls: Any) -> Any:
 
         return kind(members), code
 
-    defaults = tuple(cls._field_defaults.values())
     names = ", ".join(cls._fields)
     scope = {"build": build}
     exec(f"def make({names}):\n    return build(({names},))", scope)
     make: Any = scope["make"]
-    make.__defaults__ = defaults
+    make.__defaults__ = tuple(cls._field_defaults.values())
     return njit(**KERNEL)(make)
 
 

@@ -135,8 +135,7 @@ class CheckedRuns(Policy):
         found = delivered(self.kept, runs, self.plan.level)
         complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
-        every = self.kept.with_errors
-        checked = complete & (every or self._doubtful(runs, starts) | some)
+        checked = complete & (self.kept.with_errors or self._doubtful(runs, starts) | some)
         if checked.any():
             self._refine(found, np.flatnonzero(checked), runs, starts)
         return found
@@ -273,10 +272,7 @@ def _cheapest(
 def _with_most_evaluations(
     runs: CheckedRuns, plan: CheckedPlan, starts: MemberStarts, threads: int
 ) -> tuple[CheckedPlan, float]:
-    """The plan with the evaluations above which to check, and the largest error of others.
-
-    Both are of a pilot, members with the `starts`.
-    """
+    """By a pilot: the plan with the evaluations above which to check, and others' largest error."""
     piece = min(PIECE, runs.chunk)
 
     def errors(members: np.ndarray, method: str) -> np.ndarray:

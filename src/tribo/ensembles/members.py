@@ -105,8 +105,7 @@ class DistributionDraw:
     def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """The inverse cumulative function of the points.  Raises InputError if there is none."""
         if not hasattr(self._source, "ppf"):
-            wanted = "must have ppf, as a distribution of scipy.stats has"
-            raise InputError(f"vary.{self.name}", wanted)
+            raise InputError(f"vary.{self.name}", "must have ppf, as those of scipy.stats have")
         return {self.name: self._source.ppf(points)}
 
 

@@ -30,9 +30,7 @@ SHARED_PAIRS = 100_000
 LISTED_BLOCKS = 6
 
 
-def lay_out_contacts(
-    scene: Scene,
-) -> tuple[tuple[Contact, ...], int, float]:
+def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
     """The contacts of a scene, at least one; those among the bobs of one surface come last.
 
     Also the rows of the neighbour list, 0 without one, and how much farther than the cutoff it
@@ -138,10 +136,7 @@ def with_room(neighbours: Neighbours | None) -> Neighbours | None:
 def calculators(
     scene: Scene, depths: list[np.ndarray], starts: np.ndarray
 ) -> tuple[tuple[Calculator, ...] | None, tuple[Call, ...]]:
-    """ASE calculators for bobs, or None; and what kernels call.
-
-    Bobs are at `depths`, surface by surface, and have the columns from `starts` on.
-    """
+    """ASE calculators or None, and their calls, for bobs at `depths`, in columns from `starts`."""
     found: list[Calculator] = []
     calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):

@@ -58,13 +58,12 @@ def look_interval(times: int) -> int:
 
 def levers(scene: Scene) -> np.ndarray:
     """The part of its energy that each asperite receives at the bob; all of it on driven bars."""
-    each = ((s.each["m1"], s.each["m2"], s.drive) for s in scene.surfaces)
-    return np.concatenate(
-        [
-            np.ones(m1.size) if isinstance(drive, DrivenBars) else m2 / (m1 + m2)
-            for m1, m2, drive in each
-        ]
-    )
+    found = []
+    for surface in scene.surfaces:
+        m1, m2 = surface.each["m1"], surface.each["m2"]
+        driven = isinstance(surface.drive, DrivenBars)
+        found.append(np.ones(m1.size) if driven else m2 / (m1 + m2))
+    return np.concatenate(found)
 
 
 def may_pump(layout: Layout) -> bool:

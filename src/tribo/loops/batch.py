@@ -195,8 +195,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         return counts
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        code: int = self._entry(*self._arguments(times, columns, budget))
-        return code
+        return self._entry(*self._arguments(times, columns, budget))
 
     def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""

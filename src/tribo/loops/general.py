@@ -82,8 +82,7 @@ class GeneralLoop(TimeLoop):
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
         model, arguments = self.model, self._arguments(times, columns, budget)
         with assisted(model.team, self._assistants, self.assist):
-            code: int = self.compiled(model, *arguments)
-        return code
+            return self.compiled(model, *arguments)
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""

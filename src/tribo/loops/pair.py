@@ -272,8 +272,7 @@ class PairLoop(TimeLoop):
         return (np.empty((samples, COLUMNS)),)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        code: int = self._loop(self._start, times, columns[0], budget)
-        return code
+        return self._loop(self._start, times, columns[0], budget)
 
     def memory(self) -> Memory:
         return _memory(self.clocks, self._rows[step_rows.STATE :].copy())

@@ -146,8 +146,7 @@ def _constants(layout: Layout, members: MemberNumbers | None) -> np.ndarray:
 
 def _mobility(table: np.ndarray, length: int) -> np.ndarray:
     """Velocity of each bob (with L1) or bar (with L2) for a unit of momentum, at most."""
-    mobility: np.ndarray = 1.0 / table[row.MASS] + table[length] ** 2 / table[row.INERTIA]
-    return mobility
+    return 1.0 / table[row.MASS] + table[length] ** 2 / table[row.INERTIA]
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:

@@ -42,10 +42,7 @@ def module_named(name: str) -> ModuleType:
 
 
 def load(source: bytes, place: str) -> ModuleType:
-    """Load a module from its source, under a name that is a hash of it, for the disk cache.
-
-    `place` is its file in messages, or a name in angle brackets if it has none.
-    """
+    """Load a module from source, named by its hash for the disk cache; messages call it `place`."""
     label = hashlib.blake2b(place.encode() + source, digest_size=8).hexdigest()
     name = f"tribo_plugin_{label}"
     if name in sys.modules:

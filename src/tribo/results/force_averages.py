@@ -10,7 +10,6 @@ from tribo.results.averages import Average, time_average
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, choice
 
-# The parts of a friction force.
 PARTS = ("contact", "field")
 # Part of the pull above which the drag of a reservoir is noted: less leaves its first digit.
 NOTED_DRAG = 0.1
@@ -93,8 +92,7 @@ def friction_coefficient(
     found = friction_force(result, surface, after)
     load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
     if load == 0.0:
-        problem = "is missing; name the surface that has the load"
-        raise InputError(f"{surface}.drive.load", problem)
+        raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
     mean, half_width, spread = abs(found.mean), found.half_width, found.spread
     return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
 

@@ -102,9 +102,8 @@ def _coordinates(result: RunResult) -> dict[str, Variable]:
         coordinates["end"] = (("end",), result.t[[0, -1]], about)
     for index, surface in enumerate(result.scene.surfaces):
         dimension = f"{surface.name}_asperite"
-        number = np.arange(surface.count)
         about = {"units": "1", "long_name": f'asperite of "{surface.name}"'}
-        coordinates[dimension] = ((dimension,), number, about)
+        coordinates[dimension] = ((dimension,), np.arange(surface.count), about)
         resting = surface.resting_bobs(seed=[result.scene.seed, index, 0])
         for k, axis in enumerate("xyz"):
             about = {"units": UNITS["length"], "long_name": f"{axis} of the resting bob"}
