@@ -42,8 +42,6 @@ class Row:
 
 # The head of the lines that rows print.
 HEAD = f"{'scene':<28} {'error':>8} {'estimate':>8} {'time':>10}  outcome"
-
-
 # The difference from one quantity of a reference, the estimate of this error, and the rounding of
 # the reference to a double, all in units of its scale.
 Deviation = tuple[float, float | None, float]
@@ -64,7 +62,7 @@ def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     outcome = NOT_MET if completed and result.met is False else str(result.status)
     if stops == completed:  # the reference is of another end
         return Row(entry.name, entry.declared, outcome, False, None, None, seconds)
-    found = [_stop(entry, result)] if stops else list(_deviations(entry, result))
+    found = list(_deviations(entry, result))
     honest = all(estimate is None or error <= estimate + more for error, estimate, more in found)
     outcome = outcome if honest else NOT_HONEST
     error = max(error for error, _, _ in found)
@@ -74,14 +72,12 @@ def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     return Row(entry.name, entry.declared, *ends, seconds)
 
 
-def _stop(entry: HardScene, result: Result) -> Deviation:
-    """The difference of the time of a stop, in units of the duration."""
-    (digits,) = entry.reference[STOP_TIME]
-    return abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0
-
-
 def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
-    """The difference of each quantity of the reference, asperite by asperite."""
+    """The difference of each quantity, asperite by asperite, or of a stop's time, in durations."""
+    if STOP_TIME in entry.reference:
+        (digits,) = entry.reference[STOP_TIME]
+        yield abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0
+        return
     scales = reported_scales(lay_out(result.scene), result.ledger)
     for key, digits in entry.reference.items():
         surface, _, name = key.partition(".")

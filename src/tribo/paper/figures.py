@@ -25,13 +25,6 @@ from tribo.validation import InputError, as_path
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Colour of forces in the drawing of the model.
-FORCE_COLOUR = "#a50f15"
-# Distance between snapshots side by side [length].
-SNAPSHOT_GAP = 0.2
-# Kinds of files that each figure is written to.
-SUFFIXES = (".pdf", ".png")
-
 
 @dataclass(frozen=True)
 class Figure:
@@ -61,7 +54,8 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
             if figure.case in wanted:
                 with plotting.style():
                     ax = figure.draw()
-                written += [plotting.save(ax, folder / f"{figure.name}{end}") for end in SUFFIXES]
+                names = (f"{figure.name}.pdf", f"{figure.name}.png")
+                written += [plotting.save(ax, folder / name) for name in names]
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError("--figures", f"{folder} cannot be written to ({reason})") from None
@@ -86,7 +80,7 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     for t in times:
         now = pose(result, t)
         drawn.append(now.shifted((right - now.box[0], 0.0)))
-        right = drawn[-1].box[1] + SNAPSHOT_GAP
+        right = drawn[-1].box[1] + 0.2
     boxes = np.array([now.box for now in drawn])
     box = (boxes[0, 0], boxes[-1, 1], boxes[:, 2].min(), boxes[:, 3].max())
     with drawing_on(None, WIDE) as ax:
@@ -170,7 +164,7 @@ def _model_arrows(ax: Axes, now: Pose) -> None:
     left, right = now.ends[0]
     axis = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "mutation_scale": 6}
     vector = {"linewidth": 0.7, "mutation_scale": 6}
-    force = {"linewidth": 1.5, "mutation_scale": 10, "color": FORCE_COLOUR}
+    force = {"linewidth": 1.5, "mutation_scale": 10, "color": "#a50f15"}
     # The place of a name is a part of the way from the start to the tip, and a shift from there.
     for start, step, part, shift, text, look in (
         (origin, (1.3, 0.0), 1.12, (0.0, 0.0), "$x$", axis),

@@ -27,16 +27,8 @@ if TYPE_CHECKING:
 
 # Names of files end on one of these, each with matplotlib's writer for it.
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
-# Width of the picture, and height of the curves below it [inch].
-WIDTH, CURVES = 6.0, 1.9
-# Height of the title [inch].
-TITLE = 0.3
-# Least and largest height of the part where asperites move [inch].
-MOTION = (1.0, 3.4)
-# Most samples whose places the picture is sized by, the first and the last among them.
-MOST_BOXES = 50
-# Colours of a GIF.
-COLOURS = 128
+# Width of the picture, and heights of the curves below it and of the title [inch].
+WIDTH, CURVES, TITLE = 6.0, 1.9, 0.3
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
 DRAWN = ("w1", "w2", "w_int", "W")
 
@@ -86,7 +78,7 @@ def _write_gif(film: Film, middle: int, samples: Iterable[int], path: Path, rate
     from PIL import Image
 
     plain: Any = {"dither": Image.Dither.NONE}
-    colours = film.picture(middle).quantize(COLOURS, **plain)
+    colours = film.picture(middle).quantize(128, **plain)
     palette = np.array(colours.getpalette(), int).reshape(-1, 3)
     palette[np.argmax(palette.sum(axis=1))] = 255  # of the paper
     colours.putpalette(palette.ravel().tolist())
@@ -106,12 +98,12 @@ class Film:
 
         self._result = result
         self._bath = bath
-        some = np.unique(np.linspace(0, len(result.t) - 1, MOST_BOXES).astype(int))
+        some = np.unique(np.linspace(0, len(result.t) - 1, 50).astype(int))
         boxes = np.array([self._pose(k).box for k in some])
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
-        height = float(np.clip(ideal, *MOTION))
+        height = float(np.clip(ideal, 1.0, 3.4))
         total = height + CURVES + TITLE
         # A whole number of pixels, which is even, as films need.
         even = 2 * round(total * width / WIDTH / 2)

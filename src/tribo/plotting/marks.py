@@ -18,8 +18,6 @@ Box = tuple[float, float, float, float]  # left, right, bottom and top, in units
 POINTS_PER_INCH = 72.0
 # Margin around a drawing [points].
 EDGE = 4.0
-# Sides of a box, in order.
-SIDES = ("left", "right", "bottom", "top")
 
 
 def arrow(ax: Axes, start: ArrayLike, tip: ArrayLike, **properties: Any) -> None:
@@ -68,7 +66,8 @@ def point_length(ax: Axes, low: float, high: float, **margins: float) -> float:
 def frame(ax: Axes, box: Box, **margins: float) -> None:
     """Show a part of a drawing, with margins `left`, `right`, `bottom` and `top` [points]."""
     point = point_length(ax, *box[:2], **margins)
-    left, right, bottom, top = (point * margins.get(side, EDGE) for side in SIDES)
+    sides = ("left", "right", "bottom", "top")
+    left, right, bottom, top = (point * margins.get(side, EDGE) for side in sides)
     ax.set_xlim(box[0] - left, box[1] + right)
     ax.set_ylim(box[2] - bottom, box[3] + top)
     ax.set_aspect("equal")

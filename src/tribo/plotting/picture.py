@@ -18,27 +18,19 @@ MOST_DETAILED = 120
 # Colours of bars, by where the bob is; of rods, bobs, centres of mass and bath oscillators.
 DOWN_COLOUR, UP_COLOUR = "#3f74b5", "#6b7280"
 ROD_COLOUR, BOB_COLOUR, CM_COLOUR, BATH_COLOUR = "#b98a2f", "#f3c969", "#d7301f", "#9a5fb5"
-# Colours of the swing of many bobs, from the most negative to the most positive.
-SWING_COLOURS = "coolwarm"
-# Widths of bars and rods, radii of bobs, pivots and centres of mass [rod length].
-BAR, ROD = 0.1, 0.06
+# Widths of bars, rods and dots, radii of bobs, pivots and centres of mass [rod length].
+BAR, ROD, DOT = 0.1, 0.06, 0.06
 BOB, PIVOT, CM = 0.09, 0.022, 0.045
 # The same, at least [points].
 LEAST_BAR, LEAST_ROD, LEAST_BOB = 1.0, 0.6, 1.25
-# Diameter of a bath oscillator [rod length].
-DOT = 0.06
 # Width of edges: at most [points], and [rod length].
 EDGE_WIDTH, EDGE_PART = 0.5, 0.015
-# Torsion springs of shorter rods are not drawn [points].
-SPRING_FROM = 12.0
-# Of torsion springs: radius, half their width [rod length], and windings on each side.
-RADIUS, SWELL, WINDINGS = 0.17, 0.024, 5
-# Points of a circle, and of a winding.
-CIRCLE, TURN = 40, 24
+# Of torsion springs: radius, half their width [rod length], windings on each side, points of each.
+RADIUS, SWELL, WINDINGS, TURN = 0.17, 0.024, 5, 24
 # Windings of a lattice spring, and half its width [distance of the bars].
 ZIGZAGS, SPRING = 8, 0.03
 # Angles of the points of a circle, and its points.
-AROUND = np.linspace(0.0, 2.0 * np.pi, CIRCLE, endpoint=False)
+AROUND = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 RING = np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)
 
 
@@ -58,10 +50,10 @@ class Picture:
         size = float(np.median(now.rods)) / point
         self._dots = ax.scatter([], [], s=(DOT * size) ** 2, zorder=2.0, color=BATH_COLOUR)
         self._parts: dict[str, Any] = {}
-        self._has_springs = size > SPRING_FROM
+        self._has_springs = size > 12.0  # they cannot be seen beside shorter rods
         if len(now.bars) > MOST_DETAILED:
             marks: Any = {"s": max(1.5, 2.0 * BOB * size) ** 2, "linewidth": 0.2, "zorder": 2.6}
-            marks |= {"vmin": -swing, "vmax": swing, "cmap": SWING_COLOURS, "edgecolors": "0.5"}
+            marks |= {"vmin": -swing, "vmax": swing, "cmap": "coolwarm", "edgecolors": "0.5"}
             self.swings = ax.scatter(now.bobs[:, 0], now.bobs[:, 1], c=now.swing, **marks)
         else:
             edge: Any = {"edgecolors": INK, "linewidths": min(EDGE_WIDTH, EDGE_PART * size)}
@@ -115,7 +107,7 @@ def _beams(starts: np.ndarray, ends: np.ndarray, widths: np.ndarray) -> np.ndarr
 
 
 def _discs(centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """(n, CIRCLE, 2) points of circles."""
+    """(n, points, 2) of circles."""
     return np.asarray(centres[:, None] + radii[:, None, None] * RING)
 
 

@@ -14,7 +14,7 @@ from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing
 from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figure_of, style
-from tribo.plotting.works import WORKS, draw_works, total, works_of
+from tribo.plotting.works import WORKS, draw_works, energies, heats_of, works_of
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, must_be, one_of
@@ -23,30 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Above this number of asperites of a surface, angles are a band rather than lines.
-MOST_LINES = 6
-# Percentiles of the asperites between which a band lies.
-BAND = (5.0, 95.0)
-# Most paths of a phase plot: more cover one another.
-MOST_PATHS = 200
 # Widths of lines, one surface after the other: equal curves are both seen [points].
 WIDTHS = (2.6, 1.0)
-# Width of lines where there is one surface, and of thin ones, as of all paths in a phase plot
-# [points].
+# Width of lines where there is one surface, and of thin ones [points].
 WIDTH, PATH_WIDTH = 1.1, 0.7
-# In an energy budget: width and dashes of the line of the work put in.
-WORK_WIDTH, WORK_DASHES = 1.3, (0, (4.0, 3.0))
-# Distance of the text of the gap from the axes, beside the label of the times [points].
-GAP_BELOW = 22.0
-# On maps: the heights of a surface, which are no series; colours of these, and of quantities that
-# have a sign.
-HEIGHT, OF_HEIGHTS, OF_SIGNS = "height", "viridis", "RdBu_r"
-# Percentile of the magnitudes that has the strongest colour.
-STRONGEST = 99.5
-# Place of the scale of colours, in units of the map: left, bottom, width and height.
-COLOUR_BAR = (1.03, 0.0, 0.04, 1.0)
-# Width and height of the overview [inch].
-SIZE = (7.0, 7.6)
 
 
 class Plots:
@@ -75,11 +55,11 @@ class Plots:
                 swing = swing_of(result, surface)
                 line: dict[str, Any] = {"color": COLOURS[k], "label": self._named(surface.name)}
                 line["linewidth"] = self._width(k)
-                if surface.count <= MOST_LINES:
+                if surface.count <= 6:
                     for other in ax.plot(result.t, swing, **line)[1:]:
                         other.set_label("_")
                     continue
-                low, middle, high = np.percentile(swing, [BAND[0], 50.0, BAND[1]], axis=1)
+                low, middle, high = np.percentile(swing, [5.0, 50.0, 95.0], axis=1)
                 ax.plot(result.t, middle, **line)
                 ax.fill_between(result.t, low, high, color=COLOURS[k], alpha=0.2, linewidth=0.0)
             finish(ax, result, "swing (rad)")
@@ -144,26 +124,24 @@ class Plots:
         between the two.  The applied work of the ledger is net of the heat given to reservoirs.
         With reservoirs, heat is a part of the stack, and is added to the applied work.
         """
-        result = self._result
+        result, heats = self._result, heats_of(self._result)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             below = np.zeros(result.t.size)
-            for colour, (name, values) in zip(COLOURS, _energies(result).items(), strict=False):
+            for colour, (name, values) in zip(COLOURS, energies(result).items(), strict=False):
                 edge = below + values
-                label = self._named(name)
-                ax.plot(result.t, edge, color=colour, linewidth=PATH_WIDTH, label=label)
+                ax.plot(result.t, edge, color=colour, linewidth=PATH_WIDTH, label=self._named(name))
                 if not self._label:  # stacks of several results would cover one another
                     ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
                 below = edge
             if "applied_work" in result.system:
-                heats = _heats(result)
                 work = result.system["applied_work"] + sum(heats)
                 label = self._named("applied work + heat" if heats else "applied work")
-                line: dict[str, Any] = {"linewidth": WORK_WIDTH, "linestyle": WORK_DASHES}
+                line: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (4.0, 3.0))}
                 ax.plot(result.t, work, color=INK, label=label, **line)
                 if not self._label:
                     text = with_minus(f"gap {np.max(np.abs(below - work)):.1e}")
                     place = {"xycoords": "axes fraction", "ha": "right", "fontsize": NOTE_SIZE}
-                    note(ax, (1.0, 0.0), text, (0.0, -GAP_BELOW), **place)
+                    note(ax, (1.0, 0.0), text, (0.0, -22.0), **place)  # beside the label of time
             finish(ax, result, "energy")
         return ax
 
@@ -205,8 +183,8 @@ class Plots:
         result = self._result
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
-                number = min(surface.count, MOST_PATHS)
-                shown = np.unique(np.linspace(0, surface.count - 1, number).astype(int))
+                # More than 200 would cover one another.
+                shown = np.unique(np.linspace(0, surface.count - 1, 200).astype(int))
                 swing = swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
@@ -248,7 +226,6 @@ class Plots:
             A time is not in the run, the oscillators are not recorded, or a calculator of the scene
             fails.
         """
-        times = snapshots.encounter_times(self._result, 4) if times is None else times
         return snapshots.snapshots(self._result, times, forces, bath, ax)
 
     def sequence(
@@ -284,7 +261,6 @@ class Plots:
         InputError
             A time is outside the run, or a calculator of the scene fails.
         """
-        times = snapshots.encounter_times(self._result, 3) if times is None else times
         whose = (self._surface(surface), asperite)
         return snapshots.sequence(self._result, times, whose, points, phases, ax)
 
@@ -319,17 +295,17 @@ class Plots:
         if grid.positions is not None or min(grid.shape) < 2:
             raise InputError("surface", f'must be a grid, got "{name}"')
         bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
-        if quantity == HEIGHT:
+        if quantity == "height":  # which is no series
             values = bobs[..., 1] - bobs[..., 1].mean()
-            look: dict[str, Any] = {"cmap": OF_HEIGHTS}
+            look: dict[str, Any] = {"cmap": "viridis"}
         elif quantity in table and table[quantity].ndim == 2:
             values = table[quantity][sample].reshape(bobs.shape[:2])
-            strongest = np.percentile(np.abs(values), STRONGEST) or 1.0
-            look = {"cmap": OF_SIGNS, "vmin": -strongest, "vmax": strongest}
+            strongest = np.percentile(np.abs(values), 99.5) or 1.0
+            look = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
         else:
             raise InputError(
                 "quantity",
-                f'must be "{HEIGHT}" or a series of each asperite, as "w1", got {quantity!r}; '
+                f'must be "height" or a series of each asperite, as "w1", got {quantity!r}; '
                 'forces need output.series = "forces"',
             )
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
@@ -337,9 +313,9 @@ class Plots:
             image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
             ax.set(xlabel="$x$", ylabel="$z$", aspect="equal")
             ax.tick_params(which="both", top=False, right=False)
-            extend = "neither" if quantity == HEIGHT else "both"
-            beside: dict[str, Any] = {"cax": ax.inset_axes(COLOUR_BAR), "extendfrac": 0.03}
-            bar = figure_of(ax).colorbar(image, extend=extend, **beside)
+            extend = "neither" if quantity == "height" else "both"
+            inset = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
+            bar = figure_of(ax).colorbar(image, cax=inset, extend=extend, extendfrac=0.03)
             bar.set_label(f"{quantity} of {name}")
         return ax
 
@@ -358,7 +334,7 @@ class Plots:
 
         result = self._result
         with style():
-            figure = ShownFigure(figsize=SIZE, layout="constrained")
+            figure = ShownFigure(figsize=(7.0, 7.6), layout="constrained")
             figure.suptitle(result.scene.title)
             places = figure.subplot_mosaic(
                 [["snapshots", "snapshots"], ["work", "energies"], ["angles", "last"]],
@@ -387,31 +363,6 @@ class Plots:
     def _named(self, name: str) -> str:
         """The name of a line in the legend."""
         return f"{self._label}: {name}" if self._label else name
-
-
-def _energies(result: RunResult) -> dict[str, np.ndarray]:
-    """The energies that work became, by name; those that never change are left out."""
-    system, blocks = result.system, result.ledger.blocks.values()
-    kinetic = sum(block["delta_K"] for block in blocks)
-    internal = sum(block["delta_E_int"] for block in blocks)
-    contact = system["contact_energy"] - system["contact_energy"][0]
-    field = system["total_energy_change"] - contact - kinetic - internal
-    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
-    changes = {
-        "kinetic": kinetic,
-        "contact": contact,
-        "field": field if result.scene.fields else 0.0,
-        "internal": internal - bath,
-        "bath": bath,
-        "heat": sum(_heats(result)),
-    }
-    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
-
-
-def _heats(result: RunResult) -> list[np.ndarray]:
-    """The heat that the reservoir of each surface was given, (times,); empty without any."""
-    tables = [result[name] for name in result.ledger.surfaces]
-    return [total(table["heat"]) for table in tables if "heat" in table]
 
 
 def compare(

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 GAP, LINE = 9.0, 14.0
 # Margin for times and phases left of snapshots [points].
 MARGIN = 50.0
-# Snapshots stand in a row if their widths together are less than this times the height.
-MOST_ROW = 6.0
 # Height that the colours of many asperites take below snapshots [points].
 BAR_ROOM = 30.0
 # Room at the sides for the arrows of forces [rod length].
@@ -31,8 +29,6 @@ ARROW_ROOM = 0.4
 # Of all changes of the contact energy, the parts before the first and after the last time that is
 # chosen: most of an encounter lies between these times, and the asperites are near each other.
 BEFORE = 0.15
-# Percentile of the magnitudes of swings that has the strongest colour.
-STRONGEST = 99.0
 # Line styles of the points of an asperite, and their subscripts.
 GUIDES: dict[str, Any] = {"bar": ":", "cm": (0, (6, 1.5, 1, 1.5)), "bob": (0, (4, 2))}
 SUBSCRIPTS = {"bar": "2", "cm": r"{\rm cm}", "bob": "1"}
@@ -59,23 +55,24 @@ def encounter_times(result: RunResult, number: int) -> list[float]:
 def typical_swing(result: RunResult) -> float:
     """The swing that 99 % of all swings in the run do not exceed, at least 1e-9 [rad]."""
     swings = [np.abs(swing_of(result, surface)).ravel() for surface in result.scene.surfaces]
-    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), STRONGEST)))
+    return max(1e-9, float(np.nanpercentile(np.concatenate(swings), 99.0)))
 
 
 def snapshots(
     result: RunResult,
-    times: Sequence[float],
+    times: Sequence[float] | None,
     forces: tuple[str, int] | None,
     bath: bool,
     ax: Axes | None,
 ) -> Axes:
     """Draw all asperites at the samples nearest to some times."""
+    times = encounter_times(result, 4) if times is None else times
     samples = [nearest_sample(result, t) for t in times]
     poses = [pose(result, float(result.t[k]), bath) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
     widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
-    arranged = _in_a_row if widths.sum() < MOST_ROW * heights.max() else _in_a_column
+    arranged = _in_a_row if widths.sum() < 6.0 * heights.max() else _in_a_column
     is_given = ax is not None
     with drawing_on(ax, WIDE) as ax:
         width, height = np.array(ax.bbox.size) / ax.figure.dpi * marks.POINTS_PER_INCH
@@ -138,13 +135,14 @@ def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
 
 def sequence(
     result: RunResult,
-    times: Sequence[float],
+    times: Sequence[float] | None,
     asperite: tuple[str, int],
     points: Sequence[str],
     phases: Sequence[str],
     ax: Axes | None,
 ) -> Axes:
     """Draw snapshots, and the displacements of one asperite between them."""
+    times = encounter_times(result, 3) if times is None else times
     poses = [pose(result, t) for t in times]
     boxes = np.array([now.box for now in poses])
     room = ARROW_ROOM * float(poses[0].rods.max())
@@ -182,10 +180,7 @@ def _displacements(
     ceiling: float,
     point: float,
 ) -> None:
-    """Draw an arrow for each point of an asperite, one below the other, between guides to it.
-
-    `point` is the length of a typographic point.
-    """
+    """Draw an arrow for each point of an asperite, one below the other, between guides to it."""
     levels = ceiling - LINE * point * np.arange(1, len(points) + 1)
     begins, ends = (
         np.array([getattr(now, f"{name}s")[index] for name in points]) for now in (before, after)

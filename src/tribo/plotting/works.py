@@ -1,4 +1,4 @@
-"""The works on a surface or on an asperite: names, colours, sums and curves.
+"""Works and energies: names, colours, sums and curves.
 
 The work on a surface is that of its external forces, W: the sum of the works of each of them on the
 asperites.  Works inside the surface, w_int, are beside it.  The total of an asperite is w, the work
@@ -83,6 +83,31 @@ def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str,
 def total(values: np.ndarray) -> np.ndarray:
     """The sum over asperites, (times,), of values of each or of a surface."""
     return np.asarray(values).reshape(len(values), -1).sum(axis=1)
+
+
+def energies(result: RunResult) -> dict[str, np.ndarray]:
+    """The energies that work became, by name; those that never change are left out."""
+    system, blocks = result.system, result.ledger.blocks.values()
+    kinetic = sum(block["delta_K"] for block in blocks)
+    internal = sum(block["delta_E_int"] for block in blocks)
+    contact = system["contact_energy"] - system["contact_energy"][0]
+    field = system["total_energy_change"] - contact - kinetic - internal
+    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
+    changes = {
+        "kinetic": kinetic,
+        "contact": contact,
+        "field": field if result.scene.fields else 0.0,
+        "internal": internal - bath,
+        "bath": bath,
+        "heat": sum(heats_of(result)),
+    }
+    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
+
+
+def heats_of(result: RunResult) -> list[np.ndarray]:
+    """The heat that the reservoir of each surface was given, (times,); empty without any."""
+    tables = [result[name] for name in result.ledger.surfaces]
+    return [total(table["heat"]) for table in tables if "heat" in table]
 
 
 def draw_works(

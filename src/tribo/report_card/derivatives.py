@@ -27,12 +27,8 @@ TRUSTED = 10.0
 KNOWN = 0.9
 # Largest distance from r at which the energy is evaluated [r, and typical distance].
 REACH, LONGEST = 0.1, 0.8
-# Number of differences, each over half the distance of the one before.
-LEVELS = 12
 # Distances at which differences begin [reach].
 SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0)
-# Relative difference of two successive estimates of a derivative that ends the sequence.
-AGREEMENT = 1e-13
 # Relative error of a derivative by SciPy's coefficients, which are rounded to double precision:
 # up to 3.5e-15 was measured for r^-12, exp(-5 r) and the Lennard-Jones energy.
 WEIGHTS = 4e-15
@@ -59,8 +55,8 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
             function,
             place,
             initial_step=length * shorter,
-            maxiter=LEVELS,
-            tolerances={"atol": 0.0, "rtol": AGREEMENT},
+            maxiter=12,
+            tolerances={"atol": 0.0, "rtol": 1e-13},
         )
         shortest = length * shorter * 0.5 ** (found.nit - 1.0)
         round_off = EPSILON * np.abs(function(place)) / shortest

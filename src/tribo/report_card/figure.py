@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 # Colours of the curves and of the bound.
 ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
-# Typical values shown above zero and below.
-DEPTHS = 2.5
 # Lower end of the axis of the disagreement, which is relative.
 FLOOR = 1e-17
 
@@ -79,7 +77,7 @@ def _distances(ax: Axes, curves: Curves) -> None:
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
     """Draw a curve on the scale of its values at the typical distance; much larger are cut off."""
     outer = values[(curves.r >= curves.length) & np.isfinite(values)]
-    top = DEPTHS * (float(np.max(np.abs(outer), initial=0.0)) or 1.0)
+    top = 2.5 * (float(np.max(np.abs(outer), initial=0.0)) or 1.0)
     ax.axhline(0.0, color="0.6", linewidth=0.5)
     ax.plot(curves.r, np.clip(values, -2.0 * top, 2.0 * top), color=colour)
     highest = float(np.max(values, initial=0.0, where=np.isfinite(values)))

@@ -25,8 +25,6 @@ from tribo.validation import LARGEST_NUMBER, InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-# Cells of equal ratio between the smallest and the largest distance.
-CELLS = 500
 # Finer cells around the typical distance: in each length over which the force changes, and on
 # either side.
 CELLS_PER_FEATURE, FINE_CELLS = 8, 80
@@ -42,12 +40,6 @@ SEARCHED = 8000
 AROUND_OWN, WITHOUT_OWN = 1e3, 1e20
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
 SAME_SIGN = 6
-# Times that an interval with an end of the distances is divided, and its parts each time.
-DIVISIONS, PARTS = 3, 200
-# Cells on either side over which a scale is the largest value.
-AROUND = 3
-# Factor by which |F| r must exceed its value at the smallest distance for a maximum.
-STEEPER = 1.01
 # Largest typical distance where there is a cutoff [cutoff].
 NEAR_CUTOFF = 0.6
 # Smallest scale [energy / length], so that errors of a potential that is zero can be divided by it.
@@ -55,9 +47,6 @@ SMALLEST_SCALE = 1e-280
 # Smallest scale, relative to the largest at the typical distance and beyond: where the potential
 # is fainter, its digits do not matter.
 FAINT = 1e-30
-# Seed of the random distances.
-SEED = 5
-
 
 # Of distances, energies and forces: where it holds.
 Condition = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -83,7 +72,7 @@ class PotentialScan:
         self.r = np.sqrt(self.edges[:-1] * self.edges[1:])  # middles of the cells
         # Compiled U and -dU/dr at r, for charges of 1.
         self.energy, self.force = self.compiled(self.r)
-        chance = np.random.default_rng(SEED).uniform(size=self.r.size)
+        chance = np.random.default_rng(5).uniform(size=self.r.size)
         self.random = self.edges[:-1] + chance * np.diff(self.edges)  # one in each cell
         # Where a mistake is likely: parameters, their sums and multiples, whole and half numbers,
         # the ends.
@@ -150,7 +139,7 @@ class PotentialScan:
         with np.errstate(all="ignore"):
             here = np.abs(self.force) + np.abs(self.energy) / self.r
         here = np.where(np.isfinite(here), here, 0.0)
-        around = maximum_filter1d(here, 2 * AROUND + 1, mode="nearest")
+        around = maximum_filter1d(here, 7, mode="nearest")  # of three cells on either side
         outer = float(np.max(here[self.r >= self.length], initial=0.0))
         return np.maximum(around, max(FAINT * outer, SMALLEST_SCALE))
 
@@ -192,7 +181,7 @@ class PotentialScan:
         if r.size < 3:
             return None
         largest = int(np.argmax(torque))
-        if largest > 0 and torque[largest] > STEEPER * torque[0]:
+        if largest > 0 and torque[largest] > 1.01 * torque[0]:
             return float(r[largest])
         exponent = np.diff(np.log(torque)) / np.diff(np.log(r))
         knee = np.flatnonzero(exponent < exponent[0] - 1.0)
@@ -221,8 +210,8 @@ class PotentialScan:
 
     def _end_of(self, wanted: Condition, start: float, stop: float) -> float:
         """The last distance on the way from `start` to `stop` up to which a condition holds."""
-        for _ in range(DIVISIONS):
-            r = np.geomspace(start, stop, PARTS)
+        for _ in range(3):  # each time, of the part that contains the end
+            r = np.geomspace(start, stop, 200)
             r[[0, -1]] = start, stop
             holds = wanted(r, *self.compiled(r))
             first = int(np.argmin(holds))
@@ -238,7 +227,7 @@ class PotentialScan:
 
         Short is a feature of a few percent of the distance.
         """
-        edges = np.geomspace(self.low, self.high, CELLS + 1)
+        edges = np.geomspace(self.low, self.high, 501)
         feature = float(self.potential.feature()[0])
         around = np.arange(-FINE_CELLS, FINE_CELLS + 1) / CELLS_PER_FEATURE * feature + self.length
         if not 0.0 < feature / CELLS_PER_FEATURE < self.length * (edges[1] / edges[0] - 1.0):

@@ -13,7 +13,7 @@ so that a smooth function has none of them.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -40,20 +40,18 @@ LARGEST = (3.0, 2.0, 1.0)
 Function = Callable[[np.ndarray], np.ndarray]
 
 
-def check_smoothness(scan: PotentialScan) -> list[Check]:
+def check_smoothness(scan: PotentialScan) -> Iterator[Check]:
     """Check that the potential has as many continuous derivatives within its cutoff as declared."""
     promised = float(scan.potential.smoothness_within())
     inside = scan.edges[2:] < scan.cutoff
     energy = strengths(scan, lambda r: scan.compiled(r)[0], 1)[:, inside]
     force = strengths(scan, lambda r: scan.compiled(r)[1], 0)[:, inside]
-    lines = []
     found = {"jumps of energy": energy[0], "jumps of force": force[0], "kinks of force": force[1]}
     for least, (name, strength) in enumerate(found.items()):
         kept = promised >= least
         text = f"{len(strength)} cells, each halved {LEVELS} times" + NOT_PROMISED * (not kept)
         bound = LARGEST_JUMPS[least] if kept else None
-        lines.append(Check.of_worst(name, text, strength, bound, scan.edges[1:]))
-    return lines
+        yield Check.of_worst(name, text, strength, bound, scan.edges[1:])
 
 
 def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray:
@@ -82,11 +80,11 @@ def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray
     return least
 
 
-def check_cutoff(scan: PotentialScan) -> list[Check]:
+def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
     """Check the jumps of energy, force and slope of the force at the cutoff."""
     end = scan.cutoff
     if not math.isfinite(end):
-        return []
+        return
     promised, slope = float(scan.potential.smoothness()), _slope_below(scan, end)
     energy, force = (float(x[0]) for x in scan.compiled(np.array([np.nextafter(end, 0.0)])))
     unit, length = scan.typical_energy, scan.length
@@ -95,13 +93,11 @@ def check_cutoff(scan: PotentialScan) -> list[Check]:
         "force": abs(force) * length / unit,
         "slope": abs(slope) * length**2 / unit,
     }
-    lines = []
     for least, (name, jump) in enumerate(jumps.items()):
         kept = promised >= least
         text = "jump to zero, in typical units" + NOT_PROMISED * (not kept)
         bound = AT_END[name] if kept else None
-        lines.append(Check(f"{name} at the cutoff", text, jump, bound, end))
-    return lines
+        yield Check(f"{name} at the cutoff", text, jump, bound, end)
 
 
 def _slope_below(scan: PotentialScan, end: float) -> float:

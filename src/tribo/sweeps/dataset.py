@@ -28,7 +28,12 @@ class Table:
         self._grid, self._kept, self._found = grid, kept, found
         self._ran = tuple(len(axis.rows) for axis in order)
         self._to_grid = [order.index(axis) for axis in grid.axes]
-        self.coordinates = _coordinates(grid, kept, members)
+        self.coordinates = key_coordinates(grid)
+        if kept.at_samples:
+            self.coordinates |= times_of(kept, grid.scene)
+        if members is not None:
+            seed = "member_seed" if "seed" in grid.keys else "seed"
+            self.coordinates |= member_coordinates(members, seed)
         self.dimensions = (*grid.names, *("member",) * len(self._members))
         self.status = self.placed(found["status"])
         self.note = self.placed(found["note"])
@@ -85,17 +90,6 @@ class Table:
                 continue
             if note:
                 yield f"{self._grid.label(index)}: {note}"
-
-
-def _coordinates(grid: Grid, kept: Kept, members: Members | None) -> dict[str, Variable]:
-    """The values of the keys, the times, and of members their seeds and varied values."""
-    coordinates = key_coordinates(grid)
-    if kept.at_samples:
-        coordinates |= times_of(kept, grid.scene)
-    if members is not None:
-        seed = "member_seed" if "seed" in grid.keys else "seed"
-        coordinates |= member_coordinates(members, seed)
-    return coordinates
 
 
 def key_coordinates(grid: Grid) -> dict[str, Variable]:

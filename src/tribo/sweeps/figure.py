@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-# Lines that can still be told apart.
-MOST_LINES = 12
 # What error bars show, by the ending of the variable that has them, the first that there is.
 BARS = {
     "_half_width": "95 % interval of the mean over members",
@@ -52,7 +50,7 @@ def sweep_lines(
     drawn, bars, meaning = _points(data, name, averaged=key != SEED)
     others = [other for other in keys if other != key and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))
-    if len(lines) > MOST_LINES:
+    if len(lines) > 12:  # more cannot be told apart
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         values = data[key].values

@@ -80,8 +80,7 @@ def _axis(key: object, values: object) -> Axis:
     for item in values:
         if together and not (is_list(item) and len(item) == len(keys)):
             raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
-        given = item if together else [item]
-        row = tuple(map(scalar, given))
+        row = tuple(map(scalar, item if together else [item]))
         for each in row:
             if not isinstance(each, (float, int, str)):
                 raise must_be(name, "a list of numbers or words", each)

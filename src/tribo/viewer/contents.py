@@ -5,6 +5,7 @@ A curve is rounded to the digits that the page shows, which numbers of 32 bits k
 
 import base64
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -110,9 +111,7 @@ def _frames(result: RunResult, bath: bool) -> np.ndarray:
     if bath:
         numbers += sum(2 * s.count * min(MOST, s.bath.masses.size) for s in result.scene.surfaces)
     most = max(2, MOST_PLACES // numbers)
-    if samples <= most:
-        return np.arange(samples)
-    return np.unique(np.linspace(0, samples - 1, most).round().astype(int))
+    return np.unique(np.linspace(0, samples - 1, min(samples, most)).round().astype(int))
 
 
 def _drawn(result: RunResult, surface: Surface, frames: np.ndarray) -> dict[str, Any]:
@@ -159,22 +158,14 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
         if all(f"{force}_x" in result[name] for name in names):
             found[force] = [of_all(result, f"{force}_{axis}")[frames] for axis in "xy"]
     if not found and scene.interactions:
-        contact = _contact(result, frames)
-        found |= {} if contact is None else {"f1": contact}
-        if contact is not None and all(s.drive == Forced() for s in scene.surfaces):
-            found["f2"] = [-values for values in contact]
+        bobs = np.stack([of_all(result, f"{axis}_bob")[frames] for axis in "xy"], axis=-1)
+        with suppress(InputError):
+            probe = ContactProbe(scene)
+            _, forces = probe(probe.positions(bobs))
+            found["f1"] = [forces[:, :, axis] for axis in (0, 1)]
+        if found and all(s.drive == Forced() for s in scene.surfaces):
+            found["f2"] = [-values for values in found["f1"]]
     return {name: [packed(values) for values in both] for name, both in found.items()}
-
-
-def _contact(result: RunResult, frames: np.ndarray) -> list[np.ndarray] | None:
-    """x and y of the contact forces at each frame, of all asperites, computed from their places."""
-    bobs = np.stack([of_all(result, f"{axis}_bob")[frames] for axis in "xy"], axis=-1)
-    try:
-        probe = ContactProbe(result.scene)
-        _, forces = probe(probe.positions(bobs))
-    except InputError:
-        return None
-    return [forces[:, :, axis] for axis in (0, 1)]
 
 
 def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any]]:

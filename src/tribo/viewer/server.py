@@ -19,8 +19,6 @@ from tribo.viewer.html import SERVED, document
 ADDRESS = "127.0.0.1"
 # Most bytes of a request.
 MOST_BYTES = 64 * 1024
-# Seconds after which a connection that sends nothing is closed.
-PATIENCE = 60.0
 FORBIDDEN, WRONG, LARGE = 403, 400, 413
 
 
@@ -60,7 +58,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     server: Server
     protocol_version = "HTTP/1.1"
-    timeout = PATIENCE
+    timeout = 60.0  # of a connection that sends nothing [s]
     disable_nagle_algorithm = True  # headers and content are sent one after the other
 
     def do_GET(self) -> None:

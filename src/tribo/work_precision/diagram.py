@@ -34,12 +34,6 @@ STYLES = {
     "kahan-li-8": ("#a63603", "D"),
     "blanes-moan-6": ("#2fae8c", "^"),
 }
-# Colour of the line along the front.
-FRONT_COLOUR = "#ffd92f"
-# Diameter of the rings round the runs of the methods that tribo chooses [points].
-RING = 7.5
-# Largest error shown; larger ones are of methods that are unstable at such steps.
-LARGEST_ERROR = 3.0
 # Label of the axis of each cost.
 COSTS = {"seconds": "time (s)", "force_evaluations": "evaluations of all forces"}
 
@@ -242,19 +236,20 @@ class WorkPrecision:
                 front = sorted((row for row in self.rows if row.front), key=lambda row: row.seconds)
                 style: Any = {"linewidth": 5.0, "solid_capstyle": "round", "zorder": 0.5}
                 places = [row.seconds for row in front], [row.error for row in front]
-                ax.plot(*places, color=FRONT_COLOUR, label="front", **style)
+                ax.plot(*places, color="#ffd92f", label="front", **style)
             for name in dict.fromkeys(row.method for row in self.rows):
                 own = [row for row in self.rows if row.method == name]
                 colour, marker = STYLES.get(name, (INK, "x"))
                 style = {"color": colour, "marker": marker, "markersize": 2.6, "linewidth": 0.8}
                 ax.plot(*self._places(own, cost), label=name, **style)
             if self.automatic_rows:
-                style = {"marker": "o", "markersize": RING, "fillstyle": "none", "color": INK}
+                style = {"marker": "o", "markersize": 7.5, "fillstyle": "none", "color": INK}
                 style |= {"markeredgewidth": 0.8, "linestyle": "none", "label": "automatic choice"}
                 ax.plot(*self._places(self.automatic_rows, cost), **style)
             ax.axhline(self.reference.error, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
             ax.set(xscale="log", yscale="log", xlabel=COSTS[cost])
-            ax.set_ylim(top=min(ax.get_ylim()[1], LARGEST_ERROR))
+            # Larger errors are of methods that are unstable at such steps.
+            ax.set_ylim(top=min(ax.get_ylim()[1], 3.0))
             ax.set_ylabel("largest error, in units of its scale")
         return ax
 

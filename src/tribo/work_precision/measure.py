@@ -33,8 +33,6 @@ from tribo.work_precision.diagram import GOALS, Reference, Row, WorkPrecision, w
 FOR_SMOOTH, FOR_ROUGH = ("gauss-radau-15",), ("rkn8", "dop853")
 # Accuracy of the reference, the smallest that can be asked for.
 FINEST = 1e-13
-# First level of the settings.
-COARSEST = 0.3
 # Ratio of two levels of a method that chooses its steps: half a digit.
 LEVEL_RATIO = 10.0**0.5
 # Ratio of two steps of a method with equal steps.
@@ -45,8 +43,6 @@ GAIN = 0.9
 MORE = 1.05
 # Settings in a row that gain nothing, after which a method ends.
 STALLED = 6
-# Runs shorter than this [s] are timed three times, and the shortest time counts.
-REPEAT_BELOW = 0.02
 # Recorded times, at which errors are compared: so few that samples shorten few steps.
 TIMES = 9
 
@@ -154,8 +150,7 @@ def _curve(
     layout, method = integrator.layout, integrator.method
     times, scales = layout.scene.times, reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
-    level = COARSEST
-    best, most, stalled = np.inf, 0, 0
+    level, best, most, stalled = 0.3, np.inf, 0, 0
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
         setting = setting_at(layout, method, tolerance_scales, level)
         run = integrator(setting, times)
@@ -163,7 +158,7 @@ def _curve(
             raise KeyboardInterrupt
         if run.status == Status.COMPLETED and run.evaluations > most:
             taken = run.seconds
-            if taken < REPEAT_BELOW:
+            if taken < 0.02:  # s: short runs are timed three times, and the shortest time counts
                 taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
             error = distance(assemble(layout, run.samples), truth, scales, watched)
             shown = setting if isinstance(setting, float) else level
