@@ -75,8 +75,8 @@ def judge(entry: HardScene, result: Result, seconds: float) -> Row:
 def _deviations(entry: HardScene, result: Result) -> Iterator[Deviation]:
     """The difference of each quantity, asperite by asperite, or of a stop's time, in durations."""
     if STOP_TIME in entry.reference:
-        (digits,) = entry.reference[STOP_TIME]
-        yield abs(float(result.t[-1]) - float(digits)) / result.scene.duration, None, 0.0
+        (stop,) = entry.reference[STOP_TIME]
+        yield abs(float(result.t[-1]) - float(stop)) / result.scene.duration, None, 0.0
         return
     scales = reported_scales(lay_out(result.scene), result.ledger)
     for key, digits in entry.reference.items():

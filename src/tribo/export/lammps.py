@@ -24,8 +24,6 @@ DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
 STEP = 0.02
 # Largest number of surfaces: LAMMPS has 32 groups, one of which holds all atoms.
 MOST_SURFACES = 31
-# Ratio by which bonds may stretch.
-STRETCH = 1.5
 
 
 class LammpsFiles(NamedTuple):
@@ -96,7 +94,8 @@ def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[
         read += f" fix constant NULL {CONSTANT_FORCES}"
     if len(atoms.bonds):
         lines += ["bond_style harmonic", "special_bonds lj/coul 1 1 1"]
-        lines.append(f"comm_modify cutoff {max(reach + skin, STRETCH * _longest(scene, atoms))!r}")
+        stretched = 1.5 * _longest(scene, atoms)  # as far as bonds may stretch
+        lines.append(f"comm_modify cutoff {max(reach + skin, stretched)!r}")
     lines += [f"neighbor {skin!r} bin", "neigh_modify every 1 delay 0 check yes", read]
     if len(atoms.bonds):
         stiffness = dict.fromkeys(atoms.stiffness.tolist())

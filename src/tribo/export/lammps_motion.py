@@ -11,9 +11,6 @@ from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
-# Largest seed of LAMMPS's random numbers.
-LARGEST_SEED = 900_000_000
-
 
 def group_names(scene: Scene) -> list[str]:
     """The group of each surface: its name, if LAMMPS takes those of all surfaces."""
@@ -126,7 +123,7 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
     masses = [atoms.kinds[i - 1].mass for i in types]
     line = f"fix {group}_friction {group} viscous {gamma!r}"
     if temperature > 0.0:
-        number = 1 + (1000 * seed + index) % LARGEST_SEED
+        number = 1 + (1000 * seed + index) % 900_000_000  # LAMMPS's largest seed
         ends = f"{temperature!r} {temperature!r}"
         line = f"fix {group}_friction {group} langevin {ends} {masses[0] / gamma!r} {number}"
         for i, mass in zip(types[1:], masses[1:], strict=True):

@@ -98,8 +98,9 @@ def _works(case: str) -> Axes:
     return result.plot.work("upper", 0, (10.0, END[case]), ax)
 
 
-def _phases(case: str, times: tuple[float, ...], points: tuple[str, ...]) -> Axes:
+def _phases(case: str, times: tuple[float, ...]) -> Axes:
     result = Run.extended(case).result
+    points = ("bar", "cm", "bob") if case in "AB" else ("cm", "bob")  # free sliding
     return result.plot.sequence(times, points=points, phases=("approach", "recede"))
 
 
@@ -184,19 +185,16 @@ def _model_arrows(ax: Axes, now: Pose) -> None:
         note(ax, place, text, color=look.get("color", "black"))
 
 
-ALL_THREE = ("bar", "cm", "bob")
-SLIDING_FREELY = ("cm", "bob")
-
 FIGURES = (
     Figure("fig01_model", "", _model),
     Figure("fig02_A_angle", "A", partial(_angle, "A")),
     Figure("fig03_A_snapshots", "A", partial(_snapshots, "A", (20.0, 21.5, 23.0, 24.5, 26.0))),
     Figure("fig04_A_work", "A", partial(_works, "A")),
-    Figure("fig05_A_sequence", "A", partial(_phases, "A", (15.0, 23.2, 26.0), ALL_THREE)),
+    Figure("fig05_A_sequence", "A", partial(_phases, "A", (15.0, 23.2, 26.0))),
     Figure("fig06_B_work", "B", partial(_works, "B")),
-    Figure("fig07_B_sequence", "B", partial(_phases, "B", (15.0, 19.3, 26.0), ALL_THREE)),
+    Figure("fig07_B_sequence", "B", partial(_phases, "B", (15.0, 19.3, 26.0))),
     Figure("fig08_C_work", "C", partial(_works, "C")),
-    Figure("fig09_C_sequence", "C", partial(_phases, "C", (13.0, 25.9, 30.0), SLIDING_FREELY)),
+    Figure("fig09_C_sequence", "C", partial(_phases, "C", (13.0, 25.9, 30.0))),
     Figure("fig10_D_work", "D", partial(_works, "D")),
-    Figure("fig11_E_sequence", "E", partial(_phases, "E", (13.0, 25.9, 30.0), SLIDING_FREELY)),
+    Figure("fig11_E_sequence", "E", partial(_phases, "E", (13.0, 25.9, 30.0))),
 )

@@ -58,18 +58,15 @@ def force_arrows(ax: Axes, scene: Scene, now: Pose, drawn: Pose, surface: str, k
     if nearest is None:
         return
     for name, asperite in ((surface, k), nearest[:2]):
-        force = contacts.force(name, asperite)
-        if np.any(force) and np.all(np.isfinite(force)):
-            _arrow(ax, drawn, drawn.index(name, asperite), force / np.hypot(*force), nearest[2])
-
-
-def _arrow(ax: Axes, drawn: Pose, k: int, direction: np.ndarray, distance: float) -> None:
-    """Draw a force; two forces that point at each other over `distance` do not touch."""
-    length, bob = drawn.rods[k], drawn.bobs[k]
-    reach = min(0.55 * length, max(0.43 * distance, 2.0 * BOB * length))
-    start, tip = bob + BOB * length * direction, bob + reach * direction
-    arrow(ax, start, tip)
-    aside = np.array([-direction[1], direction[0]])
-    aside *= 10.0 * np.copysign(1.0, aside[1] * drawn.up[k])
-    letter = "f" if drawn.up[k] > 0.0 else "F"
-    note(ax, 0.5 * (start + tip), rf"$\vec{{{letter}}}_1$", (float(aside[0]), float(aside[1])))
+        force, i = contacts.force(name, asperite), drawn.index(name, asperite)
+        if not (np.any(force) and np.all(np.isfinite(force))):
+            continue
+        direction, length, bob = force / np.hypot(*force), drawn.rods[i], drawn.bobs[i]
+        # Two forces that point at each other do not touch.
+        reach = min(0.55 * length, max(0.43 * nearest[2], 2.0 * BOB * length))
+        start, tip = bob + BOB * length * direction, bob + reach * direction
+        arrow(ax, start, tip)
+        aside = np.array([-direction[1], direction[0]])
+        aside *= 10.0 * np.copysign(1.0, aside[1] * drawn.up[i])
+        letter = "f" if drawn.up[i] > 0.0 else "F"
+        note(ax, 0.5 * (start + tip), rf"$\vec{{{letter}}}_1$", (float(aside[0]), float(aside[1])))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Widths of lines, one surface after the other: equal curves are both seen [points].
-WIDTHS = (2.6, 1.0)
 # Width of lines where there is one surface, and of thin ones [points].
 WIDTH, PATH_WIDTH = 1.1, 0.7
 
@@ -166,7 +163,7 @@ class Plots:
         result, name = self._result, self._surface(surface)
         found = friction_force(result, name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            interval = f" ± {found.half_width:.1g}" if math.isfinite(found.half_width) else ""
+            interval = f" ± {found.half_width:.1g}" if np.isfinite(found.half_width) else ""
             low, high = found.mean - found.half_width, found.mean + found.half_width
             later, label = [found.after, result.t[-1]], with_minus(f"{found.mean:.3g}{interval}")
             ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
@@ -178,12 +175,11 @@ class Plots:
     def phase(self, ax: Axes | None = None) -> Axes:
         """Draw the angular velocity of pendulums over their swing.
 
-        Of a surface with more than 200 asperites, 200 are drawn.
+        Of a surface with more than 200 asperites, 200 are drawn: more would cover one another.
         """
         result = self._result
         with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
-                # More than 200 would cover one another.
                 shown = np.unique(np.linspace(0, surface.count - 1, 200).astype(int))
                 swing = swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
@@ -358,7 +354,8 @@ class Plots:
         return names[0] if name is None else one_of("surface", name, names)
 
     def _width(self, index: int) -> float:
-        return WIDTHS[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
+        """The width of a surface's lines; with two widths, equal curves are both seen [points]."""
+        return (2.6, 1.0)[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
 
     def _named(self, name: str) -> str:
         """The name of a line in the legend."""

@@ -13,8 +13,6 @@ from tribo.validation import InputError
 
 # Displacement in the drawing for a depth of 1, to the right and upward (oblique projection).
 OBLIQUE = np.array([0.35, 0.2])
-# Room around bobs, along x and y [rod length].
-ROOM = np.array([0.2, 0.1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +53,7 @@ class Pose:
     def box(self) -> tuple[float, float, float, float]:
         """Left, right, bottom and top, with the size of the parts."""
         size = float(self.rods.max())
-        ends, room = self.ends.reshape(-1, 2), ROOM * size
+        ends, room = self.ends.reshape(-1, 2), np.array([0.2, 0.1]) * size  # around bobs
         low = np.concatenate([ends - 0.06 * size, self.bobs - room, self.dots]).min(axis=0)
         high = np.concatenate([ends + 0.06 * size, self.bobs + room, self.dots]).max(axis=0)
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])

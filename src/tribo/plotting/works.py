@@ -41,10 +41,6 @@ WORKS = {
     "W": Work("", INK, "all external"),
 }
 TOTALS = ("w", "W")
-# Dashes of pseudoworks, and width of the line of a total [points].
-DASHED, TOTAL_WIDTH = (0, (4, 2)), 1.6
-# Distance between labels at the ends of lines [points].
-LABEL_GAP = 11.0
 
 
 def symbol(name: str) -> str:
@@ -59,8 +55,8 @@ def look(name: str) -> dict[str, Any]:
     """Colour, dashes and width of the line of a work or pseudowork."""
     work = name.removesuffix("_ps")
     style: dict[str, Any] = {"color": WORKS[work].colour, "label": name}
-    style |= {"linestyle": DASHED} if work != name else {}
-    return style | ({"linewidth": TOTAL_WIDTH, "zorder": 3} if name in TOTALS else {})
+    style |= {"linestyle": (0, (4, 2))} if work != name else {}
+    return style | ({"linewidth": 1.6, "zorder": 3} if name in TOTALS else {})
 
 
 def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str, np.ndarray]:
@@ -138,7 +134,7 @@ def _label_ends(ax: Axes, lines: dict[str, Line2D], t: float) -> None:
     ax.set_ylim(low, high)
     values = np.array([np.interp(t, *np.asarray(line.get_data())) for line in lines.values()])
     height = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH
-    levels = spread((values - low) / (high - low), LABEL_GAP / height)
+    levels = spread((values - low) / (high - low), 11.0 / height)
     for (label, line), value, level in zip(lines.items(), values, levels, strict=True):
         colour = line.get_color()
         pointer = {"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0}
