@@ -109,10 +109,7 @@ def report(json: bool) -> None:
 
 
 def _report_lost(lost: sys.UnraisableHookArgs) -> None:
-    """Report an exception that Python cannot raise, unless it is of an interrupt.
-
-    Objects that were not complete when it was raised fail when they are deleted.
-    """
+    """Report an exception that Python cannot raise, unless an interrupt left objects incomplete."""
     if not (issubclass(lost.exc_type, KeyboardInterrupt) or _arrived.wait(NOTICE)):
         sys.__unraisablehook__(lost)
 

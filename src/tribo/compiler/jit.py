@@ -208,16 +208,13 @@ class EntryPoint:
         )
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the loop with `fixed` and these arguments; TypeError for arguments of other types.
-
-        Tuples that are the examples themselves are not searched again.
-        """
+        """Call the loop with `fixed` and these arguments; TypeError if their types differ."""
         for place, dtype, strides in self._arrays:
             array = arguments[place]
             if array.dtype is not dtype or array.strides != strides:
                 _refuse_other(place, array, dtype, len(strides))
         for place, example in self._tuples:
-            if arguments[place] is not example:
+            if arguments[place] is not example:  # which needs no search
                 _compare(place, arguments[place], example)
         return self._code(*self._fixed, *arguments)
 

@@ -62,10 +62,7 @@ class PluginType:
     types: Any
 
     def __reduce__(self) -> Any:
-        """Each process makes its own kinds, so the disk cache keeps their classes alone.
-
-        Of a class that is made from a user's, it keeps what makes it.
-        """
+        """Each process makes its own kinds: the disk cache keeps a class, or what makes it."""
         cls = self.instance_class
         return _type_of, (vars(cls).get("made_by", cls), self.types)
 

@@ -110,10 +110,7 @@ def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) ->
 
 
 def user_frequency(layout: Layout) -> float:
-    """The largest rate at which a user's forces change a motion at the start [rad / time], or 0.
-
-    Measured by differences at one asperite of each surface.
-    """
+    """The largest rate at which a user's forces change motions at the start [rad / time]; or 0."""
     with np.errstate(all="ignore"):
         rates = [rate for rate in _user_rates(layout) if np.isfinite(rate)]
     return max(rates, default=0.0)
@@ -150,7 +147,7 @@ def _mobility(table: np.ndarray, length: int) -> np.ndarray:
 
 
 def _user_rates(layout: Layout) -> Iterator[float]:
-    """Rates at which a user's forces change places, angles, and velocities."""
+    """Rates of change of places, angles and velocities, at one asperite of each surface."""
     a, mobility = layout.asperites, _mobility(layout.constants, row.L2)
     for drive in layout.model.drives or ():
         i = int(layout.surfaces.start[drive.surface])
