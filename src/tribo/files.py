@@ -43,7 +43,10 @@ def checked_target(field: str, path: Path) -> Path:
 
 
 def netcdf_target(field: str, path: Path, others: str = "") -> Path:
-    """The NetCDF file behind a path; a caller writes `others`.  Raises InputError about `field`."""
+    """The NetCDF file that a path names, behind links; for `others` a caller writes other formats.
+
+    Raises InputError about `field`, which says what writes figures and pages.
+    """
     target = checked_target(field, path)
     if path.suffix.lower() != NETCDF:
         raise InputError(

@@ -109,7 +109,10 @@ def report(json: bool) -> None:
 
 
 def _report_lost(lost: sys.UnraisableHookArgs) -> None:
-    """Report an exception that Python cannot raise, unless an interrupt left objects incomplete."""
+    """Report an exception that Python cannot raise, unless it is of an interrupt.
+
+    Objects that were not complete when it was raised fail when they are deleted.
+    """
     if not (issubclass(lost.exc_type, KeyboardInterrupt) or _arrived.wait(NOTICE)):
         sys.__unraisablehook__(lost)
 

@@ -62,7 +62,10 @@ def with_spare_lanes(values: np.ndarray) -> np.ndarray:
 
 @in_kernels(lambda array: array)
 def rows_of(typing_context, array):
-    """A pointer to a C-contiguous array (..., 8), for which the addresses of rows are constants."""
+    """A pointer to a C-contiguous array (..., 8), whose rows the compiler knows to have 8 numbers.
+
+    Their addresses are then constants.
+    """
 
     def build(context, builder, sig, args):
         made = context.make_array(sig.args[0])(context, builder, args[0])

@@ -78,7 +78,10 @@ WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).va
 
 
 class KernelLower(Lower):
-    """numba's lowering without sizes of arguments, for debuggers alone and a module of LLVM each."""
+    """numba's lowering without the sizes of arguments, which only debuggers need.
+
+    LLVM has to parse a module of its own for each of them.
+    """
 
     def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
         super().storevar(value, name, argidx if self.context.enable_nrt else None)

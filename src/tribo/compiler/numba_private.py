@@ -63,7 +63,10 @@ def cpu_features() -> set[str]:
 
 
 def own_reference(context, builder, kind, value):  # type: ignore[no-untyped-def]
-    """What an intrinsic returns of its arguments: the caller releases its arrays, where counted."""
+    """What an intrinsic returns of its arguments: the caller releases the arrays in it.
+
+    Native kernels do not count references.
+    """
     if context.enable_nrt:
         context.nrt.incref(builder, kind, value)
     return value

@@ -272,7 +272,10 @@ def _cheapest(
 def _with_most_evaluations(
     runs: CheckedRuns, plan: CheckedPlan, starts: MemberStarts, threads: int
 ) -> tuple[CheckedPlan, float]:
-    """By a pilot: the plan with the evaluations above which to check, and others' largest error."""
+    """The plan with the evaluations above which to check, and the largest error of others.
+
+    Both are of a pilot, members with the `starts`.
+    """
     piece = min(PIECE, runs.chunk)
 
     def errors(members: np.ndarray, method: str) -> np.ndarray:

@@ -39,7 +39,10 @@ def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.nd
 
 
 def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Sequence[int]) -> None:
-    """Draw swings and rates of warm surfaces in y (runs, 2 coordinates) by Boltzmann's distribution."""
+    """Draw swings and rates of surfaces that start at a temperature, in y (runs, 2 coordinates).
+
+    Energies of torsion springs and of motion have Boltzmann's distribution.
+    """
     q, v = np.split(y, 2, axis=1)
     for index, surface in enumerate(scene.surfaces):
         temperature = surface.initial.temperature

@@ -39,7 +39,10 @@ class Force(NamedTuple):
     acts: Has = always  # on the asperites of a surface
 
     def is_known(self, scene: Scene, surface: Surface) -> bool:
-        """Whether it acts and has a series; noise is known from the ledger of asperites alone."""
+        """Whether it acts and has a series.
+
+        A force with noise is known by the impulses of each asperite, which only their ledger has.
+        """
         has_accounts = scene.output.ledger == "asperites"
         return self.acts(scene, surface) and (
             has_accounts or all(FORCES[name] is not self for name in surface.noisy_forces)

@@ -83,7 +83,10 @@ class LaneLoop(RecordingLoop):
     def run_in_lanes(
         self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
     ) -> np.ndarray:
-        """Run members, and record (members x times, ...); counts, PAUSED to run a member alone."""
+        """Run members side by side, and record (members x times, ...).
+
+        Returns their counts, with PAUSED of those that need a loop of their own.
+        """
 
     def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
         members = len(starts.y)

@@ -102,7 +102,10 @@ def _mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
 
 
 def record_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> np.ndarray:
-    """Scenes (...) of PAIR from asperites and charges (..., 2); driven bars count as centres."""
+    """Scenes as the loop reads them, (...) of PAIR; driven bars take the place of centres of mass.
+
+    Asperites and charges are (..., 2).
+    """
     a, depths, mobility = asperites, layout.depths, _mobility_of(layout, asperites)
     record = np.zeros(a.shape[:-1], PAIR)
     for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
@@ -154,7 +157,10 @@ def is_pair(layout: Layout) -> bool:
 
 
 class Pair:
-    """A scene with `has_pair_loop`, and its loops, which threads share.  Raises InputError."""
+    """A scene with `has_pair_loop`, and its compiled loops, which threads can run at the same time.
+
+    Raises InputError if the potential does not compile.
+    """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
         began = time.perf_counter()

@@ -92,7 +92,10 @@ def unit_step(layout: Layout) -> float:
 
 
 def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:
-    """The longest splitting step that leaves swings their temperature [time]; inf if none acts."""
+    """The longest step of a splitting method with which reservoirs leave swings their temperature.
+
+    Infinite where no reservoir acts on pendulums that can swing [time].
+    """
     a, table = layout.asperites, layout.constants
     gamma, swing_gamma, temperature, other = (
         layout.surfaces[name] if members is None else members.of_surfaces[..., place]

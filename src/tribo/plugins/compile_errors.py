@@ -60,7 +60,10 @@ def _check_method(plugin: NamedTuple, method: str) -> None:
 
 
 def compile_error(placed: Iterable[tuple[str, NamedTuple]], error: Exception) -> InputError:
-    """The error to raise for one of COMPILE_ERRORS, found by compiling each method by itself."""
+    """The error to raise when the loop for a scene does not compile, by one of COMPILE_ERRORS.
+
+    Each method of each plug-in is called and compiled by itself, to find the line that fails.
+    """
     foreign = _foreign(placed)
     for field, plugin in foreign:
         for method in METHOD_ARGUMENTS:
