@@ -80,4 +80,5 @@ class Initial(ComparedByValue):
     def for_each(self, count: int) -> dict[str, np.ndarray]:
         """Each angle, displacement and rate as an array of `count`; 0 if it is not given."""
         given = {name: getattr(self, name) for name in UNITS | DISPLACEMENTS}
-        return {k: broadcast(k, 0.0 if v is None else v, count) for k, v in given.items()}
+        zeros = np.zeros(count)
+        return {k: zeros if v is None else broadcast(k, v, count) for k, v in given.items()}
