@@ -98,7 +98,7 @@ class Film:
 
         self._result = result
         self._bath = bath
-        some = np.unique(np.linspace(0, len(result.t) - 1, 50).astype(int))
+        some = np.unique(np.linspace(0, len(result.t) - 1, 50).astype(int))  # for its size
         boxes = np.array([self._pose(k).box for k in some])
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))

@@ -52,7 +52,7 @@ class Plots:
                 swing = swing_of(result, surface)
                 line: dict[str, Any] = {"color": COLOURS[k], "label": self._named(surface.name)}
                 line["linewidth"] = self._width(k)
-                if surface.count <= 6:
+                if surface.count <= 6:  # of more, the median and a band
                     for other in ax.plot(result.t, swing, **line)[1:]:
                         other.set_label("_")
                     continue
@@ -296,7 +296,7 @@ class Plots:
             look: dict[str, Any] = {"cmap": "viridis"}
         elif quantity in table and table[quantity].ndim == 2:
             values = table[quantity][sample].reshape(bobs.shape[:2])
-            strongest = np.percentile(np.abs(values), 99.5) or 1.0
+            strongest = np.percentile(np.abs(values), 99.5) or 1.0  # no outlier decides
             look = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
         else:
             raise InputError(

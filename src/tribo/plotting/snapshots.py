@@ -72,6 +72,7 @@ def snapshots(
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
     widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
+    # In a row, pictures are small if it is much wider than high.
     arranged = _in_a_row if widths.sum() < 6.0 * heights.max() else _in_a_column
     is_given = ax is not None
     with drawing_on(ax, WIDE) as ax:
