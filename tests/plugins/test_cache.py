@@ -1,5 +1,6 @@
 """Compiled code is cached on disk, and never used for sources that have changed since."""
 
+import errno
 import os
 import random
 import re
@@ -18,7 +19,7 @@ from tribo.compiler.numba_private import NATIVE
 from tribo.kernels.probe import contact_probe
 
 if NATIVE:
-    from tribo.compiler.cache import CodeFiles
+    from tribo.compiler.cache import CodeFiles, KernelCache
 
 # The plain way keeps code in numba's own files.
 own_files = pytest.mark.skipif(not NATIVE, reason="numba keeps the files")
@@ -372,3 +373,14 @@ def test_no_folder_for_files(monkeypatch):
     monkeypatch.setattr("tribo.compiler.jit.KernelCache", nowhere)
     loop = time_loop.__wrapped__(contact_probe, "")
     assert loop.stats.cache_path is None and not is_compiled(loop)
+
+
+@own_files
+def test_full_disk(monkeypatch):
+    """Code that can no longer be written is used from memory."""
+
+    def full(cache, signature, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(KernelCache.__base__, "_save_overload", full)
+    KernelCache(contact_probe).save_overload(None, None)

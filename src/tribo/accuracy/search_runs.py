@@ -119,13 +119,15 @@ class SearchRuns:
             self.known = (level, run.evaluations)
         return run
 
-    def attempt(self, *run_by: Any, **limits: Any) -> Integration:
+    def attempt(
+        self, setting: Setting, times: np.ndarray, start: np.ndarray | None = None, **limits: Any
+    ) -> Integration:
         """A run that counts as one of the search; arguments are those of an Integrator."""
         self._number += 1
         if self._announce is not None:
             self._announce(self._number, max(self._number, self._of), self._left)
             self._left = None
-        run = self._integrator(*run_by, **limits)
+        run = self._integrator(setting, times, start, **limits)
         self.spent += run.evaluations
         self.interrupted |= run.status == Status.INTERRUPTED
         return run

@@ -29,6 +29,10 @@ class KernelCache(caching.FunctionCache):
         super().__init__(function)
         self._cache_file = CodeFiles(self._cache_file)
 
+    def _save_overload(self, signature: Any, data: Any) -> None:
+        with suppress(OSError):  # the code is in memory; another process compiles it again
+            super()._save_overload(signature, data)
+
 
 class CodeFiles:
     """The files of one function, in place of numba's `IndexDataCacheFile`."""
@@ -54,16 +58,15 @@ class CodeFiles:
             return None
 
     def save(self, key: Any, data: Any) -> None:
-        """Write the code for the argument types in `key`; without it other processes compile."""
+        """Write the code for the argument types in `key`.  Raises OSError."""
         content = dumps((self._made_by, key)) + dumps(data)
         path = self._file(key)
         new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
-        with suppress(OSError):
-            try:
-                new.write_bytes(_checksum(content) + content)
-                replace(new, path)
-            finally:
-                new.unlink(missing_ok=True)
+        try:
+            new.write_bytes(_checksum(content) + content)
+            replace(new, path)
+        finally:
+            new.unlink(missing_ok=True)
 
     def _file(self, key: Any) -> Path:
         return self._folder / f"{self._name}.{_checksum(repr(key).encode()).hex()[:16]}.nbc"

@@ -48,29 +48,35 @@ def periods(box):
 
 
 @kernel
+def set_cells(own, boxes, reach, axis, period, most, cells):
+    """Set number and width of the cells along an axis, whose neighbours contain all within reach.
+
+    There is one cell where a period has fewer than three: two would be neighbours twice.
+    """
+    low, high, widest, own_widest = math.inf, -math.inf, 0.0, 0.0
+    for m in range(boxes.count[0]):
+        low = min(low, boxes.centres[2 * axis, m])
+        high = max(high, boxes.centres[2 * axis, m])
+        widest = max(widest, boxes.halves[2 * axis, m])
+    for m in range(own.count[0]):
+        own_widest = max(own_widest, own.halves[2 * axis, m])
+    extent = period if period > 0.0 else high - low
+    size = reach + (own_widest + widest)
+    count = int(min(max(extent / size, 1.0), most))
+    if period > 0.0 and count < 3:
+        count = 1
+    cells.corner[axis], cells.counts[axis] = low, count
+    cells.widths[axis] = max(extent / count, size)
+
+
+@kernel
 def sort_boxes(box, own, boxes, reach, cells):
     """Sort boxes into cells, so that :func:`near_blocks` finds those within reach of `own`."""
     box_x, box_z = periods(box)
     n = boxes.count[0]
-    most = 2.0 * n + 16.0
-    for axis in range(2):
-        low, high, widest = math.inf, -math.inf, 0.0
-        for m in range(n):
-            low = min(low, boxes.centres[2 * axis, m])
-            high = max(high, boxes.centres[2 * axis, m])
-            widest = max(widest, boxes.halves[2 * axis, m])
-        own_widest = 0.0
-        for m in range(own.count[0]):
-            own_widest = max(own_widest, own.halves[2 * axis, m])
-        period = box_x if axis == 0 else box_z
-        extent = period if period > 0.0 else high - low
-        size = reach + (own_widest + widest)
-        count = int(min(max(extent / size, 1.0), most))
-        if period > 0.0 and count < 3:
-            count = 1
-        cells.corner[axis], cells.counts[axis] = low, count
-        cells.widths[axis] = max(extent / count, size)
-        most = max(most / count, 1.0)
+    most = 2.0 * n + 16.0  # cells, for which `first` has room
+    set_cells(own, boxes, reach, 0, box_x, most, cells)
+    set_cells(own, boxes, reach, 1, box_z, max(most / cells.counts[0], 1.0), cells)
     nx, nz = cells.counts[0], cells.counts[1]
     first = cells.first
     for c in range(nx * nz + 1):

@@ -30,7 +30,7 @@ def pivot_lengths(pivots, s, i):
 @inlined
 def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
     """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
-    if pivots is None:
+    if pivots is None:  # no bars are driven: they are those of x and y
         return vx, vy
     speed = pivot_lengths(pivots, s, i) * omega
     tx, ty = vectors(model.directions, i)

@@ -80,7 +80,7 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     for t in times:
         now = pose(result, t)
         drawn.append(now.shifted((right - now.box[0], 0.0)))
-        right = drawn[-1].box[1] + 0.2
+        right = drawn[-1].box[1] + 0.2  # lengths between snapshots
     boxes = np.array([now.box for now in drawn])
     box = (boxes[0, 0], boxes[-1, 1], boxes[:, 2].min(), boxes[:, 3].max())
     with drawing_on(None, WIDE) as ax:

@@ -103,7 +103,7 @@ class Film:
         lows, highs = boxes.min(axis=0), boxes.max(axis=0)
         box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
         ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
-        height = float(np.clip(ideal, 1.0, 3.4))
+        height = float(np.clip(ideal, 1.0, 3.4))  # inches
         total = height + CURVES + TITLE
         # A whole number of pixels, which is even, as films need.
         even = 2 * round(total * width / WIDTH / 2)

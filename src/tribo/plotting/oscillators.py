@@ -28,7 +28,7 @@ def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndar
         shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
         displacements = result.oscillators(surface.name)[samples][:, :, shown]
         spaced = np.linspace(-0.5, 0.5, shown.size + 2)[1:-1]
-        along = values["bar_length"][:, None] * spaced * 0.9
+        along = values["bar_length"][:, None] * spaced * 0.9  # the row is a little shorter
         behind = DISTANCE * _rod(surface) * surface.facing_sign
         phi = series["phi"][samples][:, :, None]
         cos, sin = np.cos(phi), np.sin(phi)

@@ -179,7 +179,7 @@ def _displacements(
     index: int,
     points: Sequence[str],
     ceiling: float,
-    point: float,
+    point: float,  # length of a typographic point
 ) -> None:
     """Draw an arrow for each point of an asperite, one below the other, between guides to it."""
     levels = ceiling - LINE * point * np.arange(1, len(points) + 1)

@@ -134,7 +134,7 @@ def _label_ends(ax: Axes, lines: dict[str, Line2D], t: float) -> None:
     ax.set_ylim(low, high)
     values = np.array([np.interp(t, *np.asarray(line.get_data())) for line in lines.values()])
     height = ax.bbox.height / ax.figure.dpi * POINTS_PER_INCH
-    levels = spread((values - low) / (high - low), 11.0 / height)
+    levels = spread((values - low) / (high - low), 11.0 / height)  # points between labels
     for (label, line), value, level in zip(lines.items(), values, levels, strict=True):
         colour = line.get_color()
         pointer = {"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkA": 0}

@@ -55,8 +55,8 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
             function,
             place,
             initial_step=length * shorter,
-            maxiter=12,
-            tolerances={"atol": 0.0, "rtol": 1e-13},
+            maxiter=12,  # differences, each over half the distance of the one before
+            tolerances={"atol": 0.0, "rtol": 1e-13},  # of two successive estimates
         )
         shortest = length * shorter * 0.5 ** (found.nit - 1.0)
         round_off = EPSILON * np.abs(function(place)) / shortest

@@ -77,6 +77,7 @@ def _distances(ax: Axes, curves: Curves) -> None:
 def _curve(ax: Axes, curves: Curves, values: np.ndarray, colour: str, label: str) -> None:
     """Draw a curve on the scale of its values at the typical distance; much larger are cut off."""
     outer = values[(curves.r >= curves.length) & np.isfinite(values)]
+    # So many typical values are shown above zero and below.
     top = 2.5 * (float(np.max(np.abs(outer), initial=0.0)) or 1.0)
     ax.axhline(0.0, color="0.6", linewidth=0.5)
     ax.plot(curves.r, np.clip(values, -2.0 * top, 2.0 * top), color=colour)

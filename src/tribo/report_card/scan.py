@@ -181,7 +181,7 @@ class PotentialScan:
         if r.size < 3:
             return None
         largest = int(np.argmax(torque))
-        if largest > 0 and torque[largest] > 1.01 * torque[0]:
+        if largest > 0 and torque[largest] > 1.01 * torque[0]:  # clearly above the first
             return float(r[largest])
         exponent = np.diff(np.log(torque)) / np.diff(np.log(r))
         knee = np.flatnonzero(exponent < exponent[0] - 1.0)
@@ -227,7 +227,7 @@ class PotentialScan:
 
         Short is a feature of a few percent of the distance.
         """
-        edges = np.geomspace(self.low, self.high, 501)
+        edges = np.geomspace(self.low, self.high, 501)  # of 500 cells of equal ratio
         feature = float(self.potential.feature()[0])
         around = np.arange(-FINE_CELLS, FINE_CELLS + 1) / CELLS_PER_FEATURE * feature + self.length
         if not 0.0 < feature / CELLS_PER_FEATURE < self.length * (edges[1] / edges[0] - 1.0):

@@ -150,7 +150,7 @@ def _curve(
     layout, method = integrator.layout, integrator.method
     times, scales = layout.scene.times, reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
-    level, best, most, stalled = 0.3, np.inf, 0, 0
+    level, best, most, stalled = 0.3, np.inf, 0, 0  # from the coarsest level on
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
         setting = setting_at(layout, method, tolerance_scales, level)
         run = integrator(setting, times)
