@@ -105,7 +105,7 @@ class DistributionDraw:
     def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """The inverse cumulative function of the points.  Raises InputError if there is none."""
         if not hasattr(self._source, "ppf"):
-            raise InputError(f"vary.{self.name}", "must have ppf, as those of scipy.stats have")
+            raise InputError(f"vary.{self.name}", "must have ppf, as distributions of SciPy do")
         return {self.name: self._source.ppf(points)}
 
 

@@ -259,6 +259,7 @@ def all_forces(model, neighbours, t, q, v):
 
 @inlined
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
+    """Set q'' of all coordinates."""
     place_bobs(model, t, q)
     refresh(model, neighbours)
     all_forces(model, neighbours, t, q, v)

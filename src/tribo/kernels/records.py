@@ -239,7 +239,7 @@ class Active(NamedTuple):
 
 class Boxes(NamedTuple):
     count: np.ndarray  # (1,) how many there are
-    centres: np.ndarray  # (3, room)
+    centres: np.ndarray  # (3, room) x, y and z
     halves: np.ndarray  # (3, room) half widths
 
 
