@@ -107,6 +107,7 @@ class JournaledIntegration:
         self._journal.forget((name, self._number) for name in done_with)
 
     def write(self, name: object, arrays: Arrays) -> None:
+        """Append a frame; it replaces the last one of the same name.  Raises InputError."""
         self._journal.append((name, self._number), arrays)
 
 

@@ -47,6 +47,7 @@ class Unloaded:
 
 @contextmanager
 def code(policy: Code) -> Iterator[None]:
+    """Decide what becomes of code that scene files name."""
     token = _POLICY.set(policy)
     try:
         yield
