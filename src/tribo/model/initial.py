@@ -80,5 +80,5 @@ class Initial(ComparedByValue):
     def for_each(self, count: int) -> dict[str, np.ndarray]:
         """Each angle, displacement and rate as an array of `count`; 0 if it is not given."""
         given = {name: getattr(self, name) for name in UNITS | DISPLACEMENTS}
-        zeros = np.zeros(count)  # of all that are not given: not to be written to
+        zeros = np.broadcast_to(0.0, (count,))  # which cannot be written to
         return {k: zeros if v is None else broadcast(k, v, count) for k, v in given.items()}
