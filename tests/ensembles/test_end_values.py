@@ -335,6 +335,7 @@ def test_an_interrupt_keeps_the_members_that_are_complete(monkeypatch):
         ({"keep": []}, "keep", "must be a list of quantities"),
         ({"keep": ["w1"]}, "keep.w1", "must be a quantity of a surface"),
         ({"keep": ["upper.w9"]}, "keep.upper.w9", "must be a quantity of a surface"),
+        ({"keep": ["upper.wfriction"]}, "keep.upper.wfriction", 'is it "upper.friction_work"'),
         ({"keep": ["upper.w1"], "threads": 0}, "threads", "at least 1"),
         ({"keep": ["upper.w1"], "half_width": {"upper.W": 0.1}}, "half_width", "cannot go with"),
     ],

@@ -8,9 +8,6 @@ EQUIVALENT = {
     ),
     "kernels/blocks.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
     "kernels/blocks.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
-    "kernels/cells.py: sort_boxes: own_widest = 0.0 -> own_widest = 1.0": (
-        "wider cells hold all boxes within reach: only the cost changes"
-    ),
     "integrators/kicks.py: drive_in_kick: s.acc_drive >= 0 -> s.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
@@ -32,7 +29,7 @@ EQUIVALENT = {
     "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
-    "kernels/cells.py: sort_boxes: max(extent / count, size) -> max(extent * count, size)": (
+    "kernels/cells.py: set_cells: max(extent / count, size) -> max(extent * count, size)": (
         "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
     ),
     "integrators/inactive.py: longest_paths: broadcast(0.0) -> broadcast(1.0)": (

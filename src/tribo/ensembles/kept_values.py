@@ -1,5 +1,6 @@
 """Kept quantities of many members: what they are, and their values."""
 
+import difflib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -98,10 +99,11 @@ class Kept:
         for name in map(str, keep):
             shape = _shape(name, ledger, layout.scene)
             if shape is None and (at_samples or not is_interval(name)):
+                near = difflib.get_close_matches(name, _names_of(ledger), n=1)
                 raise InputError(
                     f"keep.{name}",
                     f'must be a quantity of a surface, as "{next(iter(layout.parts))}.w1", or one '
-                    'of the system, as "contact_energy"',
+                    'of the system, as "contact_energy"' + "".join(f'; is it "{n}"?' for n in near),
                 )
             shapes[name] = (*leading, *(shape or ()))
             surface, _, kind = name.rpartition(".")
@@ -230,6 +232,12 @@ def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
     if kind in ledger.surfaces.get(surface, ()):
         return (count[surface],)
     return () if kind in ledger.blocks.get(surface, ()) else None
+
+
+def _names_of(ledger: Ledger) -> list[str]:
+    """The names of all that a ledger reports."""
+    tables = [*ledger.surfaces.items(), *ledger.blocks.items()]
+    return [*ledger.system, *(f"{surface}.{kind}" for surface, own in tables for kind in own)]
 
 
 def _check_averaged(scene: Scene) -> None:
