@@ -41,6 +41,27 @@ def test_the_file_has_the_members(tmp_path, capsys):
     assert numbers["mean"] == pytest.approx(np.mean(values), rel=1e-14)
     # Of a sample of 70 members.
     assert numbers["deviation"] == pytest.approx(np.std(values, ddof=1), rel=1e-12)
+    half_width = stats.t.ppf(0.975, 69) * stats.sem(values.ravel())
+    assert numbers["half_width"] == pytest.approx(half_width, rel=1e-10)
+
+
+def test_the_interval_of_a_mean_over_asperites(tmp_path, capsys):
+    """Asperites of a member are not independent: the sample is their means, also of statistics."""
+    upper = tribo.Surface("upper", shape=(2, 1), spacing=(3.0, 0.0))
+    scene = tribo.Scene((upper,), (), 1.0, output=tribo.Output(samples=3))
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    scene.save(path)
+    command = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "--members", "9"]
+    command += ["--keep", "upper.omega", "--step", "0.01"]
+    assert main([*command, "--out", str(out)]) == 0
+    head, row = capsys.readouterr().out.splitlines()[2:4]
+    assert head.split() == ["quantity", "mean", "deviation", "half-width"]
+    with xarray.open_dataset(out) as data:
+        half_width = stats.t.ppf(0.975, 8) * stats.sem(data["upper.omega"].mean("upper_asperite"))
+    assert float(row.split()[3]) == pytest.approx(half_width, rel=1e-5)
+    assert main([*command, "--statistics", "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)["quantities"]["upper.omega"]
+    assert table["half_width"] == pytest.approx(half_width, rel=1e-9)
 
 
 def test_a_histogram(tmp_path, capsys, monkeypatch):

@@ -247,7 +247,9 @@ def test_members(tmp_path):
     assert float(data["upper.W_half_width"][0]) == pytest.approx(half, rel=1e-6)
     with xarray.open_dataset(out) as file:
         xarray.testing.assert_equal(numbers(file), numbers(data))
-    assert quantities(data) == ["upper.W"]
+    assert quantities(data) == ["upper.w1", "upper.W", "upper.theta"]
+    (drawn,) = sweep_lines(data, "upper.w1").containers
+    assert np.array_equal(drawn.lines[0].get_ydata(), data["upper.w1_mean"][:, 0])
     (drawn,) = sweep_lines(data, "upper.W").containers
     assert np.array_equal(drawn.lines[0].get_ydata(), data["upper.W_mean"])
     (bars,) = drawn.lines[2]
@@ -372,6 +374,64 @@ def test_figure(whole):
     many = whole.sel({"upper.velocity": [0.5] * 13}, method="nearest")
     with pytest.raises(InputError, match="data: has 13 lines"):
         sweep_lines(many, "upper.W", "interaction.strength")
+
+
+def test_figure_of_keys_that_are_swept_together():
+    """Against the values of the first, or of another by its name; lines name every key."""
+    pair, key = "upper.drive.speed,duration", "interaction.strength"
+    dimensions, work = (pair, key), np.arange(6.0).reshape(3, 2)
+    coordinates = {
+        "upper.drive.speed": (pair, [0.5, 0.25, 0.1]),
+        "duration": (pair, [40.0, 80.0, 200.0]),
+        key: [0.1, 0.2],
+    }
+    status = (dimensions, np.full((3, 2), "completed"))
+    data = xarray.Dataset({"status": status, "upper.W": (dimensions, work)}, coordinates)
+    shown = {None: "upper.drive.speed", pair: "upper.drive.speed", "duration": "duration"}
+    for against, name in shown.items():
+        ax = sweep_lines(data, "upper.W", against)
+        assert ax.get_xlabel() == name and len(ax.containers) == 2
+        for line, works in zip(ax.containers, work.T, strict=True):
+            assert np.array_equal(line.lines[0].get_xdata(), data[name])
+            assert np.array_equal(line.lines[0].get_ydata(), works)
+    labels = [line.get_label() for line in sweep_lines(data, "upper.W", key).containers]
+    assert labels[1] == "upper.drive.speed = 0.25, duration = 80.0"
+
+
+def test_table_of_means(tmp_path, capsys):
+    """Each with the half-width of its interval over members, not with those over time."""
+    path, out = tmp_path / "a.toml", tmp_path / "a.nc"
+    path.write_text(SCENE.to_toml(), encoding="utf-8")
+    command = ["sweep", str(path), "--set", "upper.velocity=0.4,0.5", "--members", "3"]
+    command += ["--vary", "upper.theta=normal(0,0.1)", "--keep", "upper.friction_force"]
+    assert main([*command, "--out", str(out)]) == 0
+    _, head, first, _, meaning, _ = capsys.readouterr().out.splitlines()
+    assert head.split() == ["upper.velocity", "upper.friction_force_mean", "half-width", "status"]
+    assert meaning == "half-width: of the 95 % interval of the mean over members"
+    with xarray.open_dataset(out) as data:
+        names = ("upper.friction_force_mean", "upper.friction_force_half_width")
+        wanted = [float(data[name][0]) for name in names]
+    assert [*map(float, first.split()[1:3])] == pytest.approx(wanted, rel=1e-5)
+
+
+def test_quantities_of_asperites_of_the_command(tmp_path, capsys):
+    """Table, JSON and figure of a surface with one; a line names those of a surface with more."""
+    upper = tribo.Surface("upper", shape=(2, 1), spacing=(3.0, 0.0))
+    lower = tribo.Surface("lower", initial=tribo.Initial(theta=0.1))
+    scene = tribo.Scene((upper, lower), (), 1.0, output=Output(samples=3))
+    path, figure = tmp_path / "a.toml", tmp_path / "a.png"
+    scene.save(path)
+    command = ["sweep", str(path), "--set", "duration=1.0,2.0", "--step", "0.01"]
+    command += ["--keep", "lower.theta,upper.theta"]
+    assert main([*command, "--figure", str(figure)]) == 0
+    _, head, first, _, rest, _ = capsys.readouterr().out.splitlines()
+    assert head.split() == ["duration", "lower.theta", "status"]
+    assert rest == "several values at each point, only in the file of --out: upper.theta"
+    assert figure.stat().st_size > 10_000
+    assert main([*command, "--json"]) == 0
+    point = json.loads(capsys.readouterr().out)["points"][0]
+    assert point["lower.theta"] == pytest.approx(float(first.split()[1]), rel=1e-5)
+    assert "upper.theta" not in point
 
 
 @pytest.mark.parametrize(

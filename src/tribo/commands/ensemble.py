@@ -21,6 +21,7 @@ from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
+from tribo.results.averages import interval, student
 from tribo.validation import InputError, inside, integer, must_be
 
 if TYPE_CHECKING:
@@ -191,15 +192,27 @@ def _moments(data: xarray.Dataset, name: str) -> dict[str, float]:
     """Mean and standard deviation of a quantity at the end, over members and asperites.
 
     Members are a sample, of n with n - 1 degrees of freedom; a surface has no other asperites.
+    The half-width is that of the 95 % interval of the mean.
     """
-    end = {"time": -1} if "time" in data.dims else {}
+    end, half_width = {"time": -1} if "time" in data.dims else {}, np.nan
     if "covariance" in data:
         means, variances = (data[f"{name}_{of}"].isel(end) for of in ("mean", "variance"))
+        labels = [str(label).partition("[")[0] for label in data["value"].values]
+        own = np.flatnonzero([label == name for label in labels])
+        covariance = data["covariance"].isel(end).values[np.ix_(own, own)]
+        count = int(data["complete_members"])
+        if count > 1:
+            half_width = student(count - 1) * float(np.sqrt(covariance.mean() / count))
     else:
         values = data[name if name in data.data_vars else f"{name}_end"].isel(end)
         means, variances = values.mean("member"), values.var("member", ddof=1)
+        members = values.values.reshape(values.sizes["member"], -1).mean(axis=1)
+        known = members[np.isfinite(members)]
+        if known.size > 1:
+            half_width = float(interval(known).half_width)
     deviation = np.sqrt(variances.mean() + means.var())
-    return {"mean": float(means.mean()), "deviation": float(deviation)}
+    mean = float(means.mean())
+    return {"mean": mean, "deviation": float(deviation), "half_width": half_width}
 
 
 def _means(data: xarray.Dataset) -> dict[str, dict[str, float]]:

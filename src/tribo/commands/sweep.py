@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,13 +22,17 @@ if TYPE_CHECKING:
 
 # Most points, and quantities, that a summary shows.
 LINES, COLUMNS = 20, 5
+# Characters of a column, of which long headings take more.
+WIDTH = 18
+# The heading of the intervals of means over members.
+HALF_WIDTH = "half-width"
 
 
 def run_sweep(options: argparse.Namespace) -> int:
     from tribo.commands.ensemble import settings_of, workers
     from tribo.plotting import save
     from tribo.sweeps import sweep
-    from tribo.sweeps.figure import ends, quantities, sweep_lines
+    from tribo.sweeps.figure import ends, quantities, sweep_lines, with_single_asperites_as_numbers
 
     check_figure(options.figure)
     values, scene = _values_of(options.set), load(options)
@@ -45,7 +50,8 @@ def run_sweep(options: argparse.Namespace) -> int:
             problem = "needs a quantity with one value at each point, as upper.W"
             raise InputError("--figure", problem)
         save(sweep_lines(data, names[0]), options.figure)
-    print(_as_json(data) if options.json else _summary(data, options.out))
+    found = with_single_asperites_as_numbers(data)
+    print(_as_json(found) if options.json else _summary(found, options.out))
     return COMPLETED if set(ends(data).values.flat) == {"completed"} else STOPPED
 
 
@@ -98,28 +104,66 @@ def _statuses(data: xarray.Dataset, places: dict[str, int]) -> dict[str, int]:
 
 def _summary(data: xarray.Dataset, out: Path | None) -> str:
     """The statuses of the runs, and some values of the points."""
-    from tribo.ensembles.dataset import COUNTS
     from tribo.sweeps.figure import ends
 
     statuses, counts = np.unique(ends(data).values, return_counts=True)
     lines = [", ".join(f"{n} {status}" for status, n in zip(statuses, counts, strict=True))]
-    dimensions, keys, scalars = _layout(data)
-    hidden = (*COUNTS, "status", "point_status")
-    names = [n for n in scalars if n not in hidden and not n.endswith(("_error", "_half_width"))]
-    shown = names[:COLUMNS]
-    lines.append("  ".join(f"{name:>18}" for name in [*keys, *shown]) + "  status")
-    points = list(np.ndindex(tuple(data.sizes[name] for name in dimensions)))
-    for point in points[:LINES]:
-        at = dict(zip(dimensions, point, strict=True))
-        row = [f"{data[key].isel(at, missing_dims='ignore').item()!s:>18}" for key in keys]
-        row += [f"{float(data[name].isel(at)):>18.6g}" for name in shown]
-        found = ", ".join(dict.fromkeys(map(str, np.atleast_1d(ends(data).isel(at).values))))
-        lines.append("  ".join(row) + f"  {found}")
-    if len(points) > LINES:
-        lines.append(f"... and {len(points) - LINES} more points")
-    if len(names) > COLUMNS:
-        lines.append(f"... and {len(names) - COLUMNS} more quantities")
+    lines += _table(data)
     if out is not None and data.attrs["status"] != "completed":
         lines.append(f"the finished points are in {out}.part; --resume goes on")
     lines.append(f"{data.attrs['seconds']:.2f} s")
     return "\n".join(lines)
+
+
+def _table(data: xarray.Dataset) -> list[str]:
+    """A line for each point, with the keys and some quantities; lines about the rest."""
+    from tribo.ensembles.dataset import COUNTS
+    from tribo.ensembles.kept_values import INTERVAL
+    from tribo.sweeps.figure import ends
+
+    dimensions, keys, scalars = _layout(data)
+    hidden = (*COUNTS, "status", "point_status")
+    names = [n for n in scalars if n not in hidden and not n.endswith(("_error", "_half_width"))]
+    # A mean of the members' intervals over time is no interval of their mean.
+    names = [name for name in names if INTERVAL not in name]
+    columns = {}  # variable -> its heading
+    for name in names[:COLUMNS]:
+        columns[name] = name
+        half_width = f"{name.removesuffix('_mean')}_half_width"
+        if name.endswith("_mean") and half_width in scalars:
+            columns[half_width] = HALF_WIDTH
+    headings = [*keys, *columns.values()]
+    widths = [max(WIDTH, len(heading)) for heading in headings]
+
+    def aligned(cells: list[str], end: str) -> str:
+        pairs = zip(cells, widths, strict=True)
+        return "  ".join([*(f"{cell:>{width}}" for cell, width in pairs), end])
+
+    lines = [aligned(headings, "status")]
+    points = list(np.ndindex(tuple(data.sizes[name] for name in dimensions)))
+    for point in points[:LINES]:
+        at = dict(zip(dimensions, point, strict=True))
+        row = [str(data[key].isel(at, missing_dims="ignore").item()) for key in keys]
+        row += [f"{float(data[name].isel(at)):.6g}" for name in columns]
+        found = ", ".join(dict.fromkeys(map(str, np.atleast_1d(ends(data).isel(at).values))))
+        lines.append(aligned(row, found))
+    if len(points) > LINES:
+        lines.append(f"... and {len(points) - LINES} more points")
+    if len(names) > COLUMNS:
+        lines.append(f"... and {len(names) - COLUMNS} more quantities")
+    if HALF_WIDTH in headings:
+        lines.append(f"{HALF_WIDTH}: of the 95 % interval of the mean over members")
+    if others := _without_a_column(data, scalars):
+        lines.append(f"several values at each point, only in the file of --out: {others}")
+    return lines
+
+
+def _without_a_column(data: xarray.Dataset, scalars: list[str]) -> str:
+    """The kept quantities with more than one value at each point, as of several asperites."""
+    from tribo.ensembles.kept_values import is_interval
+
+    kept = json.loads(data.attrs["keep"])
+    if "point_status" in data:  # all variables of its ensembles
+        kept = [name.removesuffix("_mean") for name in kept if name.endswith("_mean")]
+    of_points = {re.sub("_(mean|end)$", "", name) for name in scalars}
+    return ", ".join(n for n in kept if n not in of_points and not is_interval(n))

@@ -38,17 +38,23 @@ def sweep_lines(
         The data set that :func:`tribo.sweep` returns.
     name : str
         A quantity with one value at each point, as "upper.W" or "upper.friction_force"; with
-        members their mean is drawn.
+        members their mean is drawn.  Also a quantity of asperites, as "upper.w1", if the surface
+        has one.
     against : str, optional
-        The key on the horizontal axis; by default the first.
+        The key on the horizontal axis; by default the first.  Of keys that are swept together, each
+        is possible.
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
     """
-    keys = keys_of(data)
+    data = with_single_asperites_as_numbers(data)
+    dimensions = keys_of(data)
     one_of("name", name, quantities(data))
-    key = keys[0] if against is None else one_of("against", against, keys)
-    drawn, bars, meaning = _points(data, name, averaged=key != SEED)
-    others = [other for other in keys if other != key and other in drawn.dims]
+    places_of = {key: dimension for dimension in dimensions for key in dimension.split(",")}
+    if against in dimensions:  # also by the name of keys that are swept together
+        against = against.split(",")[0]
+    key = next(iter(places_of)) if against is None else one_of("against", against, places_of)
+    drawn, bars, meaning = _points(data, name, averaged=places_of[key] != SEED)
+    others = [other for other in dimensions if other != places_of[key] and other in drawn.dims]
     lines = list(product(*(range(data.sizes[other]) for other in others)))
     if len(lines) > 12:  # more cannot be told apart
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
@@ -58,7 +64,8 @@ def sweep_lines(
         for number, indices in enumerate(lines):
             at = dict(zip(others, indices, strict=True))
             half = None if bars is None else bars.isel(at).values
-            label = ", ".join(f"{other} = {data[other].values[at[other]]}" for other in others)
+            beside = [other for other in places_of if places_of[other] in others]
+            label = ", ".join(f"{k} = {data[k].values[at[places_of[k]]]}" for k in beside)
             how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
             how["linestyle"] = DASHES[number % len(DASHES)]
             ax.errorbar(places, drawn.isel(at).values, half, label=label, **how)
@@ -92,13 +99,20 @@ def ends(data: xarray.Dataset) -> xarray.DataArray:
 
 
 def keys_of(data: xarray.Dataset) -> list[str]:
-    """The dimensions of the points."""
+    """The dimensions of the points: keys, or several with commas that are swept together."""
     return [str(key) for key in ends(data).dims if key != "member"]
+
+
+def with_single_asperites_as_numbers(data: xarray.Dataset) -> xarray.Dataset:
+    """The same without the dimensions of surfaces that have one asperite."""
+    sizes = {str(name): size for name, size in data.sizes.items()}
+    single = [name for name, size in sizes.items() if name.endswith("_asperite") and size == 1]
+    return data.squeeze(single, drop=True)
 
 
 def quantities(data: xarray.Dataset) -> list[str]:
     """The quantities that have one value at each point, or a mean over its members."""
-    keys = tuple(keys_of(data))
+    data, keys = with_single_asperites_as_numbers(data), tuple(keys_of(data))
     names = [str(name) for name in data.data_vars if data[name].dims == keys]
     means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
