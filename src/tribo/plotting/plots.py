@@ -342,6 +342,9 @@ class Plots:
             (self.friction_force if slides else self.phase)(ax=places["last"])
             if result.scene.output.ledger != "none":
                 self.work(ax=places["work"])
+            if result.scene.periodic:
+                caption = "periodic: places are not wrapped, images not drawn"
+                places["snapshots"].set_title(caption, fontsize="medium")
             figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need
             self.snapshots(ax=places["snapshots"])
             places["snapshots"].set_axis_off()

@@ -35,6 +35,11 @@ SINGLE = (1e-36, 1e38)
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
+# What a page of a periodic scene does not show.
+PERIODIC = (
+    "The scene is periodic. Places are not wrapped and images are not drawn: asperites that have "
+    "left the drawn part of the other surface can be in contact with its images."
+)
 # The curves that a page opens with, where they are recorded.
 DRAWN = ("w1", "w1_ps", "w2", "w2_ps", "W", "W_ps", "heat", "heat_bath")
 
@@ -49,7 +54,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     frames = _frames(result, bath)
     surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
     works = {surface.name: works_of(result, surface.name, None) for surface in scene.surfaces}
-    notes, dots = list(result.notes), {}
+    notes, dots = [*result.notes, *([PERIODIC] if scene.periodic else [])], {}
     if bath:
         dots = oscillator_dots(result, frames)
         notes.append(
@@ -74,9 +79,12 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
 
 
 def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
-    """What the work of friction says about the motion of the bobs of the first moving surface.
+    """How work and pseudowork of friction on the first moving surface differ, and what that means.
 
-    `of_surfaces` has the works on each.  Empty where no works of the contact force are recorded.
+    Their difference is the integral of the contact forces along the motion of the bobs relative to
+    the centres of mass.  Where a bob ends says nothing about it: the bob also swings when no force
+    acts on it.  `of_surfaces` contains the works on each surface.  Empty where no works of the
+    contact force are recorded.
     """
     moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
     works = of_surfaces[moving.name]
@@ -84,23 +92,22 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
         return ""
     work, pseudowork = (float(works[name][-1]) for name in ("w1", "w1_ps"))
     size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
+    if moving.count == 1:
+        motion, bobs = "the motion of the bob relative to the centre of mass", "the bob moves"
+    else:
+        motion = "the motions of the bobs relative to the centres of mass of their asperites"
+        bobs = "the bobs move"
     if abs(work - pseudowork) <= EQUAL * size:
         return (
-            f'The work of friction on "{moving.name}" equals its pseudowork: friction\'s point of '
-            "action has moved as far as the block."
+            f'The work of friction on "{moving.name}" equals its pseudowork: friction does no net '
+            f"work on {motion}."
         )
-    alone = moving.count == 1
-    bobs = f'The {"bob" if alone else "bobs"} of "{moving.name}"'
-    numbers = f"the work of friction ({work:.3g}) and its pseudowork ({pseudowork:.3g})"
-    if work * pseudowork < 0.0:
-        return f"{bobs} swing{'s' * alone} against the block: {numbers} have opposite signs."
-    lag = abs(work) < abs(pseudowork)
-    seen = f"lag{'s' * alone}" if lag else f"run{'s' * alone} ahead"
-    less = "less" if lag else "more"
+    more = work > pseudowork
     return (
-        f"{bobs} {seen}: friction's point of action moves {less} than the block, so the work of "
-        f"friction ({work:.3g}) is {'smaller' if lag else 'larger'} in magnitude than its "
-        f"pseudowork ({pseudowork:.3g})."
+        f'Friction does {"more" if more else "less"} work on "{moving.name}" ({work:.3g}) than '
+        f"pseudowork ({pseudowork:.3g}). The difference, {work - pseudowork:.3g}, is its work on "
+        f"{motion}: weighted by the force, {bobs} {'more' if more else 'less'} along the force "
+        "than against it."
     )
 
 
