@@ -7,6 +7,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 
 import pytest
+import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,6 +29,7 @@ from tribo.work_precision import (
     work_precision,
 )
 from tribo.work_precision.diagram import with_front
+from tribo.work_precision.means import _row
 
 FLOOR = 1e-9
 ERRORS = st.sampled_from([1e-11, 1e-10, 1e-9, 1e-6, 1e-3, 1.0])  # some cannot be told apart
@@ -231,18 +233,45 @@ def test_the_command_with_noise(tmp_path, monkeypatch, capsys):
     command = ["accuracy", str(tmp_path / "scene.toml")]
     assert main([*command, "--figure", str(tmp_path / "a.png")]) == 2
     assert "--figure: cannot go with a scene that has thermal noise" in capsys.readouterr().err
-    found = MeansPrecision((MeanRow("verlet", 0.05, 16, 0.2, 0.05, 160, 0.1),))
+    found = MeansPrecision((MeanRow("verlet", 0.05, 16, 0.2, 0.05, 160, 0.1, 0.02, 0.01),))
     monkeypatch.setattr(module, "means_precision", lambda *given: found)
     assert main([*command, "--json"]) == 0
     table = json.loads(capsys.readouterr().out)
-    assert [row["members"] for row in table["rows"]] == [16]
+    (row,) = table["rows"]
+    assert (row["members"], row["bias"], row["bias_half_width"]) == (16, 0.05, 0.02)
     cheapest = [(row["half_width"], row["members"]) for row in table["cheapest"]]
     assert cheapest == [(0.1, 64), (0.01, 6400), (0.001, 640000)]
     lines = str(found).splitlines()
-    assert lines[-4].startswith(
+    assert lines[-5].startswith(
         "half-width 0.1: 64 members by verlet at step 0.05, 640 evaluations"
     )
-    assert lines[-3].endswith("; the step's bias of 0.05 is larger")
+    assert not lines[-5].endswith("larger") and lines[-4].endswith("; the step's bias is larger")
+    assert lines[-2] == "at the end, the step's bias is 0.05 +- 0.02"
+
+
+@pytest.mark.parametrize(
+    ("biases", "expected"),
+    [
+        ((0.3, 0.3), "no bias of the step can be seen (below its half-width of 0.51)"),
+        ((0.3, 0.45), "no bias of the step can be seen (below its half-width of 0.51)"),
+        ((0.3, -0.9), "the step's bias is 0.9 +- 0.51"),
+        ((0.6, None), "the step's bias is 0.6 +- 0.44"),
+        ((0.3, None), "no bias of the step can be seen (below its half-width of 0.44)"),
+        ((None, None), "the bias of the step was not measured"),
+    ],
+)
+def test_bias_by_chance(biases, expected):
+    """A bias counts beside its own half-width at the end, however narrow those of the means are."""
+    values = {}
+    for name, bias in zip(("upper.W", "upper.delta_E_int"), biases, strict=True):
+        values[f"{name}_half_width"] = "time", [0.01, 0.01]
+        if bias is not None:
+            values |= {f"{name}_bias": ("time", [5.0, bias])}
+            values |= {f"{name}_bias_half_width": ("time", [0.1, 0.44])}
+    data = xarray.Dataset(values, {"member": range(64)}, {"seconds": 1.0})
+    simulation = tribo.prepare(noisy(), progress=False)
+    names = ["upper.W", "upper.delta_E_int"]
+    assert _row(data, names, simulation, 1.0, 640).bias_text == expected
 
 
 def test_no_run_in_time(tmp_path, monkeypatch, capsys):

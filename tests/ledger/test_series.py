@@ -15,6 +15,7 @@ from support.continued import chain, pair
 from support.everything import everything
 from support.laws import raw_samples
 from tribo.layout.layout import lay_out
+from tribo.results.averages import mean_text
 
 EVERY = ("forces", "energies", "oscillators")
 
@@ -224,6 +225,8 @@ def test_friction_force(result, tmp_path):
     drawn, average, _ = result.plot.friction_force("upper").get_lines()
     assert np.array_equal(drawn.get_ydata(), force)
     assert list(average.get_ydata()) == [found.mean] * 2
+    assert average.get_label() == f"{found.mean:.4g}".replace("-", "\N{MINUS SIGN}")
+    assert mean_text(-5.123, 1.52, "±") == "-5.123 ± 1.5"
 
 
 def test_oscillators(result, tmp_path):

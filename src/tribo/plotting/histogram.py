@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tribo.plotting.curves import legend
 from tribo.plotting.marks import with_minus
 from tribo.plotting.style import COLUMN, CYCLE, INK, drawing_on
-from tribo.results.averages import interval
+from tribo.results.averages import interval, mean_text
 from tribo.validation import POSITIVE, InputError, integer, number, vector
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def histogram(values: ArrayLike, label: str, ax: Axes | None = None) -> Axes:
         ax.stairs(counts, edges, fill=True, **FILLED)
         ax.stairs(counts, edges, color=OWN_COLOUR, label=f"{known.size} members")
         ax.axvspan(mean - half, mean + half, color=MIRROR_COLOUR, alpha=0.3, linewidth=0.0)
-        shown = with_minus(f"mean {mean:.4g} ± {half:.1g}")
+        shown = with_minus(f"mean {mean_text(mean, half, '±')}")
         ax.axvline(mean, color=MIRROR_COLOUR, linewidth=1.0, label=shown)
         ax.set(xlabel=label, ylabel="members", ylim=(0.0, 1.05 * counts.max()))
         legend(ax)

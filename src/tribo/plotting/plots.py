@@ -14,6 +14,7 @@ from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figure_of, style
 from tribo.plotting.works import WORKS, draw_works, energies, heats_of, works_of
+from tribo.results.averages import mean_text
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, must_be, one_of
@@ -163,9 +164,9 @@ class Plots:
         result, name = self._result, self._surface(surface)
         found = friction_force(result, name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            interval = f" ± {found.half_width:.1g}" if np.isfinite(found.half_width) else ""
+            label = with_minus(mean_text(found.mean, found.half_width, "±"))
             low, high = found.mean - found.half_width, found.mean + found.half_width
-            later, label = [found.after, result.t[-1]], with_minus(f"{found.mean:.3g}{interval}")
+            later = [found.after, result.t[-1]]
             ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
             ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=WIDTH, label=label)
             ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)

@@ -251,11 +251,20 @@ def _correlated(s: np.ndarray, rest: np.ndarray) -> float:
     return int(np.argmax(correlation < np.exp(-1.0) * correlation[0])) / s.size
 
 
-def student(degrees: int) -> float:
-    """The quantile t of Student's distribution at the end of a two-sided interval."""
+def student(degrees: int, quantities: int = 1) -> float:
+    """The quantile t of Student's distribution at the end of a two-sided interval.
+
+    With several quantities, all their intervals contain the exact means with the probability
+    CONFIDENCE at least, by Bonferroni's inequality.
+    """
     from scipy.special import stdtrit
 
-    return float(stdtrit(degrees, 0.5 * (1.0 + CONFIDENCE)))
+    return float(stdtrit(degrees, 1.0 - 0.5 * (1.0 - CONFIDENCE) / quantities))
+
+
+def mean_text(mean: float, half_width: float, sign: str = "+-") -> str:
+    """A mean with its half-width, if that is finite, as summaries and figures show them."""
+    return f"{mean:.4g}" + f" {sign} {half_width:.2g}" * bool(np.isfinite(half_width))
 
 
 class Interval(NamedTuple):

@@ -10,7 +10,7 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
 from tribo.results import force_averages
-from tribo.results.averages import Average
+from tribo.results.averages import Average, mean_text
 from tribo.results.run_result import RunResult
 
 # Quantities of surfaces in the summary, their words and their formats.
@@ -116,8 +116,7 @@ def _friction(result: RunResult) -> Iterator[str]:
 
 def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
     """An average with its interval, in all and per asperite, and in units of the load."""
-    interval = f" +- {found.half_width:.2g}" if np.isfinite(found.half_width) else ""
-    parts = [f"{found.mean:.4g}{interval} from t = {found.after:g} on"]
+    parts = [f"{mean_text(found.mean, found.half_width)} from t = {found.after:g} on"]
     if surface.count > 1:
         parts.append(f"{found.mean / surface.count:.4g} per asperite")
     if is_friction and force_averages.load_of(surface) > 0.0:

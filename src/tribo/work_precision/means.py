@@ -6,7 +6,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from tribo.integrators import methods
 from tribo.kernels.status import Status
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
+from tribo.results.averages import student
 from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, number, one_of
 
@@ -50,12 +51,18 @@ class MeanRow:
     half_width : float
         The largest half-width of the 95 % interval of a mean, in units of the scale of energies.
     bias : float
-        The largest difference of a mean from that at half the step that exceeds chance, in the same
-        units; 0 where chance explains all of them.
+        The largest difference, at the end, of a mean from that at half the step that exceeds its
+        half-width, in the same units; 0 if none does.
     force_evaluations : int
         Evaluations of all forces, in all members.
     seconds : float
         Time of the ensemble, with the second runs that measure the bias.
+    bias_half_width : float or None
+        The half-width of `bias`, in the same units, or that of `unseen_bias` if `bias` is 0. The
+        intervals of all quantities contain their biases with a probability of 95 %. None if the
+        bias was not measured.
+    unseen_bias : float or None
+        The largest half-width of the other biases: a bias below it may be unseen.
     """
 
     method: str
@@ -65,15 +72,32 @@ class MeanRow:
     bias: float
     force_evaluations: int
     seconds: float
+    bias_half_width: float | None = None
+    unseen_bias: float | None = None
 
     def scaled_to(self, half_width: float) -> MeanRow:
         """What another half-width takes: it falls with the square root of the members."""
         members = max(2, math.ceil(self.members * (self.half_width / half_width) ** 2))
         ratio = members / self.members
-        evaluations, seconds = round(ratio * self.force_evaluations), ratio * self.seconds
-        return MeanRow(
-            self.method, self.setting, members, half_width, self.bias, evaluations, seconds
+        return replace(
+            self,
+            members=members,
+            half_width=half_width,
+            force_evaluations=round(ratio * self.force_evaluations),
+            seconds=ratio * self.seconds,
         )
+
+    @property
+    def bias_text(self) -> str:
+        """What is known of the bias of the step at the end."""
+        if self.bias_half_width is None or self.unseen_bias is None:
+            return "the bias of the step was not measured"
+        if self.bias == 0.0:
+            half_width = f"{self.bias_half_width:.2g}"
+            return f"no bias of the step can be seen (below its half-width of {half_width})"
+        text = f"the step's bias is {self.bias:.2g} +- {self.bias_half_width:.2g}"
+        other = f"; biases of other quantities below {self.unseen_bias:.2g} cannot be seen"
+        return text + other * (self.unseen_bias > self.bias)
 
 
 @dataclass(frozen=True)
@@ -110,20 +134,22 @@ class MeansPrecision:
         lines = [
             "thermal noise: no two runs agree, so these are means over members of an ensemble",
             f"{'method':>15} {'step':>9} {'members':>9} {'half-width':>11} {'bias':>9} "
-            f"{'evaluations':>12} {'seconds':>10}",
+            f"{'+-':>9} {'evaluations':>12} {'seconds':>10}",
         ]
         lines += [
             f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
-            f"{row.bias:9.1e} {row.force_evaluations:12d} {row.seconds:10.2e}"
+            f"{row.bias:9.1e} {_number(row.bias_half_width):>9} {row.force_evaluations:12d} "
+            f"{row.seconds:10.2e}"
             for row in self.rows
         ]
         lines += [
             f"half-width {row.half_width:g}: {row.members} members by {row.method} at step "
             f"{row.setting:.2g}, {row.force_evaluations} evaluations, {row.seconds:.2g} s"
-            + f"; the step's bias of {row.bias:.1g} is larger"
+            + "; the step's bias is larger"
             * (row.bias > row.half_width)
             for row in self.cheapest
         ]
+        lines += [f"at the end, {row.bias_text}" for row in self.rows[-1:]]
         lines.append(
             f"one digit more takes {RATIO_OF_DIGIT} times the members; half-widths are of 95 % "
             "intervals, in units of the scale of energies"
@@ -208,11 +234,7 @@ def _row(
 ) -> MeanRow:
     """The largest half-width and bias of an ensemble."""
     half_width = max(float(data[f"{name}_half_width"].max()) for name in names)
-    bias = 0.0
-    for name in (f"{name}_bias" for name in names if f"{name}_bias" in data):
-        found = np.abs(data[name].values)
-        exceeds = found > data[f"{name}_half_width"].values
-        bias = max(bias, float(np.max(found, initial=0.0, where=exceeds)))
+    bias, bias_half_width, unseen = _bias(data, names)
     setting = simulation.plan.setting
     assert isinstance(setting, float)
     return MeanRow(
@@ -223,4 +245,29 @@ def _row(
         bias / scale,
         evaluations,
         data.attrs["seconds"],
+        None if bias_half_width is None else bias_half_width / scale,
+        None if unseen is None else unseen / scale,
     )
+
+
+def _bias(data: xarray.Dataset, names: Sequence[str]) -> tuple[float, float | None, float | None]:
+    """The largest significant bias at the end, its half-width, and the largest of the others."""
+    measured = [f"{name}_bias" for name in names if f"{name}_bias" in data]
+    if not measured:
+        return 0.0, None, None
+    found = np.array([abs(data[name].values.flat[-1]) for name in measured])
+    # The data set has intervals of one quantity at a time; here the largest of several decides.
+    wider = student(FEWEST - 1, len(measured)) / student(FEWEST - 1)
+    half_widths = wider * np.array(
+        [data[f"{name}_half_width"].values.flat[-1] for name in measured]
+    )
+    seen = found > half_widths
+    unseen = float(np.max(half_widths, initial=0.0, where=~seen))
+    if not np.any(seen):
+        return 0.0, unseen, unseen
+    largest = int(np.argmax(np.where(seen, found, 0.0)))
+    return float(found[largest]), float(half_widths[largest]), unseen
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1e}"
