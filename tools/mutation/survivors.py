@@ -1,6 +1,8 @@
 """Mutants that no check catches."""
 
 AFTER_SWINGS = "the first slots are those of the swings; no other coordinate has slot 0"
+WIDER = "more cells are searched for boxes within reach: only the cost changes"
+ROUNDED = "only a place that is rounded up to the period is not below the number of cells"
 # No result changes: mutant -> why.
 EQUIVALENT = {
     "kernels/encounters.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
@@ -29,8 +31,19 @@ EQUIVALENT = {
     "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
-    "kernels/cells.py: set_cells: max(extent / count, size) -> max(extent * count, size)": (
-        "wider cells hold all pairs within reach, which are then sorted: only the cost changes"
+    "kernels/cells.py: adjacent: cell - 1 -> cell - 2 (2)": WIDER,
+    "kernels/cells.py: adjacent: cell + 2 -> cell + 3 (2)": WIDER,
+    "kernels/cells.py: cell_of: min(int(place / cells.widths[axis]), cells.counts[axis] - 1) -> "
+    "min(int(place / cells.widths[axis]), cells.counts[axis])": ROUNDED,
+    "kernels/cells.py: cell_of: min(int(place / cells.widths[axis]), cells.counts[axis] - 1) -> "
+    "min(int(place / cells.widths[axis]), cells.counts[axis] + 1)": ROUNDED,
+    "kernels/cells.py: set_boxes: model.bobs[X + axis] -> model.bobs[X - axis]": (
+        "of two rows, row -1 is row 1"
+    ),
+    "kernels/cells.py: set_boxes: range(first + 1, min(first + LANES, s.end)) -> "
+    "range(first, min(first + LANES, s.end))": "the first place is among the extremes already",
+    "kernels/cells.py: sort_boxes: most = 2.0 * n + 16.0 -> most = 2.0 * n": (
+        "fewer cells: only the cost changes"
     ),
     "integrators/inactive.py: longest_paths: broadcast(0.0) -> broadcast(1.0)": (
         "rigid asperites have less to reach than this says: only the cost changes"
