@@ -59,11 +59,7 @@ PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)
 # Evaluations per radian of a bath's fastest oscillator that methods need for stability.
 FAST = 1.6
 # Evaluations and slope, as in Rate, with a fast bath, of methods that advance it exactly.
-WITH_FAST_BATH = {
-    "verlet": (108.0, 2.0),
-    "kahan-li-6": (55.4, 4.25),
-    "kahan-li-8": (71.5, 5.79),
-}
+WITH_FAST_BATH = {"verlet": (108.0, 2.0), "kahan-li-6": (55.4, 4.25), "kahan-li-8": (71.5, 5.79)}
 # The steepest slope where some derivative of a potential jumps.
 ROUGH_SLOPE = 12.0
 # Time of a pair of bobs, and of a call of an ASE calculator [ns]: of 512 bobs on 512 with AVX-512

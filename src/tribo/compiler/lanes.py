@@ -277,7 +277,6 @@ def widen(builder, x):
 
 @instruction(lambda x, i: types.float64(x, types.intp), lambda x, i: float(x[i]))
 def lane(builder, x, i):
-    """The number in lane i."""
     return builder.extract_element(x, builder.trunc(i, _INDEX))
 
 

@@ -54,7 +54,6 @@ def _aligned(size: int) -> np.ndarray:
 
 
 def with_spare_lanes(values: np.ndarray) -> np.ndarray:
-    """A copy of an array, with room."""
     copy = room(values.shape)
     copy[...] = values
     return copy

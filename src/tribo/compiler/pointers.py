@@ -42,7 +42,6 @@ class _Model(extending.models.StructModel):
 
 
 def _type_of(kind: Any) -> Any:
-    """The type with pointers instead of arrays."""
     if isinstance(kind, types.Array) and kind.layout == "C":
         return PointerType(kind.dtype, kind.ndim)
     if not isinstance(kind, types.BaseTuple):

@@ -58,7 +58,6 @@ class Team(NamedTuple):
 
 @intrinsic
 def _at(typing_context, array, i):
-    """The address of element i."""
 
     def build(context, builder, sig, args):
         return element(context, builder, sig.args[0], *args)

@@ -21,7 +21,6 @@ def group_names(scene: Scene) -> list[str]:
 
 
 def motion_lines(scene: Scene, atoms: Atoms) -> Iterator[str]:
-    """The commands that move all surfaces."""
     if scene.fields:
         yield "compute unwrapped all property/atom xu"
     for index, (surface, group) in enumerate(zip(scene.surfaces, group_names(scene), strict=True)):
@@ -51,7 +50,6 @@ def moves_uniformly(scene: Scene, surface: Surface) -> bool:
 
 
 def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
-    """What of a surface the files leave out."""
     present = {
         "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
         "bars that turn": surface.bars == "free",

@@ -59,7 +59,6 @@ class Method:
 
     @property
     def loop(self) -> Callable[..., int]:
-        """The time loop, not yet compiled."""
         if self.splits:
             return splitting_steps
         return time_loops.adaptive_steps if self.adaptive else time_loops.equal_steps

@@ -11,13 +11,7 @@ from tribo.compiler import team as teams
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.kernels import blocks
-from tribo.kernels.contact import (
-    add_calculated,
-    add_contact,
-    add_rows,
-    block_of,
-    row_of,
-)
+from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
 
 
 @inlined

@@ -155,7 +155,6 @@ def drive_of_block(model, s, i, t, q):
 
 @inlined
 def drive_forces(model, active, t, q):
-    """Set f2 on every bar of the active blocks."""
     gather_contact(model, model.members)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]

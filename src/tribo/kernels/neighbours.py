@@ -67,7 +67,6 @@ def inactive_have_crossed(model, active, width, elapsed):
 
 @kernel
 def keep_places(model, place):
-    """Set `place` to the positions of all bobs."""
     for i in range(place.shape[1]):
         place[X, i] = model.bobs[X, i]
         place[Y, i] = model.bobs[Y, i]

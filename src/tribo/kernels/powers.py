@@ -38,14 +38,7 @@ from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, s
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
-from tribo.kernels.blocks import (
-    all_coordinates,
-    constant,
-    coordinates,
-    has,
-    plus,
-    vectors,
-)
+from tribo.kernels.blocks import all_coordinates, constant, coordinates, has, plus, vectors
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import levers, velocities_of_centres

@@ -66,14 +66,12 @@ class Starts(NamedTuple):
 
 @kernel
 def clear_lane(x, lane):
-    """Set the numbers of one lane to zero."""
     for m in range(lane, x.size, LANES):
         x[m] = 0.0
 
 
 @kernel
 def load_member(clock, state, starts, m, lane):
-    """Put a member into a lane, at its start."""
     clock.t, clock.t_low, clock.h = 0.0, 0.0, starts.first_step
     clock.sample, clock.steps, clock.rejected, clock.after_rejection = 0, 0, 0, 0
     clock.evaluations = 1

@@ -128,7 +128,6 @@ def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, .
 
 
 def arm_ratios(surface: Surface) -> np.ndarray:
-    """l2 / l1 of each asperite."""
     each = surface.each
     return np.asarray(each["l2"] / each["l1"])
 

@@ -47,7 +47,6 @@ class Samples:
 
     @property
     def columns(self) -> tuple[np.ndarray, ...]:
-        """All arrays, in the order of the fields."""
         return tuple(self.arrays().values())
 
     def at(self, times: np.ndarray) -> Samples:

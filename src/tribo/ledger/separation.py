@@ -104,7 +104,6 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
 
 
 def asperite_names(layout: Layout, indices: Iterable[int]) -> str:
-    """Two asperites, as a part of a sentence."""
     return " and ".join(asperite_name(layout, index) for index in indices)
 
 

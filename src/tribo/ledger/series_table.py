@@ -73,7 +73,6 @@ class ReportedSeries(NamedTuple):
 
 
 def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
-    """All quantities that are reported."""
     samples, scene = group.samples, layout.scene
     (motion,) = group.motions
     wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))

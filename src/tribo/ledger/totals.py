@@ -95,7 +95,6 @@ class SurfaceSeries(AsperiteSeries):
     @cached_property
     @_with_infinities
     def change_of_kinetic(self) -> np.ndarray:
-        """The change of the bulk kinetic energy."""
         vx, vy = self._layout.velocity_of(self._index)
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
@@ -192,7 +191,6 @@ class SurfaceSeries(AsperiteSeries):
         names: tuple[str, ...],
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
-        """A part of the accounts of some forces."""
         every = (integrals[span] for span in self._accounted)
         return _sum(
             each.whole(sum(part(each[name], each.span.velocity) for name in names))

@@ -68,7 +68,6 @@ class PairContact(NamedTuple):
 
 @inlined
 def root_and_inverse(square):
-    """sqrt(square) and its inverse."""
     if FAST_INVERSE_ROOTS:
         inverse = inverse_root(square)
         return 1.0 / inverse, inverse
@@ -135,14 +134,12 @@ def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
 
 @kernel
 def energy_at(pair, potential, t, q1, q2, k):
-    """Energy of the contact."""
     r = distance(pair, t, q1, q2, k)
     return potential.energy_between(r, pair.charge1, pair.charge2) if r < potential.range() else 0.0
 
 
 @inlined
 def distance(pair, t, q1, q2, k):
-    """Distance of the bobs."""
     sin, cos = sine_cosine(with_lane(broadcast(q1), 1, q2))
     dx, dy = bob_separation(pair, t, k, lane(sin, 0), lane(cos, 0), lane(sin, 1), lane(cos, 1))
     return separation(dx, dy, math.sqrt(pair.z_squared))

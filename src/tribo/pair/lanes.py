@@ -84,7 +84,6 @@ def own_scenes(pair, potential, work, at, scenes):
 
 @kernel
 def load_scene(work, at, i, m, scenes):
-    """Put the numbers of member m into lane i."""
     if scenes is not None:
         for number in range(scenes.shape[1]):
             work[at + number, i] = scenes[m, number]
@@ -106,7 +105,6 @@ def accelerations(pair, potential, t, q1, q2, k):
 
 @inlined
 def step_length(work, limits):
-    """The step of each lane that is tried next."""
     h = load(work, H)
     left = limits[END] - load(work, T)
     return where_less(left, 1.0001 * h, left, h)

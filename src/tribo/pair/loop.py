@@ -31,7 +31,6 @@ COLUMNS = ENERGY + 1
 
 @kernel
 def write_sample(pair, potential, clock, work, record):
-    """Record the state as the next sample."""
     k = clock.sample
     for m in range(J + 1):
         record[k, m] = work[rows.PLACE, m]

@@ -13,13 +13,11 @@ def three_in(work, row, column):
 
 @inlined
 def load_three(work, row):
-    """Three rows."""
     return load(work, row), load(work, row + 1), load(work, row + 2)
 
 
 @inlined
 def store_three(work, row, values):
-    """Set three rows."""
     store(work, row, values[0])
     store(work, row + 1, values[1])
     store(work, row + 2, values[2])
@@ -47,5 +45,4 @@ def plus(one, other):
 
 @inlined
 def times(factor, values):
-    """Three numbers times a factor."""
     return factor * values[0], factor * values[1], factor * values[2]

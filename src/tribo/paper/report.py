@@ -58,7 +58,6 @@ def report(tables: Mapping[str, Sequence[Row]]) -> str:
 
 
 def _lines(row: Row) -> Iterator[str]:
-    """The line of a row, and those of its note."""
     computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"
     error = "" if row.error is None else f"{row.error:.0e}"
     verdict = "agrees" if row.agrees else "DIFFERS"

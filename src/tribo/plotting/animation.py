@@ -161,7 +161,6 @@ class Film:
         return pose(self._result, float(self._result.t[sample]), self._bath)
 
     def show(self, sample: int) -> None:
-        """Show the run at a sample."""
         t = self._result.t
         self._picture.show(self._pose(sample))
         self._clock.set_text(f"t = {t[sample]:.4g}")  # plain: formulas take long

@@ -76,7 +76,6 @@ class Picture:
         return [self._dots, *self._parts.values(), *([self.swings] if self.swings else [])]
 
     def show(self, now: Pose) -> None:
-        """Move everything to its place in a pose."""
         self._dots.set_offsets(now.dots)
         if self.swings is not None:
             self.swings.set_offsets(now.bobs)

@@ -362,7 +362,6 @@ class Plots:
         return (2.6, 1.0)[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
 
     def _named(self, name: str) -> str:
-        """The name of a line in the legend."""
         return f"{self._label}: {name}" if self._label else name
 
 

@@ -63,7 +63,6 @@ class Pose:
         return int(self.parts[surface].start) + asperite
 
     def shifted(self, shift: np.ndarray | tuple[float, float]) -> Pose:
-        """The same elsewhere."""
         moved = {name: getattr(self, name) + shift for name in ("bars", "cms", "bobs", "dots")}
         return replace(self, **moved)
 

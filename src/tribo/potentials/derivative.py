@@ -195,7 +195,6 @@ def _source(function: FunctionType) -> ast.FunctionDef:
 
 
 def _codes(code: CodeType) -> list[CodeType]:
-    """All code objects inside a code object."""
     inner = [item for item in code.co_consts if isinstance(item, CodeType)]
     return inner + [item for part in inner for item in _codes(part)]
 

@@ -76,11 +76,9 @@ class ZeroForce(Potential):
     reach: float  # distance from which its force is zero [length]
 
     def energy(self, r):
-        """Zero."""
         return 0.0 * r
 
     def force(self, r):
-        """Zero."""
         return 0.0 * r
 
     def feature(self):

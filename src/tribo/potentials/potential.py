@@ -239,11 +239,9 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return COMBINED["sum"].of(_added(other), self)
 
     def __sub__(self, other: object) -> Potential:
-        """The difference."""
         return COMBINED["sum"].of(self, -1.0 * _added(other))
 
     def __neg__(self) -> Potential:
-        """The potential with the other sign."""
         return -1.0 * self
 
     def __mul__(self, factor: object) -> Potential:  # type: ignore[override]
@@ -257,11 +255,9 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         return type(self) is type(other) and tuple.__eq__(self, other)  # type: ignore[arg-type]
 
     def __ne__(self, other: object) -> bool:
-        """Whether the other differs."""
         return not self == other
 
     def __hash__(self) -> int:
-        """A hash of the class and the numbers."""
         return hash((type(self), tuple(self)))
 
 

@@ -118,7 +118,6 @@ class Table(Potential):
         return np.array_equal(self.r, other.r) and np.array_equal(self.values, other.values)
 
     def __hash__(self):
-        """A hash of the points and the error."""
         return hash((self.r.tobytes(), self.values.tobytes(), self.error))
 
 

@@ -84,7 +84,6 @@ def _size(array: np.ndarray) -> int:
 
 
 def arrays_in(item: object) -> Iterator[np.ndarray]:
-    """All arrays in nested tuples."""
     if isinstance(item, np.ndarray):
         yield item
     elif isinstance(item, tuple):

@@ -79,12 +79,10 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
 
 
 def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
-    """How work and pseudowork of friction on the first moving surface differ, and what that means.
+    """How work and pseudowork of friction on the first moving surface differ; empty without these.
 
     Their difference is the integral of the contact forces along the motion of the bobs relative to
-    the centres of mass.  Where a bob ends says nothing about it: the bob also swings when no force
-    acts on it.  `of_surfaces` contains the works on each surface.  Empty where no works of the
-    contact force are recorded.
+    the centres of mass.  Where a bob ends says nothing about it: it also swings without a force.
     """
     moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
     works = of_surfaces[moving.name]

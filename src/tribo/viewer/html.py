@@ -41,7 +41,6 @@ SERVED = (f"{HELD[0]}; connect-src 'self'", "servedRuns")
 
 
 def part(name: str) -> str:
-    """The text of a file of the page."""
     return files("tribo.viewer").joinpath("parts", name).read_text(encoding="utf-8")
 
 

@@ -41,12 +41,10 @@ class Server(ThreadingHTTPServer):
 
     @property
     def host(self) -> str:
-        """Address and port."""
         return f"{ADDRESS}:{self.server_address[1]}"
 
     @property
     def url(self) -> str:
-        """The address of the page."""
         return f"http://{self.host}/?token={self.token}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:

@@ -138,8 +138,8 @@ class MeansPrecision:
         ]
         lines += [
             f"{row.method:>15} {row.setting:9.2e} {row.members:9d} {row.half_width:11.1e} "
-            f"{row.bias:9.1e} {_number(row.bias_half_width):>9} {row.force_evaluations:12d} "
-            f"{row.seconds:10.2e}"
+            f"{row.bias:9.1e} {row.bias_half_width or np.nan:9.1e} "
+            f"{row.force_evaluations:12d} {row.seconds:10.2e}"
             for row in self.rows
         ]
         lines += [
@@ -267,7 +267,3 @@ def _bias(data: xarray.Dataset, names: Sequence[str]) -> tuple[float, float | No
         return 0.0, unseen, unseen
     largest = int(np.argmax(np.where(seen, found, 0.0)))
     return float(found[largest]), float(half_widths[largest]), unseen
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1e}"
