@@ -1,5 +1,8 @@
 """Files that are written whole or not at all."""
 
+from __future__ import annotations
+
+import io
 import json
 import math
 import os
@@ -7,11 +10,14 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tribo import system
 from tribo.system import longest_name, replace
 from tribo.validation import InputError
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def checked_target(field: str, path: Path) -> Path:
@@ -81,6 +87,29 @@ def replace_file(path: Path, content: bytes) -> None:
     """Write a file whole, or leave the one that was there.  Raises InputError."""
     with replaced(checked_target(str(path), path)) as new:
         new.write_bytes(content)
+
+
+def write_netcdf(data: xarray.Dataset, file: Path | BinaryIO, **how: Any) -> None:
+    """Write a data set as NetCDF; `how` are `encoding` and `unlimited_dims` of xarray.
+
+    ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
+    for it without end, and no cluster knows a file in memory.  h5py has the lock that HDF5 needs.
+    """
+    from xarray.backends import H5NetCDFStore
+
+    name = file if isinstance(file, io.IOBase) else str(file)
+    store = H5NetCDFStore.open(name, mode="w", lock=False)
+    try:
+        data.dump_to_store(store, **how)
+    finally:
+        store.close()
+
+
+def netcdf_image(data: xarray.Dataset) -> bytes:
+    """The bytes of a NetCDF file with a data set."""
+    image = io.BytesIO()
+    write_netcdf(data, image)
+    return image.getvalue()
 
 
 def read_file(path: Path) -> bytes:

@@ -16,7 +16,7 @@ import numpy as np
 
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, completed, joined
 from tribo.ensembles.statistics import Moments
-from tribo.files import netcdf_target, replace_file, replaced
+from tribo.files import netcdf_image, netcdf_target, replace_file, replaced, write_netcdf
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.loops.frames import PART, Frames, as_bytes
@@ -181,7 +181,7 @@ class Target(NamedTuple):
         """The data set; if it is complete it is in its file too, in place of the frames."""
         if self.path is not None and data.attrs["status"] == Status.COMPLETED:
             data.attrs[IDENTITY] = json.dumps(self.identity)
-            replace_file(self.path, bytes(data.to_netcdf(engine="h5netcdf")))
+            replace_file(self.path, netcdf_image(data))
             assert self.frames is not None
             self.frames.remove()
         return data
@@ -202,7 +202,7 @@ def _append(path: Path, data: xarray.Dataset) -> None:
     if first == 0:
         bytes_of_text = {"dtype": "S1"}  # a fixed number for each, in place of objects
         encoding = {"status": bytes_of_text}
-        data.to_netcdf(path, engine="h5netcdf", unlimited_dims=["member"], encoding=encoding)
+        write_netcdf(data, path, unlimited_dims=["member"], encoding=encoding)
         return
     with h5py.File(path, "r+") as file:
         for name, variable in data.variables.items():

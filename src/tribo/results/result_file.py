@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.files import read_file, replace_file
+from tribo.files import netcdf_image, read_file, replace_file
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS, Table, quantity_of
 from tribo.loops.saved_state import State
@@ -135,7 +135,7 @@ def save(result: RunResult, path: Path) -> None:
         variable.attrs["checksum"] = _checksum(str(key), variable)
     data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
     data.attrs["hash"] = (HASH + NO_DIGEST).decode()
-    image = bytes(data.to_netcdf(engine="h5netcdf"))
+    image = netcdf_image(data)
     replace_file(path, image.replace(HASH + NO_DIGEST, HASH + _digest(image)))
 
 

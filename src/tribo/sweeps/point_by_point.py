@@ -10,6 +10,7 @@ import numpy as np
 
 from tribo.ensembles.kept_values import NOT_RUN, REFUSED
 from tribo.ensembles.stores import Target
+from tribo.files import netcdf_image
 from tribo.interrupts import answer
 from tribo.loops.frames import Arrays, as_bytes
 from tribo.model.parameters import with_values
@@ -40,7 +41,7 @@ def point_by_point(
         for index in range(len(points), grid.size):
             try:
                 data = ensemble_at(with_values(grid.scene, grid.point(index)))
-                points.append({"data": as_bytes(bytes(data.to_netcdf(engine="h5netcdf")))})
+                points.append({"data": as_bytes(netcdf_image(data))})
             except InputError as error:
                 points.append({"note": as_bytes(str(error))})
             if frames is not None:
