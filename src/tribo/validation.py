@@ -5,6 +5,7 @@ Each check returns the value in the form on which the package relies, or raises 
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import math
 import os
@@ -212,9 +213,38 @@ def instance(kind: type) -> Check:
     def check(field: str, value: object) -> object:
         if not isinstance(value, kind):
             raise must_be(field, f"a tribo.{kind.__name__}", value)
-        return value
+        with inside(field):
+            return as_parent(value, [kind])
 
     return check
+
+
+def as_parent(value: Any, kinds: Iterable[type]) -> Any:
+    """An object of one of some dataclasses, also for one of a subclass that changes nothing.
+
+    Runs and files know the fields and methods of `kinds` alone.  Raises InputError, without a
+    field, for subclasses with others.
+    """
+    cls = type(value)
+    parent = next((base for base in cls.__mro__ if base in kinds), None)
+    if parent is cls:
+        return value
+    if parent is None:
+        known = shortened(f"tribo.{kind.__name__}" for kind in kinds)
+        raise InputError("", f"must be of {known}, got a {cls.__name__}")
+    own = dataclasses.fields(parent)
+    names = [each.name for each in own]
+    added = [each.name for each in dataclasses.fields(cls) if each.name not in names]
+    between = cls.__mro__[: cls.__mro__.index(parent)]
+    methods = [name for base in between for name in vars(base) if not name.startswith("__")]
+    changed = [name for name in methods if name not in names and hasattr(parent, name)]
+    if added or changed:
+        raise InputError(
+            "",
+            f"{cls.__name__} changes {' and '.join(added + changed)} of tribo.{parent.__name__}, "
+            f"which runs would not see; give a tribo.{parent.__name__}",
+        )
+    return parent(**{each.name: getattr(value, each.name) for each in own if each.init})
 
 
 def boolean(field: str, value: object) -> bool:

@@ -11,6 +11,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.model import drives
 from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
 from tribo.model.fields import Corrugation, Field
 from tribo.model.scene import Scene
@@ -98,8 +99,9 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         DrivenBars: records.BARS,
         Pulled: records.PULLED,
         Pushed: records.PUSHED,
+        drives.Custom: records.CUSTOM,
     }
-    record["drive"] = kinds.get(type(drive), records.CUSTOM)
+    record["drive"] = kinds[type(drive)]
     if isinstance(drive, Pulled):
         record["stiffness"] = drive.stiffness
         record["speed"] = drive.speed - surface.velocity[0]

@@ -99,7 +99,7 @@ def as_bath(value: object) -> Bath:
     if value is None:
         return Bath()
     if isinstance(value, Bath):
-        return value
+        return check.as_parent(value, [Bath])  # type: ignore[no-any-return]
     table = check.known_keys(value, KEYS)
     settings: dict[str, Any] = {"temperature": table.get("temperature", 0.0)}
     if "spectrum" in table:

@@ -196,9 +196,16 @@ KINDS: dict[str, type[Drive]] = {
 
 
 def as_drive(value: Any, folder: Path = Path()) -> Drive:
-    """A drive from its name or its table in a scene file, or the drive itself."""
-    if isinstance(value, Drive) and type(value) is not Drive:
-        return value
+    """A drive of a class that runs know, from its name, its table in a scene file, or a drive.
+
+    Raises InputError for a class of one's own that is not the same as its parent.
+    """
+    if isinstance(value, Drive):
+        if hasattr(value, "force_on_bar"):
+            name = type(value).__name__
+            problem = f"{name}.force_on_bar is not called; give Custom(force=...) a NamedTuple"
+            raise InputError("", f"{problem} with {FORCE_ON_BAR}")
+        return check.as_parent(value, [*KINDS.values(), Custom])  # type: ignore[no-any-return]
     if isinstance(value, str):
         value = {"kind": check.choice("", value, KINDS)}
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
@@ -218,14 +225,14 @@ def as_table(drive: Drive) -> dict[str, Any]:
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         return table if drive.load is None else table | {"load": drive.load}
-    kind = next(name for name, cls in KINDS.items() if cls is type(drive))
+    (kind,) = (name for name, cls in KINDS.items() if cls is type(drive))
     return {"kind": kind} | {k: v for k, v in table_of(drive).items() if v is not False}
 
 
 def as_bars(value: object, folder: Path = Path()) -> str | Ends:
     """What holds the bars: "clamped", "free", or a user's forces on their ends."""
     if isinstance(value, Ends):
-        return value
+        return check.as_parent(value, [Ends])  # type: ignore[no-any-return]
     if isinstance(value, dict):
         parameters = dict(value)
         if not isinstance(parameters.get("ends"), str):

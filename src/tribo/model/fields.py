@@ -113,6 +113,7 @@ def as_field_potential(value: Any) -> Any:
     plugins.check_class(type(value), "kind", ENERGY_AT)
     if isinstance(value, Unloaded):
         return value
+    value = plugins.as_built_in(value)
     if not hasattr(value, "made_by"):
         cls: Any = type(value)
         value = complete(cls)(*value)

@@ -113,14 +113,16 @@ class Scene(ComparedByValue):
     def _checked_surfaces(self) -> tuple[Surface, ...]:
         if not isinstance(self.surfaces, (list, tuple)) or not self.surfaces:
             raise InputError("surface", "is missing; give at least one surface")
-        for i, surface in enumerate(self.surfaces):
-            check.instance(Surface)(f"surface[{i}]", surface)
-            if surface.name in [s.name for s in self.surfaces[:i]]:
+        surfaces: list[Surface] = []
+        for i, item in enumerate(self.surfaces):
+            surface = check.instance(Surface)(f"surface[{i}]", item)
+            if surface.name in [s.name for s in surfaces]:
                 raise InputError(
                     f"surface[{i}].name",
                     f'"{surface.name}" is the name of another surface; give each name once',
                 )
-        return tuple(self.surfaces)
+            surfaces.append(surface)
+        return tuple(surfaces)
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
         value: object = self.interactions
@@ -129,7 +131,10 @@ class Scene(ComparedByValue):
         if not isinstance(value, (list, tuple)):
             raise must_be("interaction", "a potential or a list of potentials", value)
         interactions = tuple(
-            item if isinstance(item, Interaction) else Interaction(item) for item in value
+            check.instance(Interaction)(f"interaction[{i}]", item)
+            if isinstance(item, Interaction)
+            else Interaction(item)
+            for i, item in enumerate(value)
         )
         names = [s.name for s in self.surfaces]
         for i, interaction in enumerate(interactions):
@@ -144,10 +149,10 @@ class Scene(ComparedByValue):
         if not isinstance(value, (list, tuple)):
             raise must_be("field", "a list of fields", value)
         names = [s.name for s in self.surfaces]
-        for i, item in enumerate(value):
-            check.instance(Field)(f"field[{i}]", item)
+        found = tuple(check.instance(Field)(f"field[{i}]", item) for i, item in enumerate(value))
+        for i, item in enumerate(found):
             _check_names(f"field[{i}].on", item.on, "surfaces", names)
-        return tuple(value)
+        return found
 
     def _check_period(self) -> None:
         """Refuse potentials that reach beyond half a period, where nearest images are wrong."""

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from tribo.validation import Check, inside, known_keys
+from tribo.validation import Check, as_parent, inside, known_keys
 
 Kind = TypeVar("Kind")
 
@@ -39,7 +39,7 @@ def _plain(value: Any) -> Any:
 def from_table(kind: type[Kind], value: object, required: Iterable[str] = ()) -> Kind:
     """A dataclass from its table in a scene file, or one that was made before."""
     if isinstance(value, kind):
-        return value
+        return as_parent(value, [kind])  # type: ignore[no-any-return]
     return kind(**known_keys(value, field_names(kind), required))
 
 

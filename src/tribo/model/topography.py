@@ -230,7 +230,7 @@ def is_topography(value: object) -> bool:
 def as_topography(value: object, folder: Path = Path()) -> Topography:
     """A topography from its table in a scene file; relative paths are relative to `folder`."""
     if isinstance(value, Topography):
-        return value
+        return check.as_parent(value, [Topography])  # type: ignore[no-any-return]
     if not isinstance(value, Mapping):
         return Topography(value)
     settings = check.known_keys(value, KEYS)

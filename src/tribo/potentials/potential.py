@@ -307,6 +307,7 @@ def as_potential(value: Any) -> Any:
     if not hasattr(value, "_fields"):
         wanted = "a potential, of a class that derives from tribo.Potential or a NamedTuple"
         raise must_be("potential", wanted, value)
+    value = plugins.as_built_in(value)
     cls: Any = type(value)
     potential = complete(cls)(*value).with_checked_fields()
     _check(potential)

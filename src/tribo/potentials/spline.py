@@ -108,7 +108,10 @@ class Table(Potential):
         return float(self.r[0]), float(self.r[-1])
 
     def with_checked_fields(self) -> Self:
-        """The same, made from its points again.  Raises InputError."""
+        """The same, made from its points again.  Raises InputError, also for derived classes."""
+        if type(self) is not Table:
+            problem = f"{type(self).__name__} derives from Table, which runs replace by its points"
+            raise InputError("potential", f"{problem}; derive from tribo.Potential")
         return from_points(self.r, self.values, self.error)  # type: ignore[return-value]
 
     def __eq__(self, other):

@@ -111,22 +111,25 @@ def as_table(potential: Any) -> dict[str, Any]:
     inner, cutoff = without_cutoff(potential)
     if cutoff:
         return as_table(inner) | cutoff
-    if isinstance(potential, Sum):
+    if type(potential) is Sum:
         return {"potential": "sum", "of": [as_table(part) for part in _parts(potential)]}
-    if isinstance(potential, Scaled):
+    if type(potential) is Scaled:
         of = as_table(potential.potential)
         return {"potential": "scaled", "factor": potential.factor, "of": of}
-    if isinstance(potential, Table):
+    if type(potential) is Table:
         points = {"r": potential.r.tolist(), "energy": potential.values.tolist()}
         return {"potential": "table", "error": potential.error} | points
     name = getattr(potential, "expression_text", None) or plugins.name_of(potential, BUILT_IN)
     table: dict[str, Any] = potential._asdict()
+    for key, value in table.items():
+        if hasattr(value, "_fields"):
+            raise InputError(key, f"is a potential; files hold numbers alone of {name}")
     return {"potential": name} | table
 
 
 def _parts(potential: Any) -> list[Potential]:
     """The parts of a potential that is a sum, possibly of sums."""
-    if not isinstance(potential, Sum):
+    if type(potential) is not Sum:
         return [potential]
     return [potential.first, *_parts(potential.second)]
 

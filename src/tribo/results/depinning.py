@@ -94,7 +94,7 @@ def _ground(result: RunResult, name: str) -> tuple[list[float], np.ndarray]:
     fields = [field for field in result.scene.fields if name in field.on]
     if fields:
         potentials = [field.potential for field in fields]
-        periods = [each.period for each in potentials if isinstance(each, Corrugation)]
+        periods = [each.period for each in potentials if type(each) is Corrugation]
         return periods, np.mean([field.velocity[0] for field in fields]) * result.t
     others = [s for s in result.scene.surfaces if s.name != name]
     rows = [s for s in others if s.positions is None and s.shape[0] > 1 and s.spacing[0] > 0.0]
