@@ -179,6 +179,9 @@ class OtherTable(Table):
     def energy(self, r):
         return 0.0 * r
 
+    def range(self):
+        return 4.0
+
 
 def test_changed_sums_and_tables_are_not_written_as_what_they_derive_from():
     """A file would give the sum back, and runs would take the points."""
