@@ -25,7 +25,7 @@ from tribo.ledger.samples import Samples
 from tribo.loops.pair import has_pair_loop, is_pair
 from tribo.loops.select import Integrator
 from tribo.pair.loop import COLUMNS, pair_collocation
-from tribo.plugins.sources import source_stamp
+from tribo.plugins.stamps import code_stamp_of
 
 RADAU = METHODS["gauss-radau-15"]
 
@@ -283,7 +283,7 @@ def test_in_pieces_as_in_one(samples):
     integrator = Integrator(lay_out(scene), RADAU)
     layout, own = integrator.layout, integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
-    loop = time_loop(pair_collocation, source_stamp(layout.plugins))
+    loop = time_loop(pair_collocation, code_stamp_of(layout.plugins))
     paused = own.loops.take()
     paused._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))

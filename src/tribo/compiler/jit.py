@@ -98,12 +98,14 @@ def stamp_of(places: tuple[str, ...]) -> str:
 
 
 @functools.cache
-def time_loop(loop: FunctionType, stamp: str | None) -> Callable[..., Any]:
+def time_loop(loop: FunctionType, stamp: str | None, version: str = "") -> Callable[..., Any]:
     """Compile a time loop at its first call, and keep it on disk.
 
-    `stamp` is the hash of the sources of the scene's plug-ins; with None nothing is kept.  Machine
-    code that earlier versions of the package left there is removed.  Threads can run the loop at
-    the same time, each with arrays of its own.
+    `stamp` is the hash of what the scene's plug-ins are compiled from; with None nothing is kept.
+    `version` tells plug-ins without a stamp apart: numba's calls from Python remember the types of
+    arguments, so a loop that was compiled for others is not used again.  Machine code that earlier
+    versions of the package left there is removed.  Threads can run the loop at the same time, each
+    with arrays of its own.
     """
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)

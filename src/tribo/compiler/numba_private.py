@@ -8,6 +8,7 @@ tested, and with TRIBO_NUMBA=plain in the environment.
 
 import os
 import warnings
+from typing import Any
 
 import llvmlite
 import numba
@@ -72,6 +73,21 @@ def own_reference(context, builder, kind, value):  # type: ignore[no-untyped-def
     return value
 
 
+def overloads_of(function: object) -> list[object] | None:
+    """What numba compiles where a function of Python is called; None if that cannot be told."""
+    if not NATIVE:
+        return None
+    context = cpu_target.typing_context
+    context.refresh()
+    templates = getattr(context._lookup_global(function), "templates", ())
+    return [each._overload_func for each in templates if hasattr(each, "_overload_func")]
+
+
+def vectorized_function(value: object) -> Any:
+    """The function that numba.vectorize was given; None for all else."""
+    return value._dispatcher.py_func if NATIVE and isinstance(value, DUFunc) else None
+
+
 if NATIVE:
     from llvmlite.binding import parse_assembly as parse_assembly
     from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]
@@ -82,4 +98,6 @@ if NATIVE:
     from numba.core import untyped_passes as untyped_passes
     from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
     from numba.core.lowering import Lower as Lower
+    from numba.core.registry import cpu_target
     from numba.core.serialize import dumps as dumps
+    from numba.np.ufunc.dufunc import DUFunc

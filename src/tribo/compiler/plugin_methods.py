@@ -9,6 +9,10 @@ Of numbers, numba compiles ``np.where`` to an array without dimensions, and of `
 Formulas are therefore compiled with `choose` in its place.  A class of plug-ins that a formula
 calls makes instances whose methods kernels know.  The functions of their authors, and these names
 in the functions of other programs, stay as they are.
+
+Compiled code keeps the values that functions take from elsewhere.  A class gets another kind once
+these have changed, and so do all kernels that take its instances.  Formulas are copies, with copies
+of the compiled functions that they call: numba would go on with what those were compiled to before.
 """
 
 import functools
@@ -18,11 +22,21 @@ from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba import extending, jit, njit, typeof, types
+from numba import extending, jit, njit, typeof, types, vectorize
 
+from tribo.compiler.frozen_values import (
+    Frozen,
+    closure_of,
+    frozen_in,
+    is_as_written,
+    is_known,
+    module_of,
+    names_in,
+    python_function,
+)
 from tribo.compiler.jit import COUNTED, KERNEL, LINKED, OVERLOAD
 from tribo.compiler.lanes import LanesType, where_less
-from tribo.compiler.numba_private import cgutils, own_reference
+from tribo.compiler.numba_private import cgutils, overloads_of, own_reference
 
 # Methods of plug-ins, each with its number of arguments after self.
 METHOD_ARGUMENTS = {
@@ -51,8 +65,10 @@ METHOD_ARGUMENTS = {
 _OPTIONS = {name: {**LINKED, **COUNTED} for name in METHOD_ARGUMENTS}
 _OPTIONS |= {"step": KERNEL, "trial": KERNEL}
 
-# Classes that :func:`recognize` has seen.
+# Classes whose instances numba types by :func:`plugin_type`.
 _recognized: set[Any] = set()
+# What compilation freezes of the classes that :func:`recognize` has seen, when it saw them last.
+_frozen: dict[Any, Frozen] = {}
 
 
 class PluginType:
@@ -60,6 +76,12 @@ class PluginType:
 
     instance_class: Any
     types: Any
+    version: str  # what compilation freezes of the class; of this package's it is always the same
+    formulas: dict[str, FunctionType]  # its methods as kernels compile them
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.name += self.version  # type: ignore[attr-defined]
 
     def __reduce__(self) -> Any:
         """Each process makes its own kinds: the disk cache keeps a class, or what makes it."""
@@ -78,9 +100,10 @@ def _type_of(cls: Any, members: Iterable[types.Type]) -> Any:
 def plugin_type(cls: Any, members: Iterable[types.Type]) -> Any:
     """The type of instances of a plug-in's class whose members have these types."""
     plain = types.BaseTuple.from_types(tuple(members), cls)
+    version = _version(cls)
     if isinstance(plain, types.NamedUniTuple):
-        return _kind(cls, types.NamedUniTuple)(plain.dtype, plain.count, cls)
-    return _kind(cls, types.NamedTuple)(plain.types, cls)
+        return _kind(cls, types.NamedUniTuple, version)(plain.dtype, plain.count, cls)
+    return _kind(cls, types.NamedTuple, version)(plain.types, cls)
 
 
 def recognize(plugin: Any) -> None:
@@ -92,16 +115,36 @@ def recognize(plugin: Any) -> None:
 
 
 def recognize_class(cls: Any) -> None:
-    """The same for all instances of a class."""
-    if cls in _recognized:
-        return
-    _recognized.add(cls)
-    for base in (types.NamedTuple, types.NamedUniTuple):
-        _kind(cls, base)
+    """The same for all instances of a class, with the values that its methods take now."""
+    if cls not in _recognized:
+        _recognized.add(cls)
 
-    @extending.typeof_impl.register(cls)
-    def find_type(value: Any, context: Any) -> Any:
-        return plugin_type(cls, [extending.typeof_impl(item, context) for item in value])
+        @extending.typeof_impl.register(cls)
+        def find_type(value: Any, context: Any) -> Any:
+            return plugin_type(cls, [extending.typeof_impl(item, context) for item in value])
+
+    _freeze(cls)
+
+
+def _freeze(cls: Any) -> Frozen:
+    """What compilation freezes of a class now, also of those that its methods make or refer to."""
+    found = frozen_in(cls, METHOD_ARGUMENTS)
+    for each in found.classes:
+        _frozen[each] = found if each is cls else frozen_in(each, METHOD_ARGUMENTS)
+    return found
+
+
+def _version(cls: Any) -> str:
+    """The stamp of what compilation freezes of a class, as it was when it was last recognized."""
+    if is_known(cls.__module__):
+        return ""
+    return (_frozen.get(cls) or _freeze(cls)).stamp
+
+
+def frozen_of(plugin: Any) -> Frozen:
+    """What compilation freezes of a plug-in's class now; kernels are compiled for it from now on."""
+    recognize(plugin)
+    return _frozen[type(plugin)]
 
 
 def type_of(plugin: Any) -> Any:
@@ -117,23 +160,38 @@ def like(kind: Any, number: types.Type) -> Any:
 
 
 @functools.cache
-def _kind(cls: Any, base: type) -> Any:
+def _kind(cls: Any, base: type, version: str) -> Any:
     """The kind of types of a class, with the methods that the class has beside its fields."""
-    kind = type(f"{cls.__name__}Type", (PluginType, base), {})
+    formulas = _formulas(cls, version)
+    namespace = {"version": version, "formulas": formulas}
+    kind = type(f"{cls.__name__}Type", (PluginType, base), namespace)
     models, uniform = extending.models, base is types.NamedUniTuple
     extending.register_model(kind)(models.UniTupleModel if uniform else models.TupleModel)
-    for name, options in _OPTIONS.items():
-        if name not in cls._fields and callable(getattr(cls, name, None)):
-            find = _finder(formula(getattr(cls, name)))
-            extending.overload_method(kind, name, jit_options=options, strict=False)(find)
+    for name, method in formulas.items():
+        find = _finder(method)
+        extending.overload_method(kind, name, jit_options=_OPTIONS[name], strict=False)(find)
     return kind
 
 
 @functools.cache
+def _formulas(cls: Any, version: str) -> dict[str, FunctionType]:
+    """The methods of a class as kernels compile them, with the values of its `version`."""
+    names = [name for name in _OPTIONS if name not in cls._fields]
+    formulas = Formulas()
+    methods = {name: getattr(cls, name, None) for name in names}
+    return {name: formulas.of(each) for name, each in methods.items() if callable(each)}
+
+
 def constructor(cls: Any) -> Any:
     """What makes an instance of a class in compiled code; the class itself if it is no plug-in."""
     if not any(callable(getattr(cls, name, None)) for name in METHOD_ARGUMENTS):
         return cls
+    return _constructor(cls, _version(cls))
+
+
+@functools.cache
+def _constructor(cls: Any, version: str) -> Any:
+    """The same for a plug-in with the values of its `version`."""
 
     @extending.intrinsic
     def build(typing_context, members):  # type: ignore[no-untyped-def]
@@ -186,42 +244,89 @@ _numpy = ModuleType("numpy")
 vars(_numpy).update(vars(np), where=choose)
 
 
-@functools.cache
-def formula(function: Any, callers: frozenset[Any] = frozenset()) -> Any:
-    """A method of a plug-in, or a function that others call, as kernels compile it.
+class Formulas:
+    """Functions as kernels compile them, with the values that they refer to now.
 
-    It has other names for np.where and for classes of plug-ins, and is the same if it uses neither.
+    They have other names for np.where and for classes of plug-ins.  Functions of a user are copied,
+    with the compiled functions that they call, each once.  This package's own are the same unless
+    they use such names.
     """
-    callers |= {function}
-    names = function.__code__.co_names
-    known = {name: value for name, value in function.__globals__.items() if name in names}
 
-    def in_formulas(value: Any) -> Any:
-        """What stands for a global value."""
+    def __init__(self) -> None:
+        self._made: dict[Any, Any] = {}  # what stands for functions of Python
+        self._compiled: dict[Any, Any] = {}  # and for those that numba has compiled
+
+    def of(self, function: Any) -> Any:
+        """A method of a plug-in, or a function that others call."""
+        if function in self._made:
+            return self._made[function]
+        own = is_known(module_of(function))
+        scope, cells = dict(function.__globals__), closure_of(function)
+        copy = FunctionType(
+            function.__code__,
+            scope,
+            function.__name__,
+            function.__defaults__,
+            tuple(CellType() for _ in function.__closure__ or ()),
+        )
+        copy.__kwdefaults__ = function.__kwdefaults__
+        copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+        self._made[function] = function if own else copy  # also for those that call themselves
+        attributes: dict[str, list[tuple[str, ...]]] = {}
+        for name, *rest in names_in(function.__code__):
+            attributes.setdefault(name, []).append(tuple(rest))
+        changed = False
+        for values in (scope, cells):
+            for name in attributes.keys() & values.keys():
+                new = self._in_formulas(values[name], attributes[name])
+                changed |= new is not values[name]
+                values[name] = new
+        for name, cell in zip(function.__code__.co_freevars, copy.__closure__ or (), strict=True):
+            if name in cells:
+                cell.cell_contents = cells[name]
+        if changed:
+            self._made[function] = copy
+        return self._made[function]
+
+    def _in_formulas(self, value: Any, attributes: list[tuple[str, ...]]) -> Any:
+        """What stands for a value, of which functions read `attributes` one after another."""
         if value is np.where:
             return choose
-        if value is np and "where" in names:
-            return _numpy
-        if extending.is_jitted(value) and value.py_func not in callers:
-            inner = formula(value.py_func, callers)
-            return value if inner is value.py_func else jit(**value.targetoptions)(inner)
+        if value is np:
+            return _numpy if any(rest[:1] == ("where",) for rest in attributes) else value
+        if isinstance(value, ModuleType):
+            return value if is_known(value.__name__) else self._module(value, attributes)
+        if isinstance(value, np.ndarray):
+            return value.copy()
         if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
             return constructor(value)
-        return value
+        return self._function(value)
 
-    changed = {name: in_formulas(value) for name, value in known.items()}
-    cells = function.__closure__ or ()
-    inner = [in_formulas(cell.cell_contents) for cell in cells]
-    if all(changed[name] is known[name] for name in known) and all(
-        new is cell.cell_contents for new, cell in zip(inner, cells, strict=True)
-    ):
-        return function
-    made = FunctionType(
-        function.__code__,
-        function.__globals__ | changed,
-        function.__name__,
-        function.__defaults__,
-        tuple(map(CellType, inner)),
-    )
-    made.__qualname__, made.__module__ = function.__qualname__, function.__module__
-    return made
+    def _module(self, module: ModuleType, attributes: list[tuple[str, ...]]) -> ModuleType:
+        """A module with what stands for its members."""
+        copy = ModuleType(module.__name__)
+        vars(copy).update(vars(module))
+        for name in {rest[0] for rest in attributes if rest} & vars(module).keys():
+            rests = [rest[1:] for rest in attributes if rest[:1] == (name,)]
+            setattr(copy, name, self._in_formulas(getattr(module, name), rests))
+        return copy
+
+    def _function(self, value: Any) -> Any:
+        """What stands for a compiled function; any other value itself."""
+        if isinstance(value, FunctionType):
+            function, compiler = value, jit(nopython=True)
+            if is_known(module_of(value)) or not overloads_of(value) or not is_as_written(value):
+                return value
+        elif (function := python_function(value)) is None:
+            return value
+        else:
+            compiler = (jit if extending.is_jitted(value) else vectorize)(**value.targetoptions)
+        made = self.of(function)
+        if made is not function and value not in self._compiled:
+            self._compiled[value] = compiler(made)
+        return self._compiled.get(value, value)
+
+
+def formula(function: Any) -> Any:
+    """A function as kernels compile it, with the values that it refers to now."""
+    return Formulas().of(function)

@@ -14,7 +14,6 @@ import tribo.compiler.lanes_functions  # noqa: F401  # exp and others of Lanes, 
 from tribo.compiler.jit import OVERLOAD, OWNING_KERNEL
 from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, with_lane
 from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
-from tribo.compiler.plugin_methods import formula
 
 
 @functools.cache
@@ -23,7 +22,7 @@ def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
 
     Raises NumbaError if it does not compile for another reason than an operation that Lanes lack.
     """
-    force = formula(potential_type.instance_class.force_between)
+    force = potential_type.formulas["force_between"]
     compiled = njit(**OWNING_KERNEL)(force)
     charge = lanes if lanes in potential_type.types else charge
     try:

@@ -12,7 +12,7 @@ from tribo.compiler.jit import package_stamp
 from tribo.model.drives import Custom, Ends
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
-from tribo.plugins.sources import source_stamp
+from tribo.plugins.stamps import is_same, stamp_of
 from tribo.plugins.unloaded import Code, Unloaded, code
 from tribo.validation import InputError, short_repr
 
@@ -53,7 +53,7 @@ def plain_table(scene: Scene) -> dict[str, Any]:
 def plugin_stamps(scene: Scene) -> dict[str, str | None]:
     """The hash of the sources of each plug-in that is not this package's, by its field."""
     stamps = {
-        place: item.stamp if isinstance(item, Unloaded) else source_stamp([item])
+        place: item.stamp if isinstance(item, Unloaded) else stamp_of(item)
         for place, item in plugins_of(scene)
     }
     return {place: stamp for place, stamp in stamps.items() if stamp != ""}
@@ -91,10 +91,9 @@ def loaded(scene: Scene) -> Scene:
     scene = scene_from(plain_table(scene))
     now = plugin_stamps(scene)
     for place, item in before.items():
-        if item.stamp is not None and now.get(place) != item.stamp:
-            raise InputError(
-                place, f"{item.name} has changed since the result was computed; load its scene file"
-            )
+        if not is_same(item.stamp, now.get(place)):
+            problem = f"{item.name}, or a value that it reads, has changed since the result was"
+            raise InputError(place, f"{problem} computed; load its scene file")
     return scene
 
 

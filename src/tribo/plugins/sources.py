@@ -8,12 +8,15 @@ import importlib.util
 import inspect
 import linecache
 import sys
+import sysconfig
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import NamedTuple
 
 from tribo.validation import InputError
 
+# Folders of installed packages, in any environment.
+INSTALLED = frozenset(("site-packages", "dist-packages"))
 # Sources of the modules that were loaded here, as they were when they were loaded.
 _LOADED: dict[str, bytes] = {}
 
@@ -68,9 +71,26 @@ def place_of(cls: type) -> str:
     """The file that a class comes from, or its module if it is installed or in a package."""
     known = hasattr(sys.modules.get(cls.__module__), "__file__")
     file = inspect.getfile(cls) if known else None
-    if file is None or cls.__module__.count(".") or file.startswith(sys.prefix):
+    if file is None or cls.__module__.count("."):
         return cls.__module__
-    return file
+    loaded = cls.__module__ in _LOADED  # from this file, and its module has a name of no use
+    return cls.__module__ if is_installed(file) and not loaded else file
+
+
+def is_installed(file: str) -> bool:
+    """Whether a file belongs to an installed package, or to Python itself.
+
+    A project may lie in the folder of its environment, or beside it.
+    """
+    path = Path(file)
+    libraries = {sysconfig.get_path(name) for name in ("stdlib", "platstdlib")}
+    inside = any(path.is_relative_to(each) for each in libraries if each)
+    return inside or not INSTALLED.isdisjoint(path.parts)
+
+
+def is_importable(cls: type) -> bool:
+    """Whether another process may find a class by its module and its name."""
+    return cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__
 
 
 def source_stamp(plugins: list[NamedTuple]) -> str | None:
@@ -89,7 +109,7 @@ def _stamp_of(plugin: NamedTuple) -> str | None:
     if is_own(cls) or inner is None:
         return inner
     sources: dict[str, bytes] = {}
-    if cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__:
+    if is_importable(cls):
         _collect(sys.modules.get(cls.__module__), cls.__module__, sources)
     if not sources:
         return None
@@ -110,8 +130,7 @@ def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) ->
     place = getattr(module, "__file__", None)
     if module is None or place is None or name in sources or name.split(".")[0] == "tribo":
         return
-    installed = place.startswith((sys.prefix, sys.base_prefix))
-    if installed and name.split(".")[0] != root.split(".")[0]:
+    if is_installed(place) and name.split(".")[0] != root.split(".")[0]:
         return
     try:
         sources[name] = _LOADED[name] if name in _LOADED else Path(place).read_bytes()

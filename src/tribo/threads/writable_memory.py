@@ -17,7 +17,7 @@ from tribo.layout import contacts
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.plugins.sources import source_stamp
+from tribo.plugins.stamps import code_stamp_of, version_of
 from tribo.potentials.from_ase import Call
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
@@ -32,8 +32,9 @@ SCRATCH = {
 
 
 def loop_of(layout: Layout, function: Any) -> Any:
-    """A time loop for a scene, compiled at its first call."""
-    return time_loop(function, source_stamp(layout.plugins))
+    """A time loop for a scene, compiled at its first call with the values that plug-ins have now."""
+    plugins = layout.plugins
+    return time_loop(function, code_stamp_of(plugins), version_of(plugins))
 
 
 def entry_point(
