@@ -85,7 +85,7 @@ def test_plugins_are_found_on_disk(tmp_path, capsys):
     assert not (tmp_path / "loaded").exists()
     own.write_text(PLUGIN.replace("/ r", "/ r**2"))
     assert main(["run", str(out)]) == 2
-    assert "own.py:Own has changed since the result was computed" in capsys.readouterr().err
+    assert "own.py:Own, or a value that it reads, has changed since" in capsys.readouterr().err
     own.unlink()
     assert main(["run", str(out)]) == 2
     assert "own.py" in capsys.readouterr().err

@@ -384,3 +384,99 @@ def test_full_disk(monkeypatch):
 
     monkeypatch.setattr(KernelCache.__base__, "_save_overload", full)
     KernelCache(contact_probe).save_overload(None, None)
+
+
+# Where a plug-in takes its factor from: what stands before the class, and in place of `factor()`.
+SOURCES = {
+    "file": ("A = float((HERE / 'a.txt').read_text())", "A"),
+    "array": ("A = np.array([float((HERE / 'a.txt').read_text())])", "A[0]"),
+    "environment": ("import os\nA = float(os.environ['FACTOR'])", "A"),
+    "helper": ("import reads", "reads.A"),
+    "jitted": ("from reads import factor", "factor()"),
+    "default": ("from reads import scaled", "scaled(1.0)"),
+    "closure": ("from reads import enclosed", "enclosed(1.0)"),
+    "installed": ("from upgraded import factor", "factor()"),
+}
+READS = """
+import pathlib
+import numba
+A = float((pathlib.Path(__file__).parent / "a.txt").read_text())
+@numba.njit(cache=True)
+def factor():
+    return A
+@numba.njit
+def scaled(x, by=A):
+    return x * by
+def made(a):
+    @numba.njit
+    def inner(x):
+        return x * a
+    return inner
+enclosed = made(A)
+"""
+READER = """
+import pathlib
+from typing import NamedTuple
+import numpy as np
+HERE = pathlib.Path(__file__).parent
+{before}
+class Own(NamedTuple):
+    s: float
+    def energy(self, r):
+        return {factor} * self.s / r
+    def force(self, r):
+        return {factor} * self.s / (r * r)
+"""
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_values_that_are_compiled_are_seen(place, source):
+    """Read anew by every process: other values are other code, and the same are found again."""
+    before, factor = SOURCES[source]
+    place.write("one", READER.format(before=before, factor=factor))
+    folder, site = place.root / "one", place.root / "site-packages"
+    site.mkdir()
+    (folder / "reads.py").write_text(READS)
+    found = []
+    for value in (1.0, 2.0, 1.0):
+        (folder / "a.txt").write_text(str(value))
+        (site / "upgraded.py").write_text(
+            f"import numba\n@numba.njit(cache=True)\ndef factor():\n    return {value}\n"
+        )
+        found.append(
+            place.server.run(
+                FORCE,
+                folder / "scene.toml",
+                folders=[site],
+                NUMBA_CACHE_DIR=place.cache,
+                FACTOR=value,
+                PYTHONDONTWRITEBYTECODE=1,
+            )
+        )
+    assert float(found[1]) == pytest.approx(2.0 * float(found[0]), rel=1e-14)
+    assert found[2] == found[0]
+
+
+IN_PROCESS = """
+import numpy as np, numba, sys
+from typing import NamedTuple
+from tribo.potentials import as_potential
+from tribo.report_card.scan import PotentialScan
+A = 1.0
+@numba.njit
+def helper(r):
+    return A / r
+class Own(NamedTuple):
+    s: float
+    def energy(self, r):
+        return self.s * helper(r)
+    def force(self, r):
+        return self.s * helper(r) / r
+for A in (1.0, 2.0, 1.0):
+    print(PotentialScan(as_potential(Own(1.0))).compiled(np.array([2.0]))[1][0])
+"""
+
+
+def test_a_changed_global_is_seen_in_one_process(server):
+    """Through a compiled function that a plug-in calls."""
+    assert server.run(IN_PROCESS).split() == ["0.25", "0.5", "0.25"]

@@ -17,6 +17,7 @@ from typing import Any
 from tribo.commands.doctor import versions
 from tribo.files import NETCDF, checked_target, read_file, replace_file, strict_json
 from tribo.interrupts import COMPLETED
+from tribo.plugins.sources import files_beside
 from tribo.validation import InputError
 
 MANIFEST, SUMS = "manifest.json", "SHA256SUMS"
@@ -85,6 +86,11 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
         if named.suffix and found.is_file():
             inside = not named.is_absolute() and ".." not in named.parts
             yield named.as_posix() if inside else named.name, read_file(found)
+            if found.suffix != ".py":
+                continue
+            for imported in files_beside(found):
+                name = imported.relative_to(found.parent)
+                yield (named.parent / name if inside else name).as_posix(), read_file(imported)
 
 
 def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], str | None]:

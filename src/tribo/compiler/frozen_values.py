@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from tribo.compiler.numba_private import overloads_of, vectorized_function
+from tribo.compiler.numba_private import overloads_of
 
 # Packages whose functions and classes are known by their names.
 KNOWN = ("builtins", "cmath", "llvmlite", "math", "numba", "numpy", "operator", "tribo")
@@ -227,14 +227,16 @@ def names_in(code: CodeType) -> tuple[tuple[str, ...], ...]:
             chains[-1].append(each.argval)
         elif each.opname not in IDLE:
             reading = False
-    inner = [names for part in code.co_consts if isinstance(part, CodeType) for names in names_in(part)]
+    inner = [
+        names for part in code.co_consts if isinstance(part, CodeType) for names in names_in(part)
+    ]
     return tuple(dict.fromkeys([*map(tuple, chains), *inner]))
 
 
 def python_function(value: Any) -> FunctionType | None:
-    """The function that a dispatcher of numba, or one that numba.vectorize made, compiles."""
+    """The function that a dispatcher of numba compiles; None for all else."""
     function = getattr(value, "py_func", None)
-    return function if isinstance(function, FunctionType) else vectorized_function(value)
+    return function if isinstance(function, FunctionType) else None
 
 
 def is_as_written(function: FunctionType) -> bool:

@@ -8,7 +8,6 @@ tested, and with TRIBO_NUMBA=plain in the environment.
 
 import os
 import warnings
-from typing import Any
 
 import llvmlite
 import numba
@@ -83,11 +82,6 @@ def overloads_of(function: object) -> list[object] | None:
     return [each._overload_func for each in templates if hasattr(each, "_overload_func")]
 
 
-def vectorized_function(value: object) -> Any:
-    """The function that numba.vectorize was given; None for all else."""
-    return value._dispatcher.py_func if NATIVE and isinstance(value, DUFunc) else None
-
-
 if NATIVE:
     from llvmlite.binding import parse_assembly as parse_assembly
     from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]
@@ -100,4 +94,3 @@ if NATIVE:
     from numba.core.lowering import Lower as Lower
     from numba.core.registry import cpu_target
     from numba.core.serialize import dumps as dumps
-    from numba.np.ufunc.dufunc import DUFunc

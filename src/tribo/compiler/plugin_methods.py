@@ -22,7 +22,7 @@ from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba import extending, jit, njit, typeof, types, vectorize
+from numba import extending, jit, njit, typeof, types
 
 from tribo.compiler.frozen_values import (
     Frozen,
@@ -320,7 +320,7 @@ class Formulas:
         elif (function := python_function(value)) is None:
             return value
         else:
-            compiler = (jit if extending.is_jitted(value) else vectorize)(**value.targetoptions)
+            compiler = jit(**value.targetoptions)
         made = self.of(function)
         if made is not function and value not in self._compiled:
             self._compiled[value] = compiler(made)

@@ -1,7 +1,6 @@
 """How members of a scene are run: each as a run of its own, or many by one compiled loop."""
 
 import math
-import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +18,7 @@ from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
 from tribo.loops.lane_loop import fit_lanes
 from tribo.loops.resolution import longest_damped_step
-from tribo.model.scene_file import scene_from
+from tribo.model.identity import as_sent, received
 from tribo.prepared import Simulation
 from tribo.result import Result
 from tribo.simulation import from_settings, prepare
@@ -53,8 +52,8 @@ class Policy(ABC):
         """Run some members; those that need a run with settings of their own have UNKNOWN."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the scene as text, from which plug-ins are loaded."""
-        scene, settings = self.simulation.scene.to_toml(), self.simulation.settings
+        """Pickle the scene as text, with the sources from which plug-ins are loaded."""
+        scene, settings = as_sent(self.simulation.scene), self.simulation.settings
         given = type(self), scene, settings, self.kept, self.own_numbers
         return _restored, given, {"plan": self.plan}
 
@@ -92,8 +91,8 @@ class Policy(ABC):
         return found
 
 
-def _restored(kind: type[Policy], scene: str, settings: Any, *others: Any) -> Policy:
-    return kind(from_settings(scene_from(tomllib.loads(scene)), settings), *others)
+def _restored(kind: type[Policy], scene: Any, settings: Any, *others: Any) -> Policy:
+    return kind(from_settings(received(*scene), settings), *others)
 
 
 class SingleRuns(Policy):

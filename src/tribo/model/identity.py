@@ -12,6 +12,8 @@ from tribo.compiler.jit import package_stamp
 from tribo.model.drives import Custom, Ends
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
+from tribo.plugins import classes
+from tribo.plugins.sources import sent, to_send
 from tribo.plugins.stamps import is_same, stamp_of
 from tribo.plugins.unloaded import Code, Unloaded, code
 from tribo.validation import InputError, short_repr
@@ -94,6 +96,29 @@ def loaded(scene: Scene) -> Scene:
         if not is_same(item.stamp, now.get(place)):
             problem = f"{item.name}, or a value that it reads, has changed since the result was"
             raise InputError(place, f"{problem} computed; load its scene file")
+    return scene
+
+
+def as_sent(scene: Scene) -> tuple[str, dict[str, bytes], dict[str, str | None]]:
+    """A scene for a process that may lack its plug-ins: text, their sources, and their stamps."""
+    items = [part for _, plugin in plugins_of(scene) for part in classes.parts(plugin)]
+    return scene.to_toml(), to_send(map(type, items)), plugin_stamps(scene)
+
+
+def received(text: str, sources: Mapping[str, bytes], stamps: Mapping[str, str | None]) -> Scene:
+    """The scene that another process has sent.  Raises InputError if its code does not fit."""
+    try:
+        with sent(sources):
+            scene = scene_from(tomllib.loads(text))
+    except InputError as error:
+        if not sources:
+            raise
+        hint = "a worker needs the modules that a plug-in imports: client.upload_file sends them"
+        raise InputError(error.field, f"{error.problem}; {hint}") from None
+    now = plugin_stamps(scene)
+    for place, before in stamps.items():
+        if not is_same(before, now.get(place)):
+            raise InputError(place, "is other code, or reads other values, than where it was sent")
     return scene
 
 

@@ -9,6 +9,9 @@ import inspect
 import linecache
 import sys
 import sysconfig
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import NamedTuple
@@ -19,6 +22,10 @@ from tribo.validation import InputError
 INSTALLED = frozenset(("site-packages", "dist-packages"))
 # Sources of the modules that were loaded here, as they were when they were loaded.
 _LOADED: dict[str, bytes] = {}
+# Modules that each of them found in the folder of its file, by their names.
+_BESIDE: dict[str, dict[str, ModuleType]] = {}
+# Sources of files that another process has sent, by their paths there.
+_SENT: ContextVar[Mapping[str, bytes]] = ContextVar("sent", default={})  # noqa: B039
 
 
 def module_in_file(path: Path) -> ModuleType:
@@ -28,9 +35,13 @@ def module_in_file(path: Path) -> ModuleType:
     except (OSError, ValueError):
         raise InputError("", f"must name a file, got {str(path)!r}") from None
     try:
-        return load(path.read_bytes(), str(path))
+        source = _SENT.get().get(str(path)) or path.read_bytes()
     except FileNotFoundError:
         raise InputError("", f"there is no file {path}") from None
+    except OSError as error:
+        raise InputError("", f"{path} cannot be read ({error.strerror or error})") from None
+    try:
+        return load(source, str(path))
     except (Exception, SystemExit) as error:
         raise InputError("", f"{path} cannot be loaded ({type(error).__name__}: {error})") from None
 
@@ -56,7 +67,8 @@ def load(source: bytes, place: str) -> ModuleType:
     module.__file__ = place
     sys.modules[name] = module
     try:
-        exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
+        with _importing_beside(Path(place).parent, name):
+            exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise
@@ -65,6 +77,69 @@ def load(source: bytes, place: str) -> ModuleType:
         lines = source.decode().splitlines(keepends=True)
         linecache.cache[place] = (len(source), None, lines, place)
     return module
+
+
+@contextmanager
+def _importing_beside(folder: Path, name: str) -> Iterator[None]:
+    """Let the plug-in `name` import the files of its folder, as a script there can.
+
+    Modules of the same names from folders of other plug-ins are set aside meanwhile.
+    """
+
+    def beside() -> dict[str, ModuleType]:
+        modules = dict(sys.modules)
+        heads = {each: modules.get(each.partition(".")[0]) for each in modules}
+        return {each: modules[each] for each, head in heads.items() if _lies_in(head, folder)}
+
+    names = {path.stem for path in folder.glob("*.py")}
+    names |= {path.parent.name for path in folder.glob("*/__init__.py")}
+    ours = beside()
+    others = {
+        each: module
+        for each, module in dict(sys.modules).items()
+        if each.partition(".")[0] in names and each not in ours and _is_of_a_user(module)
+    }
+    for each in others:
+        del sys.modules[each]
+    importlib.invalidate_caches()
+    sys.path.insert(0, str(folder))
+    try:
+        yield
+        _BESIDE[name] = beside()
+    finally:
+        sys.path.remove(str(folder))
+        sys.modules.update(others)
+
+
+def _lies_in(module: ModuleType | None, folder: Path) -> bool:
+    """Whether a module is a file of a folder, or a package in it."""
+    file = getattr(module, "__file__", None)
+    return bool(file) and folder in Path(str(file)).parents[:2]
+
+
+def _is_of_a_user(module: ModuleType) -> bool:
+    file = getattr(module, "__file__", None)
+    return bool(file) and not is_installed(str(file))
+
+
+@contextmanager
+def sent(sources: Mapping[str, bytes]) -> Iterator[None]:
+    """Load the plug-ins in files from sources that another process has sent."""
+    token = _SENT.set(sources)
+    try:
+        yield
+    finally:
+        _SENT.reset(token)
+
+
+def to_send(classes: Iterable[type]) -> dict[str, bytes]:
+    """The sources of classes that scene files name by a file, for a process that lacks it."""
+    files = {place_of(cls): cls.__module__ for cls in classes if not is_own(cls)}
+    return {
+        file: _LOADED.get(module) or Path(file).read_bytes()
+        for file, module in files.items()
+        if file != module and not file.startswith("<")
+    }
 
 
 def place_of(cls: type) -> str:
@@ -137,7 +212,27 @@ def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) ->
     except OSError:
         return
     for imported in _imports(sources[name], module.__package__ or ""):
-        _collect(sys.modules.get(imported), root, sources)
+        found = _BESIDE.get(root, {}).get(imported, sys.modules.get(imported))
+        _collect(found, root, sources)
+
+
+def files_beside(file: Path) -> Iterator[Path]:
+    """The files in the folder of a plug-in, and in packages there, that it imports, each once."""
+    waiting, found = [file], {file}
+    while waiting:
+        each = waiting.pop()
+        try:
+            names = _imports(each.read_bytes(), "")
+        except OSError:
+            continue
+        for name in names:
+            place = file.parent.joinpath(*name.split("."))
+            head = file.parent / name.partition(".")[0]
+            files = [place.with_suffix(".py"), *head.rglob("*.py")]
+            new = [path for path in files if path not in found and path.is_file()]
+            found.update(new)
+            waiting += new
+            yield from new
 
 
 @functools.cache

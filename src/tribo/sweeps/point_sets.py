@@ -6,7 +6,6 @@ engine at the same time.
 """
 
 import pickle
-import tomllib
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
@@ -19,9 +18,9 @@ from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import can_differ
+from tribo.model.identity import as_sent, received
 from tribo.model.parameters import of_each_surface, with_values
 from tribo.model.scene import Scene
-from tribo.model.scene_file import scene_from
 from tribo.prepared import Simulation
 from tribo.sweeps.grid import Axis, Grid, values_at
 from tribo.validation import InputError
@@ -55,12 +54,12 @@ class PointSet(NamedTuple):
         return with_values(self.scene, own) if own else self.scene
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the scene as text, from which plug-ins are loaded."""
-        return _unpickled, (self.scene.to_toml(), *self[1:-1])
+        """Pickle the scene as text, with the sources from which plug-ins are loaded."""
+        return _unpickled, (as_sent(self.scene), *self[1:-1])
 
 
-def _unpickled(scene: str, *rest: Any) -> PointSet:
-    return PointSet(scene_from(tomllib.loads(scene)), *rest)
+def _unpickled(scene: Any, *rest: Any) -> PointSet:
+    return PointSet(received(*scene), *rest)
 
 
 def point_sets(
