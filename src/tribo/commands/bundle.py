@@ -99,7 +99,7 @@ def _content(path: Path) -> bytes:
 def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], str | None]:
     """The attributes of a NetCDF file, {} of others; the text of the scene in the file, if any."""
     if name.lower().endswith(".toml"):
-        return {}, content.decode("utf-8")
+        return {}, content.decode("utf-8-sig")
     if not name.lower().endswith(NETCDF):
         return {}, None
     import h5py
