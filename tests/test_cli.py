@@ -1,6 +1,8 @@
 """The command line: what is printed, what is written, and with which status it ends."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -259,7 +261,7 @@ def test_broken_pipe_is_quiet(tmp_path):
 def test_a_figure_that_cannot_be_drawn(tmp_path):
     """What was computed is printed, with one sentence; files need no backend of a notebook."""
     scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE.replace("duration = 40.0", "duration = 1.0"), encoding="utf-8")
+    scene.write_text(SCENE, encoding="utf-8")
     (tmp_path / "matplotlibrc").write_text("text.usetex: True", encoding="utf-8")
     figure = tmp_path / "a.png"
     program = [sys.executable, "-m", "tribo"]
@@ -282,7 +284,7 @@ def test_a_figure_that_cannot_be_drawn(tmp_path):
 def test_closed_streams(tmp_path, closed):
     """A run completes where a shell or a daemon has closed the streams; its file has no output."""
     scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE.replace("duration = 40.0", "duration = 1.0"), encoding="utf-8")
+    scene.write_text(SCENE, encoding="utf-8")
     command = f"{sys.executable} -m tribo run {scene} --out {tmp_path / 'run.nc'} {closed}"
     assert subprocess.run(command, shell=True, capture_output=True).returncode == 0
     assert tribo.load_result(tmp_path / "run.nc").status == "completed"

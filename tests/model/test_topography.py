@@ -246,7 +246,7 @@ def test_undefined_points_of_unequal_steps_are_filled_in():
 
 
 def test_channels_and_sizes_of_files(tmp_path):
-    """A matrix has no size, which a key gives; a file with channels has one by its name or number."""
+    """A matrix has no size, which a key gives; a channel has a name and a number."""
     pytest.importorskip("SurfaceTopography")
     path = tmp_path / "scan.txt"
     np.savetxt(path, np.arange(20.0).reshape(4, 5))

@@ -260,8 +260,8 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
         problem = str(error).strip().split("\n")[0]
         raise InputError(
             "topography",
-            f"{path} cannot be read ({problem}); give its size, if that is missing, or in Python "
-            "the object that SurfaceTopography reads from it",
+            f"{path} cannot be read ({problem}); in Python, give the object "
+            "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
 
 
