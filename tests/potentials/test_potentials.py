@@ -412,7 +412,7 @@ def test_files_of_columns(text, settings, tmp_path):
         ("1 2 3 4\n", {"columns": [1, 5]}, r"columns\[1\]: must be a number from 1 to 4, got 5"),
         ("1 2\n1 2 3\n", {}, 'two numbers in each line, got "1 2 3" in line 2'),
         (LAMMPS.format("A") + LAMMPS.format("B"), {}, 'section: must be one of .*: "A", "B"'),
-        (LAMMPS.format("A")[:-12], {}, "must have as many rows as N in line 4 says"),
+        (LAMMPS.format("A")[:-14], {}, "must have as many rows as N in line 4 says"),
         ("1 2\n", {"section": "A"}, "section: cannot be given"),
     ],
 )

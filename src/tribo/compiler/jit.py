@@ -136,7 +136,7 @@ def cached_files(loop: FunctionType) -> list[Path]:
     return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
 
 
-def cache_folder(loop: FunctionType) -> Path | None:
+def cache_folder(loop: Any) -> Path | None:
     """The folder of the machine code of a loop; None if none can be written."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None

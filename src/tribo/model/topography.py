@@ -126,7 +126,7 @@ class Topography(ComparedByValue):
 
         scan = self.topography
         if isinstance(scan, str):
-            given = {"channel": self.channel, "size": self.size}
+            given: dict[str, Any] = {"channel": self.channel, "size": self.size}
             scan = _read(scan, **{key: each for key, each in given.items() if each is not None})
         length = self._length_of(scan.unit)
         scan = _defined(scan)
