@@ -84,6 +84,8 @@ ORDER = [
     "starters",
     "units",
     "files",
+    "seals",
+    "first_read",
     "progress",
     "interrupts",
     "system",

@@ -1,6 +1,8 @@
 """The command line: what is printed, what is written, and with which status it ends."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -254,6 +256,40 @@ def test_broken_pipe_is_quiet(tmp_path):
     ) as process:
         process.stdout.close()
         assert "Traceback" not in process.stderr.read()
+
+
+def test_a_figure_that_cannot_be_drawn(tmp_path):
+    """What was computed is printed, with one sentence; files need no backend of a notebook."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE, encoding="utf-8")
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True", encoding="utf-8")
+    figure = tmp_path / "a.png"
+    program = [sys.executable, "-m", "tribo"]
+    backend = os.environ | {"MPLBACKEND": "module://not_installed", "PATH": ""}
+    no_latex = backend | {"MATPLOTLIBRC": str(tmp_path / "matplotlibrc")}
+    for words in (["run", scene], ["sweep", scene, "--set", "upper.theta=0.1,0.2"]):
+        done = [
+            subprocess.run(
+                [*program, *words, "--figure", figure], env=env, capture_output=True, text=True
+            )
+            for env in (backend, no_latex)
+        ]
+        assert [each.returncode for each in done] == [0, 2]
+        assert figure.stat().st_size > 1000 and "completed" in done[1].stdout
+        assert re.fullmatch(r"tribo: --figure: .*a\.png cannot be drawn \(.*\)\n", done[1].stderr)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams(tmp_path, closed):
+    """A run completes where a shell or a daemon has closed the streams; its file has no output."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE, encoding="utf-8")
+    command = f"{sys.executable} -m tribo run {scene} --out {tmp_path / 'run.nc'} {closed}"
+    assert subprocess.run(command, shell=True, capture_output=True).returncode == 0
+    assert tribo.load_result(tmp_path / "run.nc").status == "completed"
+    wrong = f"{sys.executable} -m tribo run {tmp_path / 'none.toml'} {closed}"
+    assert subprocess.run(wrong, shell=True, capture_output=True).returncode == 2
 
 
 def test_output_travels_with_the_file(run, tmp_path):

@@ -106,6 +106,19 @@ def test_other_ensembles_are_refused(settings, tmp_path):
     refuse_all()
 
 
+def test_a_damaged_file_of_an_ensemble(tmp_path):
+    """A byte that was changed, in a file written at once or in parts, is told by one sentence."""
+    for out, settings in ((tmp_path / "a.nc", {}), (tmp_path / "b.nc", {"statistics": True})):
+        call = {"scene": SCENE, "members": 70, "vary": VARY, "keep": KEEP, "out": out} | settings
+        ensemble(**call)
+        content = bytearray(out.read_bytes())
+        ensemble(**call, resume=True)
+        content[len(content) // 2] ^= 1
+        out.write_bytes(content)
+        with pytest.raises(InputError, match="is no such file of this version, or damaged"):
+            ensemble(**call, resume=True)
+
+
 def test_what_is_no_file_of_an_ensemble(tmp_path):
     """Is refused; without resume it is replaced.  A file that is being written is left alone."""
     out, part = tmp_path / "a.nc", tmp_path / "a.nc.part"

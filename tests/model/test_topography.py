@@ -205,3 +205,67 @@ def test_the_example(tmp_path):
     kept = plain_table(scene)["surface"][0]["heights"]
     assert np.ptp(kept) > 1.0
     assert Path(scene.surfaces[0].heights.topography) == tmp_path / FILE.name
+
+
+def wave(n=16):
+    """A period of a sine along x, sampled at n points."""
+    library = pytest.importorskip("SurfaceTopography")
+    heights = np.sin(2.0 * np.pi * np.arange(n) / n)
+    return library.UniformLineScan(heights, (float(n),), periodic=True), heights
+
+
+def notes_of(given):
+    """The notes of a run with these heights in a periodic box of 16."""
+    row = {"shape": (16, 1), "spacing": (1.0, 0.0)}
+    upper = Surface("upper", bob=(0.0, 9.0), **row, heights=given)
+    potential = tribo.Coulomb(0.2).with_cutoff(4.0)
+    scene = Scene([upper, Surface("lower", "up", **row)], potential, 0.1, periodic={"x": 16.0})
+    return [
+        note for note in tribo.simulate(scene, method="verlet", step=0.05).notes if "seam" in note
+    ]
+
+
+def test_periodic_scans_keep_their_ends_together():
+    """The mean is subtracted by default, no plane; another surface's step at the seam is noted."""
+    scan, expected = wave()
+    surface = Surface("s", "up", shape=(16, 1), spacing=(1.0, 0.0), heights=scan)
+    np.testing.assert_allclose(surface.drawn_heights(0), expected, atol=1e-12)
+    assert notes_of(scan) == notes_of(expected) == []
+    for given in (Topography(scan, detrend="plane"), np.linspace(0.0, 1.0, 16)):
+        (note,) = notes_of(given)
+        assert 'heights of "upper" have a seam where the scene repeats along x' in note
+    assert "differ by 1 there and by 0.0667 elsewhere" in note
+
+
+def test_undefined_points_of_unequal_steps_are_filled_in():
+    library = pytest.importorskip("SurfaceTopography")
+    x = np.array([0.0, 1.0, 2.5, 3.0, 5.0, 6.0])
+    scan = library.NonuniformLineScan(x, np.where((x == 2.5) | (x == 6.0), np.nan, 2.0 * x))
+    found = heights(scan, (7, 1), (1.0, 0.0)).ravel()
+    np.testing.assert_allclose(found, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 10.0], atol=1e-12)
+
+
+def test_channels_and_sizes_of_files(tmp_path):
+    """A matrix has no size, which a key gives; a channel has a name and a number."""
+    pytest.importorskip("SurfaceTopography")
+    path = tmp_path / "scan.txt"
+    np.savetxt(path, np.arange(20.0).reshape(4, 5))
+    found = heights(path, (5, 4), (0.5, 2.0), size=(2.5, 8.0))
+    assert np.ptp(found) == 19.0
+    (name,) = (channel.name for channel in opened_channels(path))
+    for channel in (0, name):
+        again = heights(path, (5, 4), (0.5, 2.0), size=(2.5, 8.0), channel=channel)
+        np.testing.assert_array_equal(again, found)
+    with pytest.raises(InputError, match=rf'channel: must be one of "{name}", or a number below 1'):
+        heights(path, size=(2.5, 8.0), channel="other")
+    with pytest.raises(InputError, match="size: must be left out: the file states the size"):
+        heights(FILE, unit="nm", size=(1.0, 1.0))
+    with pytest.raises(InputError, match="size: needs a file as the topography"):
+        heights(MAP, size=(1.0, 1.0))
+
+
+def opened_channels(path):
+    import SurfaceTopography
+
+    with SurfaceTopography.open_topography(str(path)) as reader:
+        return reader.channels

@@ -378,6 +378,50 @@ def test_a_table_from_a_file(tmp_path):
         from_csv(path)
 
 
+LAMMPS = "# a comment\n\n{}\nN 4 R 0.5 2.0\n\n" + "".join(
+    f"{k} {r} {u} 0.0\n" for k, r, u in ((1, 0.5, 4.0), (2, 1.0, 2.0), (3, 1.5, 1.0), (4, 2.0, 0.5))
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "settings"),
+    [
+        ("\ufeff0.5,4\n1,2\n1.5,1\n2,0.5\n", {}),
+        ("r;energy\n0.5;4\n1;2\n1.5;1\n2;0.5\n", {}),
+        ("U,r\n4,0.5\n2,1\n1,1.5\n0.5,2\n", {}),
+        ("x y\n0.5 .4D+01\n1 2d0\n1.5 1.D0\n2 5D-1\n", {}),
+        ("1 0.5 4 0\n2 1 2 0\n3 1.5 1 0\n4 2 0.5 0\n", {"columns": [2, 3]}),
+        (
+            "a b c\n4 x 1\n".replace("x", "0.5") + "2 1 1\n1 1.5 1\n.5 2 1\n",
+            {"columns": ["b", "a"]},
+        ),
+        (LAMMPS.format("AR"), {}),
+        (LAMMPS.format("KR") + LAMMPS.format("AR"), {"section": "AR"}),
+    ],
+)
+def test_files_of_columns(text, settings, tmp_path):
+    (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+    expected = from_points([0.5, 1.0, 1.5, 2.0], [4.0, 2.0, 1.0, 0.5])
+    assert from_csv(tmp_path / "curve.csv", **settings) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "settings", "message"),
+    [
+        ("1 2 3 4\n", {}, "columns: is missing: .* has 4 columns; give the numbers or headings"),
+        ("1 2 3 4\n", {"columns": [1, 5]}, r"columns\[1\]: must be a number from 1 to 4, got 5"),
+        ("1 2\n1 2 3\n", {}, 'two numbers in each line, got "1 2 3" in line 2'),
+        (LAMMPS.format("A") + LAMMPS.format("B"), {}, 'section: must be one of .*: "A", "B"'),
+        (LAMMPS.format("A")[:-14], {}, "must have as many rows as N in line 4 says"),
+        ("1 2\n", {"section": "A"}, "section: cannot be given"),
+    ],
+)
+def test_columns_that_are_not_clear(text, settings, message, tmp_path):
+    (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        from_csv(tmp_path / "curve.csv", **settings)
+
+
 @pytest.mark.slow
 def test_a_run_below_a_table_stops():
     """Below its first point a table is nan, which stops a run."""

@@ -1,6 +1,9 @@
 """Result files and journals: complete or not at all, and never other numbers."""
 
+import argparse
 import errno
+import io
+import lzma
 import os
 import random
 import re
@@ -17,7 +20,8 @@ import xarray
 
 import tribo
 from support.continued import chain, pair, same_end
-from tribo import Coulomb, InputError, Output, Scene, Surface
+from tribo import Coulomb, InputError, Output, Scene, Surface, seals
+from tribo.commands import bundle
 from tribo.commands.cli import main
 from tribo.layout import contacts
 from tribo.loops import frames, integrate
@@ -151,6 +155,65 @@ def test_damaged_result(tmp_path):
     assert read < 40
     path.write_bytes(content)
     assert tribo.load_result(path).status == "completed"
+
+
+def test_a_damaged_file_that_hangs_its_reader(tmp_path):
+    """A byte of a file of version 0.2 was changed, in which HDF5 runs without end."""
+    packed = Path(__file__).with_name("hangs_when_read.nc.xz").read_bytes()
+    (tmp_path / "run.nc").write_bytes(lzma.decompress(packed))
+    began = time.process_time()
+    for read in (tribo.load_result, bundled):
+        with pytest.raises(InputError, match="cannot be read: it is damaged"):
+            read(tmp_path / "run.nc")
+    assert time.process_time() - began < 1.0  # the other process has its own time
+
+
+def bundled(path):
+    options = argparse.Namespace(files=[path], out=path.with_suffix(".zip"))
+    return bundle._bundle(options)
+
+
+def test_damage_is_found_before_a_library_reads(tmp_path, monkeypatch):
+    """Any change of a byte before the end is told from the bytes alone."""
+    path = tmp_path / "run.nc"
+    tribo.simulate(pair(), accuracy=1e-4, out=path)
+    content = path.read_bytes()
+    monkeypatch.setattr(h5py, "File", None)
+    monkeypatch.setattr(xarray, "load_dataset", None)
+    monkeypatch.setattr(seals, "check_readable", None)
+    rng = random.Random(2)
+    for trial in range(500):
+        at = rng.randrange(len(content) - seals.SEAL.size)
+        damaged = bytearray(content)
+        if trial % 2:
+            damaged[at] ^= 1 << rng.randrange(8)
+        else:
+            damaged[at:at] = rng.randbytes(rng.randrange(1, 100))
+        with pytest.raises(InputError, match="cannot be read: it is damaged"):
+            seals.is_sealed(io.BytesIO(damaged), str(path))
+    assert seals.is_sealed(io.BytesIO(content), str(path))
+
+
+def named(name):
+    surfaces = (Surface(name, bob=(-1.0, 0.0)), Surface("lower", facing="up"))
+    return Scene(surfaces, Coulomb(0.2), 1.0, output=Output(samples=3))
+
+
+@pytest.mark.filterwarnings("error")
+def test_names_of_surfaces(tmp_path):
+    """Series of a surface "state" are kept apart from the state; names are names in NetCDF too."""
+    for name in ("state", "my tip"):
+        result = tribo.simulate(named(name), accuracy=1e-4)
+        result.save(tmp_path / "run.nc")
+        found = tribo.load_result(tmp_path / "run.nc")
+        assert same_end(result, found) and found.notes == result.notes
+        state, other = result.state().arrays(), found.state().arrays()
+        assert state.keys() == other.keys()
+        if shutil.which("ncdump"):
+            subprocess.run(["ncdump", "-h", tmp_path / "run.nc"], check=True, capture_output=True)
+    for name in (" tip", "tip "):
+        with pytest.raises(InputError, match=r"name: must be a word .* without blanks at its ends"):
+            named(name)
 
 
 def touched(source, target):

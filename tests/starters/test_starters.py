@@ -53,8 +53,11 @@ def test_doctor(capsys, monkeypatch, tmp_path):
     said = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert {"python", "tribo", "numba", "cores", "cache", "known"} <= said.keys()
     assert "agrees with 0.519665" in said["known"]
+    assert said["writing"].startswith("new code goes to /")
+    monkeypatch.setattr(doctor, "cache_folder", lambda loop: None)
     monkeypatch.setattr(doctor, "KNOWN_WORK", 0.52)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert main(["doctor"]) == 1
     said = capsys.readouterr().out
     assert "DIFFERS from" in said and "no compiled functions yet" in said
+    assert "cannot be written: each start compiles again; set NUMBA_CACHE_DIR" in said

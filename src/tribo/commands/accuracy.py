@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from tribo.commands.scene_options import check_figure, load_with_values
+from tribo.commands.scene_options import check_figure, draw_to, load_with_values
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part, report_by
 from tribo.validation import InputError
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def run_accuracy(options: argparse.Namespace) -> int:
     """Measure and print errors and costs, or with noise half-widths and costs; the exit status."""
     from tribo.integrators.methods import noisy
-    from tribo.work_precision import means_precision, work_precision
+    from tribo.work_precision import WorkPrecision, means_precision, work_precision
 
     scene = load_with_values(options)
     check_figure(options.figure)
@@ -40,9 +40,9 @@ def run_accuracy(options: argparse.Namespace) -> int:
         progress = (lambda name: print(name, file=sys.stderr)) if sys.stderr.isatty() else None
         settings = options.methods, observables, options.seconds, progress, report
         found = also_in_part(work_precision, scene, *settings)
-        if options.figure is not None and found.rows:
-            found.save_figure(options.figure)
     show(found)
+    if isinstance(found, WorkPrecision) and found.rows:
+        draw_to(options.figure, found.save_figure)
     if not found.rows:
         print("tribo: no run ended in time; give more --seconds", file=sys.stderr)
     return COMPLETED if found.rows and found.status == "completed" else STOPPED

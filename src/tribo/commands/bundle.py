@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tribo import seals
 from tribo.commands.doctor import versions
 from tribo.files import NETCDF, checked_target, read_file, replace_file, strict_json
 from tribo.interrupts import COMPLETED
@@ -68,7 +69,7 @@ def _bundle(options: argparse.Namespace) -> int:
 
 def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
     """A file under its name in the archive, then the files that its scene names."""
-    content = read_file(path)
+    content = _content(path)
     yield path.name, content
     _, text = _attributes_and_scene(path.name, content)
     if text is None:
@@ -85,7 +86,7 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
         found = path.parent / named
         if named.suffix and found.is_file():
             inside = not named.is_absolute() and ".." not in named.parts
-            yield named.as_posix() if inside else named.name, read_file(found)
+            yield named.as_posix() if inside else named.name, _content(found)
             if found.suffix != ".py":
                 continue
             for imported in files_beside(found):
@@ -93,10 +94,18 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
                 yield (named.parent / name if inside else name).as_posix(), read_file(imported)
 
 
+def _content(path: Path) -> bytes:
+    """The content of a file; a NetCDF file is checked before it is parsed.  Raises InputError."""
+    content = read_file(path)
+    if path.suffix.lower() == NETCDF:
+        seals.check(path)
+    return content
+
+
 def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], str | None]:
     """The attributes of a NetCDF file, {} of others; the text of the scene in the file, if any."""
     if name.lower().endswith(".toml"):
-        return {}, content.decode("utf-8")
+        return {}, content.decode("utf-8-sig")
     if not name.lower().endswith(NETCDF):
         return {}, None
     import h5py

@@ -5,6 +5,7 @@ Only the standard library is imported before the program can be interrupted.
 
 import os
 import sys
+from contextlib import suppress
 
 # The exit status where the input is wrong.
 WRONG_INPUT = 2
@@ -16,6 +17,7 @@ def main(arguments: list[str] | None = None) -> int:
     Without `arguments` they are those of the program, which Ctrl-C then ends within half a second.
     """
     json = "--json" in (sys.argv[1:] if arguments is None else arguments)
+    _open_closed_streams()
     try:
         from tribo import interrupts
 
@@ -28,6 +30,22 @@ def main(arguments: list[str] | None = None) -> int:
         interrupts.answer()
         interrupts.report(json)
         return interrupts.STOPPED
+
+
+def _open_closed_streams() -> None:
+    """Read from and write to nowhere where a shell or a daemon has closed a stream.
+
+    A file that was opened later would have its number, and what is printed would go into the file.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is not None:
+            continue
+        try:
+            os.fstat(number)
+        except OSError:  # the lowest number that is free
+            os.dup2(os.open(os.devnull, os.O_RDWR), number)
+        stream = open(os.devnull, "w" if number else "r", encoding="utf-8")  # noqa: SIM115
+        setattr(sys, name, stream)
 
 
 def _run(arguments: list[str] | None) -> int:
@@ -53,7 +71,9 @@ def _run(arguments: list[str] | None) -> int:
     except OSError as error:
         _discard_output()
         problem = f"the output cannot be written ({error.strerror or error})"
-    print(f"tribo: {problem}", file=sys.stderr)
+    with suppress(OSError):  # of a full device, or of a program that reads no more
+        print(f"tribo: {problem}", file=sys.stderr)
+        sys.stderr.flush()
     return WRONG_INPUT
 
 

@@ -7,6 +7,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from tribo import __version__
+from tribo.compiler.jit import cache_folder
+from tribo.integrators.time_loops import adaptive_steps
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.system import available_cores
 
@@ -54,6 +56,12 @@ def versions() -> dict[str, str]:
 def _machine() -> dict[str, str]:
     """Cores that this process may use, and compiled code on disk or beside the sources."""
     root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parents[1])
+    folder = cache_folder(adaptive_steps)
+    written = (
+        "cannot be written: each start compiles again; set NUMBA_CACHE_DIR to a folder of yours"
+    )
+    if folder is not None:
+        written = f"new code goes to {folder}"
     folders = sorted({file.parent for file in root.rglob("*.nbc")})
     code = [file for folder in folders for file in folder.glob("*.nbc")]
     found = "no compiled functions yet"
@@ -61,4 +69,4 @@ def _machine() -> dict[str, str]:
         size = sum(file.stat().st_size for file in code) / 1e6
         place = os.path.commonpath(folders)
         found = f"{len(code)} compiled functions, {size:.1f} MB, below {place}"
-    return {"cores": str(available_cores()), "cache": found}
+    return {"cores": str(available_cores()), "cache": found, "writing": written}

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext, suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,10 +125,9 @@ def run_ensemble(options: argparse.Namespace) -> int:
     settings = settings_of(options, scene)
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
-    if options.figure is not None:
-        _draw(data, settings["keep"], options.figure)
     found = _summary(data, options.out)
     print(strict_json(found) if options.json else _in_words(found))
+    shared.draw_to(options.figure, partial(_draw, data, settings["keep"]))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
 

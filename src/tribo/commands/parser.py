@@ -189,16 +189,19 @@ def _paper(options: argparse.Namespace) -> int:
 
     cases = [options.case] if options.case else list(paper.CASES)
     tables = paper.compare(cases)
-    if options.figures is not None:
-        from tribo.paper import figures as paper_figures
-
-        for path in paper_figures.draw(options.figures, cases):
-            print(path, file=sys.stderr)
     if options.json:
         rows = {case: [row.as_json() for row in table] for case, table in tables.items()}
         print(strict_json(rows))
     else:
         print(paper.report(tables))
+
+    def draw(folder: Path) -> None:
+        from tribo.paper import figures
+
+        for path in figures.draw(folder, cases):
+            print(path, file=sys.stderr)
+
+    shared.draw_to(options.figures, draw, "--figures")
     return COMPLETED
 
 
@@ -216,7 +219,8 @@ def _plot(options: argparse.Namespace) -> int:
 
     path = figure_path("--out", options.out or options.file.with_suffix(".png"))
     checked_target("--out", path)
-    print(save(load_result(options.file).plot.overview(), path))
+    result = load_result(options.file)
+    shared.draw_to(path, lambda target: print(save(result.plot.overview(), target)), "--out")
     return COMPLETED
 
 
@@ -238,7 +242,6 @@ def _check(options: argparse.Namespace) -> int:
     pairs = shared.by_key("parameter", options.parameters).items()
     table = {"potential": options.potential} | {name: shared.parsed(value) for name, value in pairs}
     report = check(from_table(table, Path.cwd()))
-    if options.figure is not None:
-        report.save_figure(options.figure)
     print(report.to_json() if options.json else report)
+    shared.draw_to(options.figure, report.save_figure)
     return COMPLETED if report.passed else STOPPED

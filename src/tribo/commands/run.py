@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.commands import scene_options as shared
@@ -38,14 +40,17 @@ def _run(options: argparse.Namespace) -> int:
         result, same = _repeated(options)
     else:
         result, same = _simulated(options), True
-    if options.figure is not None:
-        from tribo.plotting.style import save
-
-        # The works on the first surface, or the swings where works are not kept.
-        has_works = "W" in result.ledger.blocks[result.scene.surfaces[0].name]
-        save(result.plot.work() if has_works else result.plot.angles(), options.figure)
     print(result.to_json() if options.json else result)
+    shared.draw_to(options.figure, partial(_draw, result))
     return COMPLETED if result.status == "completed" and same else STOPPED
+
+
+def _draw(result: Result, path: Path) -> None:
+    """Draw the works on the first surface, or the swings where works are not kept."""
+    from tribo.plotting.style import save
+
+    has_works = "W" in result.ledger.blocks[result.scene.surfaces[0].name]
+    save(result.plot.work() if has_works else result.plot.angles(), path)
 
 
 def _simulated(options: argparse.Namespace) -> Result:

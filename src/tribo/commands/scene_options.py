@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import sys
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from tribo.model.scene import Scene
 
 
+# Characters of an error of matplotlib that a message quotes: LaTeX's have hundreds of lines.
+MOST_OF_ERROR = 200
 # Of an option that may be given several times.
 REPEATED: dict[str, Any] = {"action": "append", "default": []}
 
@@ -187,3 +191,21 @@ def check_figure(path: Path | None) -> None:
         from tribo.plotting.style import figure_path
 
         checked_target("--figure", figure_path("--figure", path))
+
+
+def draw_to(path: Path | None, draw: Callable[[Path], object], option: str = "--figure") -> None:
+    """Let a function draw the figure that a command was asked for, after its output.
+
+    Raises InputError if that fails: matplotlib may be set up for another place, as a notebook.
+    """
+    if path is None:
+        return
+    sys.stdout.flush()
+    os.environ["MPLBACKEND"] = "agg"  # read when matplotlib is imported; files need no window
+    try:
+        draw(path)
+    except InputError:
+        raise
+    except Exception as error:  # of matplotlib, its backends or LaTeX
+        problem = " ".join(str(error).split())[:MOST_OF_ERROR]
+        raise InputError(option, f"{path} cannot be drawn ({problem})") from None

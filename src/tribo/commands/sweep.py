@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tribo.commands.scene_options import by_key, check_figure, load, parsed_list
+from tribo.commands.scene_options import by_key, check_figure, draw_to, load, parsed_list
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.validation import InputError
@@ -30,9 +31,8 @@ HALF_WIDTH = "half-width"
 
 def run_sweep(options: argparse.Namespace) -> int:
     from tribo.commands.ensemble import settings_of, workers
-    from tribo.plotting import save
     from tribo.sweeps import sweep
-    from tribo.sweeps.figure import ends, quantities, sweep_lines, with_single_asperites_as_numbers
+    from tribo.sweeps.figure import ends, with_single_asperites_as_numbers
 
     check_figure(options.figure)
     values, scene = _values_of(options.set), load(options)
@@ -44,15 +44,21 @@ def run_sweep(options: argparse.Namespace) -> int:
             option, _, key = error.field.partition(".")
             field = f"--set {key}" if option == "values" else error.field
             raise InputError(field, error.problem) from None
-    if options.figure is not None:
-        names = quantities(data)
-        if not names:
-            problem = "needs a quantity with one value at each point, as upper.W"
-            raise InputError("--figure", problem)
-        save(sweep_lines(data, names[0]), options.figure)
     found = with_single_asperites_as_numbers(data)
     print(_as_json(found) if options.json else _summary(found, options.out))
+    draw_to(options.figure, partial(_draw, data))
     return COMPLETED if set(ends(data).values.flat) == {"completed"} else STOPPED
+
+
+def _draw(data: xarray.Dataset, path: Path) -> None:
+    """Draw the first quantity.  Raises InputError if there is none."""
+    from tribo.plotting import save
+    from tribo.sweeps.figure import quantities, sweep_lines
+
+    names = quantities(data)
+    if not names:
+        raise InputError("--figure", "needs a quantity with one value at each point, as upper.W")
+    save(sweep_lines(data, names[0]), path)
 
 
 def _values_of(texts: list[str]) -> dict[Keys, list[object]]:

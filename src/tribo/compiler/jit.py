@@ -132,10 +132,18 @@ def _named(loop: FunctionType, stamps: str) -> Any:
 
 def cached_files(loop: FunctionType) -> list[Path]:
     """Machine code on disk of all loops from the same folder, of all versions and plug-ins."""
-    folder = _named(loop, code_stamp()).stats.cache_path
+    folder = cache_folder(loop)
     if folder is None:
         return []
-    return sorted(path for path in Path(folder).glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+    return sorted(path for path in folder.glob("*.nb?") if FILE_NAME.fullmatch(path.name))
+
+
+def cache_folder(loop: Any) -> Path | None:
+    """The folder of the machine code of a loop; None if none can be written."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return None
+    folder = _named(loop, code_stamp()).stats.cache_path
+    return None if folder is None else Path(folder)
 
 
 def is_compiled(loop: Any) -> bool:

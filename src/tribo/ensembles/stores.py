@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
+from tribo import seals
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, completed, joined
 from tribo.ensembles.statistics import Moments
 from tribo.files import netcdf_image, netcdf_target, replace_file, replaced, write_netcdf
@@ -181,7 +182,7 @@ class Target(NamedTuple):
         """The data set; if it is complete it is in its file too, in place of the frames."""
         if self.path is not None and data.attrs["status"] == Status.COMPLETED:
             data.attrs[IDENTITY] = json.dumps(self.identity)
-            replace_file(self.path, netcdf_image(data))
+            replace_file(self.path, seals.sealed(netcdf_image(data)))
             assert self.frames is not None
             self.frames.remove()
         return data
@@ -192,6 +193,7 @@ class Target(NamedTuple):
         with replaced(self.path) as new:
             for data in parts:
                 _append(new, data.assign_attrs({IDENTITY: json.dumps(self.identity)}))
+            seals.seal(new)
         self.frames.remove()
         return opened(self.path, self.identity)
 
@@ -248,11 +250,12 @@ def opened(path: Path, identity: Identity) -> xarray.Dataset:
     import xarray
 
     try:
+        seals.check(path)
         with h5py.File(path) as file:
             before: Identity = json.loads(file.attrs[IDENTITY])
-    except (OSError, KeyError, ValueError):
+    except (OSError, KeyError, ValueError):  # an InputError is one of them
         raise InputError(
-            str(path), "is no such file of this version; start again without resume"
+            str(path), "is no such file of this version, or damaged; start again without resume"
         ) from None
     refuse_other(path, before, json.loads(json.dumps(identity)))
     # A file object, since HDF5 would not let this process write to a file that it has open.

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.compiler import team as teams
+from tribo.compiler.generators import generator_at
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
@@ -271,9 +272,10 @@ def splitting_steps(
     """Integrate through the sample times in equal steps of at most `step`; return a status.
 
     PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
-    together with the one that begins the next.  `noise` is a random Generator.
+    together with the one that begins the next.  `noise` is the argument of a random generator.
     """
     clock = clocks[0]
+    noise = generator_at(noise)
     model, neighbours, splitting, state, times, record, work = pointers(
         (model, neighbours, splitting, state, times, record, work)
     )

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tribo.compiler.generators import as_argument
 from tribo.compiler.jit import undisturbed
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
@@ -93,7 +94,8 @@ class GeneralLoop(TimeLoop):
         self._neighbours = with_room(self._neighbours)
         record = Record(*columns, *self._recorded)  # type: ignore[call-arg]
         run = self.clocks, self.state, times, record, budget
-        return self._neighbours, *self._constants, *run, *self._noise, *self._scratch
+        noise = map(as_argument, self._noise)
+        return self._neighbours, *self._constants, *run, *noise, *self._scratch
 
     def forget_neighbours(self) -> None:
         if self._neighbours is not None:

@@ -45,7 +45,7 @@ def load_scene(path: object) -> Scene:
     """
     path = as_path(path)
     try:
-        text = read_file(path).decode("utf-8")
+        text = read_file(path).decode("utf-8-sig")  # Notepad begins with a mark
     except UnicodeDecodeError:
         raise InputError(str(path), "is not a text file in UTF-8") from None
     try:

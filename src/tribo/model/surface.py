@@ -198,8 +198,9 @@ class Surface(ComparedByValue):
         """Check the name, the lattice or the listed positions, and the velocity."""
         name: object = self.name
         printable = isinstance(name, str) and name.isprintable() and name.strip()
-        if not printable or {".", "/"} & {*self.name}:
-            raise must_be("name", "a word without . or /", name)
+        if not printable or {".", "/"} & {*self.name} or name != self.name.strip():
+            # They are names in NetCDF files, which allow no blanks at their ends.
+            raise must_be("name", "a word without . or /, and without blanks at its ends", name)
         check.choice("facing", self.facing, ["down", "up"])
         lengths, velocity = check.pair(unit="length"), check.pair(unit="length / time")
         check.fields(self, bob=lengths, velocity=velocity, spacing=lengths)

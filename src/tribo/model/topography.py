@@ -54,12 +54,18 @@ class Topography(ComparedByValue):
     unit : str or float, optional
         The scene's unit of length: "m", "mm", "um", "nm", "A" or "pm", or a number of metres.
         Required if the scan has a unit of its own; without one, its lengths are the scene's.
-    detrend : str
+    detrend : str, optional
         The trend that is subtracted from the whole scan: "plane" (fitted by least squares), "mean",
-        "curvature" (a polynomial of degree 2) or "none".
+        "curvature" (a polynomial of degree 2) or "none".  None stands for "mean" if the scan is
+        periodic, since a plane would make a step where it repeats, and for "plane" otherwise.
     origin : (float, float), optional
         Place on the scan of the grid's corner with the lowest x and z [length].  None for the
         scan's own corner, where the grid covers the whole scan.
+    channel : str or int, optional
+        Name or number, from 0, of the channel of the file; None for its default.
+    size : float or (float, float), optional
+        Size of the scan along x, or along x and z [length], of a file that has none, as a matrix of
+        numbers; its heights are then lengths of the scene.
     sampled : Sampled, optional
         The heights at the asperites; set by the surface that has this topography.
 
@@ -72,8 +78,10 @@ class Topography(ComparedByValue):
 
     topography: Any  # a path, or a topography or line scan of SurfaceTopography
     unit: str | float | None = None
-    detrend: str = "plane"
+    detrend: str | None = None
     origin: tuple[float, float] | None = None
+    channel: str | int | None = None
+    size: float | tuple[float, float] | None = None
     sampled: Sampled | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -87,7 +95,15 @@ class Topography(ComparedByValue):
             check.choice("unit", self.unit, METRES)
         elif self.unit is not None:
             check.fields(self, unit=check.one(check.POSITIVE, "m"))
-        check.choice("detrend", self.detrend, TRENDS)
+        if self.detrend is not None:
+            check.choice("detrend", self.detrend, TRENDS)
+        for name in ("channel", "size"):
+            if getattr(self, name) is not None and not isinstance(self.topography, str):
+                raise InputError(name, "needs a file as the topography")
+        if not isinstance(self.channel, str | None):
+            check.integer("channel", self.channel, 0)
+        kind = check.pair if check.is_list(self.size) else check.one
+        check.fields(self, size=kind(check.POSITIVE, "length"))
         check.fields(self, origin=check.pair(unit="length"))
 
     @property
@@ -108,11 +124,14 @@ class Topography(ComparedByValue):
         """(nx nz,) heights of the scan at the asperites, x running fastest [length]."""
         from scipy.interpolate import RegularGridInterpolator
 
-        scan = _read(self.topography) if isinstance(self.topography, str) else self.topography
+        scan = self.topography
+        if isinstance(scan, str):
+            given: dict[str, Any] = {"channel": self.channel, "size": self.size}
+            scan = _read(scan, **{key: each for key, each in given.items() if each is not None})
         length = self._length_of(scan.unit)
-        if scan.has_undefined_data:
-            scan = scan.interpolate_undefined_data()
-        trend = TRENDS[self.detrend]
+        scan = _defined(scan)
+        is_periodic = getattr(scan, "is_periodic", False)
+        trend = TRENDS[self.detrend or ("mean" if is_periodic else "plane")]
         if trend is not None:
             scan = scan.detrend(trend)
         axes, heights = _axes_and_heights(scan)
@@ -191,18 +210,47 @@ def _axes_and_heights(scan: Any) -> tuple[list[np.ndarray], np.ndarray]:
     return axes, heights
 
 
-def _read(path: str) -> Any:
+def _defined(scan: Any) -> Any:
+    """The scan with values that are interpolated where it has none."""
+    if scan.has_undefined_data:
+        return scan.interpolate_undefined_data()
+    if scan.dim > 1:
+        return scan
+    # Undefined points of line scans with unequal steps are nan, of which the library says nothing.
+    x, heights = (np.asarray(each, float) for each in scan.positions_and_heights())
+    known = np.isfinite(heights)
+    if np.all(known) or np.count_nonzero(known) < 2:
+        return scan
+    from SurfaceTopography import NonuniformLineScan
+
+    return NonuniformLineScan(x, np.interp(x, x[known], heights[known]), unit=scan.unit)
+
+
+def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
     if not Path(path).is_file():
         raise InputError("topography", f"{path} cannot be read (no such file)")
     try:
-        from SurfaceTopography import read_topography
-        from SurfaceTopography.Exceptions import CannotDetectFileFormat
+        from SurfaceTopography import open_topography
+        from SurfaceTopography.Exceptions import (
+            CannotDetectFileFormat,
+            MetadataAlreadyFixedByFile,
+        )
     except ImportError:
         raise InputError(
             "topography", "needs SurfaceTopography; install it: pip install SurfaceTopography"
         ) from None
+    settings: dict[str, Any] = {}
+    if size is not None:
+        settings["physical_sizes"] = tuple(np.atleast_1d(size).tolist())
     try:
-        return read_topography(path)
+        with open_topography(path) as reader:
+            if channel is not None:
+                settings["channel_index"] = _index_of(channel, [c.name for c in reader.channels])
+            return reader.topography(**settings)
+    except InputError:
+        raise
+    except MetadataAlreadyFixedByFile:
+        raise InputError("size", "must be left out: the file states the size of the scan") from None
     except CannotDetectFileFormat:
         raise InputError(
             "topography", f"{path} cannot be read: it has no format that SurfaceTopography knows"
@@ -212,9 +260,19 @@ def _read(path: str) -> Any:
         problem = str(error).strip().split("\n")[0]
         raise InputError(
             "topography",
-            f"{path} cannot be read ({problem}); "
-            "in Python, give the object that SurfaceTopography reads from it",
+            f"{path} cannot be read ({problem}); in Python, give the object "
+            "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
+
+
+def _index_of(channel: str | int, names: list[str]) -> int:
+    """The number of a channel of a file.  Raises InputError."""
+    if isinstance(channel, int) and channel < len(names):
+        return channel
+    if channel in names:
+        return names.index(str(channel))
+    known = check.shortened(f'"{name}"' for name in names)
+    raise must_be("channel", f"one of {known}, or a number below {len(names)}", channel)
 
 
 KEYS = [each.name for each in fields(Topography) if each.name != "sampled"]

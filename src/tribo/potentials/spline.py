@@ -14,6 +14,7 @@ from typing import Self
 
 import numpy as np
 
+from tribo.potentials.columns import read_columns
 from tribo.potentials.potential import Potential
 from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, as_path, must_be, number, vector
 
@@ -158,39 +159,32 @@ def from_points(r: object, energy: object, error: float | None = None) -> Table:
     return Table(r, values, slopes, error, _length(r, slopes, curvatures(r, values, slopes)))
 
 
-def from_csv(path: object, error: float | None = None) -> Table:
-    """A table from a text file with two columns.
+def from_csv(
+    path: object, error: float | None = None, columns: object = None, section: object = None
+) -> Table:
+    """A table from a text file with columns of numbers.
 
     Parameters
     ----------
     path : str or path-like
-        A file with a distance [length] and an energy [energy] in each line, separated by a comma
-        or by spaces.  Empty lines and lines that begin with # are skipped.
+        A file with a distance [length] and an energy [energy] in each line, or a table of LAMMPS's
+        ``pair_style table``; see :mod:`tribo.potentials.columns`.
     error : float, optional
         As for :func:`from_points`.
+    columns : (int, int) or (str, str), optional
+        Numbers, from 1, or headings of the columns of distances and energies.  Required where a
+        file has more columns than two and no headings "r" and "energy".
+    section : str, optional
+        The keyword of the section of a LAMMPS file; required if it has several.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a line has no two numbers.
+        If the file cannot be read, a line is not a row of numbers, or it is not clear which columns
+        are meant.
     """
-    path = as_path(path)
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError("file", f"{path} cannot be read ({problem})") from None
-    points = []
-    for count, line in enumerate(lines, start=1):
-        if not line.strip() or line.startswith("#"):
-            continue
-        try:
-            r, energy = map(float, line.replace(",", " ").split())
-        except ValueError:
-            raise InputError(
-                "file", f'{path} must have two numbers in each line, got "{line}" in line {count}'
-            ) from None
-        points.append((r, energy))
-    return from_points([r for r, _ in points], [energy for _, energy in points], error)
+    r, energy = read_columns(as_path(path), columns, section)
+    return from_points(r, energy, error)
 
 
 def tabulated(

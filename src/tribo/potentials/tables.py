@@ -156,7 +156,7 @@ def _scaled(parameters: dict[str, Any], folder: Path) -> Potential:
 
 def _table(parameters: dict[str, Any], folder: Path) -> Table:
     if "file" in parameters:
-        parameters = known_keys(parameters, ["file", "error"])
+        parameters = known_keys(parameters, ["file", "error", "columns", "section"])
         if not isinstance(parameters["file"], str):
             raise must_be("file", "the name of a file", parameters["file"])
         return from_csv(folder / parameters.pop("file"), **parameters)

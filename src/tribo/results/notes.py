@@ -19,6 +19,7 @@ from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_ste
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.spectrum import valid_until
+from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
@@ -32,6 +33,9 @@ NOTED_TURN = 0.5
 NOTED_CUT = 0.95
 # Noted part of the other drives' work: below it, that is the dissipated energy to one digit.
 NOTED_WORK = 0.1
+# A seam of n neighbours is noted where their r.m.s. step is larger than elsewhere by this over
+# sqrt(n): three standard deviations.
+SEAM = 2.1
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
@@ -42,8 +46,34 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     """Notes on starts, rough potentials, given steps, and baths that are too small."""
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
-    starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene)]
+    starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene), *_on_seams(scene)]
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
+
+
+def _on_seams(scene: Scene) -> Iterator[str]:
+    """A note where given heights have a larger step at the end of a period than elsewhere."""
+    for surface in scene.surfaces:
+        given = isinstance(surface.heights, (np.ndarray, Topography))
+        heights = surface.drawn_heights(0) if given and surface.positions is None else None
+        if heights is None:
+            continue
+        heights = heights.reshape(surface.shape[::-1])
+        for axis, name in enumerate("zx"):
+            period, spacing = getattr(scene.periodic, name), abs(surface.spacing[1 - axis])
+            steps = np.diff(heights, axis=axis)
+            if period is None or steps.size == 0 or spacing == 0.0:
+                continue
+            gap = period - steps.shape[axis] * spacing
+            ends = np.take(heights, 0, axis) - np.take(heights, -1, axis)
+            seam, inner = (math.sqrt(np.mean(each**2)) for each in (ends, steps))
+            # Neighbours within a step and a half; the mean of n squares differs by chance.
+            bound = (1.0 + SEAM / math.sqrt(ends.size)) * inner * max(gap / spacing, 1.0)
+            if gap < 1.5 * spacing and seam > bound:
+                yield (
+                    f'the heights of "{surface.name}" have a seam where the scene repeats along '
+                    f"{name}: neighbours differ by {seam:.3g} there and by {inner:.3g} elsewhere "
+                    '(r.m.s.); heights of a periodic surface have none, with detrend = "mean"'
+                )
 
 
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo import seals
 from tribo.files import netcdf_image, read_file, replace_file
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS, Table, quantity_of
@@ -24,11 +25,12 @@ from tribo.validation import InputError
 if TYPE_CHECKING:
     import xarray
 
-# Before the names of the arrays of a state.
+# Before the names of the arrays of a state, which have no units; series of a surface that is named
+# "state" have.
 STATE = "state."
 # After the name of a surface in that of its bath oscillators' displacements.
 OSCILLATORS = ".oscillators"
-# Before the hash of a file, which is computed with zeros in its place.
+# Before the hash in a file of version 0.2, which is computed with zeros in its place.
 HASH = b"blake2b:"
 NO_DIGEST = b"0" * 64
 # Attributes of a result that are JSON in a file.
@@ -126,21 +128,21 @@ def _attributes(result: RunResult) -> dict[str, str]:
 
 def save(result: RunResult, path: Path) -> None:
     """Write a NetCDF file with the state, complete or not at all.  Raises InputError."""
+    data = dataset(result)
     state: dict[str, Variable] = {}
     for name, array in result.state().arrays().items():
         dimensions = tuple(f"{STATE}{name}_{axis}" for axis in range(array.ndim))
         state[f"{STATE}{name}"] = (dimensions, array, {})
-    data = dataset(result).assign(state)
+    for name in state.keys() & data.variables.keys():
+        raise InputError(str(path), f"cannot have both a series and an array of the state {name}")
+    data = data.assign(state)
+    # xarray warns of coordinates with blanks, whose names it could not list in an attribute.
+    blank = [name for name in data.coords if " " in str(name) and name not in data.dims]
+    data = data.reset_coords(blank)
     for key, variable in data.variables.items():
         variable.attrs["checksum"] = _checksum(str(key), variable)
     data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
-    data.attrs["hash"] = (HASH + NO_DIGEST).decode()
-    image = netcdf_image(data)
-    replace_file(path, image.replace(HASH + NO_DIGEST, HASH + _digest(image)))
-
-
-def _digest(image: bytes) -> bytes:
-    return hashlib.blake2b(image, digest_size=32).hexdigest().encode()
+    replace_file(path, seals.sealed(netcdf_image(data)))
 
 
 def _checksum(name: str, variable: xarray.Variable) -> str:
@@ -163,19 +165,18 @@ def load(path: Path) -> xarray.Dataset:
     import xarray
 
     image = read_file(path)
-    if _is_intact(image):
-        return xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+    whole = seals.is_sealed(io.BytesIO(image), str(path)) or _has_own_hash(image)
+    if not whole:
+        seals.check_readable(path)
     try:
         data = xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
         changed = _changed(data)
     except Exception:  # bytes that are no file, or a damaged one, may raise anything
         changed = "it"
     if changed:
-        raise InputError(
-            str(path),
-            f"cannot be read: {changed} is damaged, or the file is no result that this version of "
-            "tribo has written (xarray.open_dataset reads data sets of ensembles and sweeps)",
-        )
+        raise seals.damaged(str(path), changed)
+    if whole:
+        return data
     data.attrs["notes"] = json.dumps([*json.loads(data.attrs["notes"]), REWRITTEN])
     return data
 
@@ -194,27 +195,38 @@ def _names(data: xarray.Dataset) -> bytes:
     return " ".join(sorted(map(str, data.variables))).encode()
 
 
-def _is_intact(image: bytes) -> bool:
-    """Whether the file has its own hash."""
-    return any(
-        found[1] == _digest(image[: found.start(1)] + NO_DIGEST + image[found.end(1) :])
-        for found in re.finditer(HASH + b"([0-9a-f]{64})", image)
-    )
+def _has_own_hash(image: bytes) -> bool:
+    """Whether the file has the hash that version 0.2 wrote into it."""
+
+    def digest(found: re.Match[bytes]) -> bytes:
+        content = image[: found.start(1)] + NO_DIGEST + image[found.end(1) :]
+        return hashlib.blake2b(content, digest_size=32).hexdigest().encode()
+
+    hashes = re.finditer(HASH + b"([0-9a-f]{64})", image)
+    return any(found[1] == digest(found) for found in hashes)
 
 
 def state_in(data: xarray.Dataset, scene: Scene) -> State:
     arrays = {
         str(name).removeprefix(STATE): variable.values
         for name, variable in data.data_vars.items()
-        if str(name).startswith(STATE)
+        if _is_of_state(str(name), variable.attrs)
     }
     return State.of_arrays(arrays, data.attrs["method"], scene, data.attrs["version"])
 
 
+def _is_of_state(name: str, attributes: dict[Any, Any]) -> bool:
+    return name.startswith(STATE) and "units" not in attributes
+
+
 def ledger_of(data: xarray.Dataset, scene: Scene) -> Ledger:
     """The ledger in a data set, but for error estimates and the state."""
-    names = [str(name) for name in data.data_vars if not str(name).startswith(STATE)]
-    series = {n: data[n].values for n in names if n.rpartition(".")[2] in EVERY_QUANTITY}
+    series = {
+        str(name): variable.values
+        for name, variable in data.data_vars.items()
+        if str(name).rpartition(".")[2] in EVERY_QUANTITY
+        and not _is_of_state(str(name), variable.attrs)
+    }
     surfaces = [surface.name for surface in scene.surfaces]
     names = [name for name in surfaces if f"{name}{OSCILLATORS}" in data]
     oscillators = {name: data[f"{name}{OSCILLATORS}"].values for name in names}
