@@ -1,4 +1,4 @@
-"""Potentials are zero from their range on, tables are judged where bobs come, and energies agree."""
+"""Potentials are zero from their range on; tables are judged where bobs come; energies agree."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ class Bowl(Cap):
 
 
 class Uneven(tribo.Coulomb):
-    """Only the energy between charges is its own; one charge of each kind gives twice its energy."""
+    """Only the energy between charges is its own; charges of one give twice its energy."""
 
     def energy_between(self, r, one, other):
         return self.strength * (one + other) / r

@@ -191,21 +191,20 @@ def factors_of(energy: FunctionType) -> tuple[str, ...]:
     returned = [node for node in ast.walk(definition) if isinstance(node, ast.Return)]
     if len(returned) != 1 or returned[0] is not definition.body[-1] or not definition.args.args:
         return ()
-    found = _factors(returned[0].value, definition.args.args[0].arg)
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(factors_in(returned[0].value, definition.args.args[0].arg)))
 
 
-def _factors(node: ast.expr | None, owner: str) -> list[str]:
+def factors_in(node: ast.expr | None, owner: str) -> list[str]:
     """The attributes of a name that multiply an expression."""
     match node:
         case ast.Attribute(ast.Name(name), attribute) if name == owner:
             return [attribute]
         case ast.UnaryOp(ast.USub() | ast.UAdd(), operand):
-            return _factors(operand, owner)
+            return factors_in(operand, owner)
         case ast.BinOp(u, ast.Mult(), v):
-            return _factors(u, owner) + _factors(v, owner)
+            return factors_in(u, owner) + factors_in(v, owner)
         case ast.BinOp(u, ast.Div(), _):
-            return _factors(u, owner)
+            return factors_in(u, owner)
     return []
 
 
