@@ -228,7 +228,8 @@ def _in_contact(
                 if kinds is not None:
                     chosen &= surface.species_of_each == kinds[k]
                 selected.append(each if np.all(chosen) else each[:, chosen])
-            found |= _any_within(layout, *selected, distance)
+            mine, theirs = selected
+            found |= _any_within(layout, mine, theirs, distance)
     return found
 
 
