@@ -58,8 +58,8 @@ def test_bodies_without_a_load_may_pass():
     """Two free bodies that attract each other orbit, and the energy budget closes."""
     rigid = tribo.Asperite(kappa=np.inf)
     free = {"asperite": rigid, "drive": Free(load=0.0)}
-    upper = Surface("upper", bob=(0.0, 1.5), velocity=(0.42, 0.0), **free)
-    scene = Scene((upper, Surface("lower", facing="up", **free)), tribo.Coulomb(-0.4), 44.0)
+    upper = Surface("upper", bob=(0.0, 3.0), velocity=(0.298, 0.0), **free)
+    scene = Scene((upper, Surface("lower", facing="up", **free)), tribo.Coulomb(-0.4), 64.0)
     result = tribo.simulate(scene, accuracy=1e-7)
     assert result.status == "completed"
     assert not any("passed through" in note for note in result.notes)
