@@ -142,6 +142,109 @@ def test_formulas_have_the_energies(style):
     assert found == pytest.approx(potential.energy_between(r, -0.7, 1.3), rel=1e-14, abs=1e-16)
 
 
+def random_potential(random):
+    """A potential with charges or without, possibly scaled, cut off, and added to another."""
+    lengths = random.uniform(0.6, 1.2, 2)
+    kinds = [
+        tribo.Coulomb(float(random.choice([0.2, -0.3, 0.7]))),
+        tribo.Coulomb(0.2),
+        tribo.Yukawa(0.5, 0.4),
+        tribo.Plummer(0.4, 0.5),
+        tribo.LennardJones(0.1, lengths[0]),
+        tribo.Gaussian(0.3, lengths[1]),
+        tribo.Morse(0.2, 1.7, 1.1),
+        tribo.Hertz(0.9, 1.8),
+    ]
+
+    def part():
+        found = kinds[random.integers(len(kinds))]
+        if random.random() < 0.4:
+            found = float(random.uniform(-2.0, 2.0)) * found
+        if random.random() < 0.6:
+            ends = ["switch", "shift", "force-shift", "truncate"]
+            found = found.with_cutoff(random.uniform(1.5, 4.0), ends[random.integers(4)])
+        return found
+
+    return part() if random.random() < 0.5 else part() + part()
+
+
+def random_scene(seed):
+    """Three rows of rigid, charged bobs, each two with a potential of their own."""
+    random = np.random.default_rng(seed)
+    surfaces = []
+    for k, name in enumerate("ABC"):
+        charges = random.uniform(-1.5, 1.5, 3)
+        asperite = tribo.Asperite(kappa=math.inf, charge=charges)
+        row = {"shape": (3, 1), "spacing": (random.uniform(1.0, 1.4), 0.0), "drive": "bars"}
+        bob = (2.1 * (k > 1) + random.uniform(0.0, 0.5), 1.2 * (k == 0))
+        facing = "up" if k else "down"
+        surfaces.append(tribo.Surface(name, facing=facing, bob=bob, asperite=asperite, **row))
+    pairs = [("A", "B"), ("A", "C"), ("B", "C")]
+    interactions = [tribo.Interaction(random_potential(random), between=pair) for pair in pairs]
+    return tribo.Scene(surfaces, interactions, 1.0)
+
+
+def forces_by_hand(scene):
+    """(n, 2) forces on all bobs at t = 0, of each pair by its own potential."""
+    forces = [np.zeros((surface.count, 2)) for surface in scene.surfaces]
+    for interaction in scene.interactions:
+        potential = interaction.potential
+        for one, other in scene.pairs(interaction):
+            mine, theirs = scene.surfaces[one], scene.surfaces[other]
+            apart = mine.resting_bobs()[:, None, :2] - theirs.resting_bobs()[None, :, :2]
+            r = np.linalg.norm(apart, axis=2)
+            charges = mine.each["charge"][:, None], theirs.each["charge"][None]
+            with np.errstate(all="ignore"):
+                force = potential.force_between(r, *charges)
+            force = np.where(r < potential.range(), force, 0.0)
+            pair = (force / r)[..., None] * apart
+            forces[one] += pair.sum(axis=1)
+            forces[other] -= pair.sum(axis=0)
+    return np.concatenate(forces)
+
+
+@needs_lammps
+@pytest.mark.parametrize("seed", range(8))
+def test_forces_of_scenes_with_several_potentials(seed, tmp_path):
+    """Charged, scaled, added and cut-off potentials side by side have their own strengths."""
+    scene = random_scene(seed)
+    assert to_lammps(scene, tmp_path).omitted == ()
+    found, expected = run_lammps(tmp_path, INITIAL_FORCES)[:, 7:], forces_by_hand(scene)
+    assert np.max(np.abs(found - expected)) <= 1e-11 * np.max(np.abs(expected))
+
+
+def test_one_strength_for_all_charges(tmp_path):
+    """``dielectric``, which scales all charges, is written where all are those of one Coulomb."""
+    scene = random_scene(0)
+    between = [each.between for each in scene.interactions]
+    coulomb = tribo.Coulomb(0.2)
+    plain = LJ.with_cutoff(2.0)
+    for potentials, written in (
+        ((coulomb, coulomb, plain), True),
+        ((coulomb, tribo.Coulomb(0.3), plain), False),
+        ((coulomb, tribo.Yukawa(0.5, 0.4), plain), False),
+        ((coulomb, plain + tribo.Plummer(0.5, 0.4), plain), False),
+        ((coulomb, 2.0 * coulomb, plain), False),
+    ):
+        interactions = [tribo.Interaction(*each) for each in zip(potentials, between, strict=True)]
+        files = to_lammps(replace(scene, interactions=interactions), tmp_path)
+        assert ("dielectric" in files.forces.read_text()) is written
+
+
+def test_the_step_resolves_springs_and_fields(tmp_path):
+    """A fiftieth of the period of the fastest motion, where the scene gives no step."""
+    row = {"shape": (4, 1), "spacing": (1.0, 0.0), "asperite": tribo.Asperite(kappa=math.inf)}
+    for settings, frequency in (
+        ({"springs": tribo.Springs(300.0)}, 2.0 * math.sqrt(300.0 / 3.0)),
+        ({"drive": tribo.Pulled(stiffness=500.0, speed=0.1)}, math.sqrt(500.0 / 3.0)),
+    ):
+        settings = {"drive": tribo.Free()} | settings
+        scene = tribo.Scene([tribo.Surface("row", **row, **settings)], (), 10.0)
+        run = to_lammps(scene, tmp_path).run.read_text()
+        step = float(re.findall("timestep (.*)", run)[0])
+        assert 0.02 < step * frequency < 0.13
+
+
 def motions():
     """Many pairs of rows, far from one another, with all that moves a surface in LAMMPS too."""
     springs, swing = tribo.Springs(3.0), tribo.Initial(swing=np.array([0.1, 0.0, -0.1, 0.05]))

@@ -54,6 +54,19 @@ def test_bobs_that_change_their_order_alone_have_not_passed():
     assert tribo.simulate(scene, accuracy=1e-6).status == "completed"
 
 
+def test_bodies_without_a_load_may_pass():
+    """Two free bodies that attract each other orbit, and the energy budget closes."""
+    rigid = tribo.Asperite(kappa=np.inf)
+    free = {"asperite": rigid, "drive": Free(load=0.0)}
+    upper = Surface("upper", bob=(0.0, 3.0), velocity=(0.298, 0.0), **free)
+    scene = Scene((upper, Surface("lower", facing="up", **free)), tribo.Coulomb(-0.4), 64.0)
+    result = tribo.simulate(scene, accuracy=1e-7)
+    assert result.status == "completed"
+    assert not any("passed through" in note for note in result.notes)
+    below = result["upper"].y_bar[:, 0] < result["lower"].y_bob[:, 0]
+    assert np.any(below) and not np.all(below)
+
+
 def row_of_two(spring):
     """A bar over the other surface, which its contact holds, and one that falls beside it."""
     row = {"shape": (2, 1), "spacing": (5.0, 0.0), "springs": {"stiffness": spring}}
@@ -122,6 +135,29 @@ def test_time_without_contact_of_an_endless_potential():
     chord = 2.0 * np.sqrt(radius**2 - gap**2) / speed
     # Less than half of the time: the bobs move little until they meet.
     assert 1.0 - share == pytest.approx(chord / DURATION, rel=0.06)
+
+
+def test_contact_is_repulsion():
+    """An attractive tail is no contact; a weak part of a sum leaves it to the other; by charges."""
+    upper = Surface("upper", bob=(-12.0, 0.9), velocity=(1.0, 0.0), asperite=RIGID)
+    lower = Surface("lower", facing="up", asperite=RIGID)
+    output = Output(samples=2401, series=["forces"])
+    how = {"method": "verlet", "step": 0.01}
+    lennard_jones = tribo.LennardJones(0.3, 1.0)
+    chord = 2.0 * np.sqrt(2.0 ** (1.0 / 3.0) - 0.9**2)
+    for potential in (lennard_jones, lennard_jones.with_cutoff(2.5, "shift")):
+        result = tribo.simulate(Scene((upper, lower), potential, 24.0, output=output), **how)
+        share = result.time_without_contact("upper")
+        assert share == pytest.approx(1.0 - chord / 24.0, abs=1e-3)
+        assert result.end["contact_distance"]["upper"] == pytest.approx(2.0 ** (1.0 / 6.0))
+        assert "in contact are bobs that repel each other, here closer than 1.122" in str(result)
+    both = tribo.Coulomb(0.2) + tribo.LennardJones(1e-9, 0.5)
+    soft = Asperite(kappa=2.0)
+    for charge, share in ((1.0, 0.0), (-1.0, 1.0)):
+        one = Surface("upper", bob=(-12.0, 2.0), velocity=(1.0, 0.0), asperite=soft)
+        other = Surface("lower", facing="up", asperite=Asperite(kappa=2.0, charge=charge))
+        scene = Scene((one, other), both, 24.0, output=output)
+        assert tribo.simulate(scene, **how).time_without_contact("upper") == share
 
 
 def test_parting_and_not_meeting_are_noted():

@@ -174,7 +174,9 @@ def steps_towards(layout: Layout) -> float:
             moved = places[first.astype(int)] + np.outer(times, [*drift, 0.0])[:, None]
             tree = KDTree(in_place[theirs.start : theirs.stop], boxsize=box)
             near = tree.query(in_box(layout, moved)[0])[0].min(axis=1)
-            clear = np.array([contact.potential.clearance(r) for r in near.tolist()])
+            clear = np.array(
+                [contact.potential.clearance_between(r, 1.0, 1.0) for r in near.tolist()]
+            )
             if np.max(clear) > 0.0:  # bobs that stay at one place have no run
                 speed = float(np.hypot(*drift)) + 2.0 * swinging
                 rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))

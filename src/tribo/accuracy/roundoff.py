@@ -131,8 +131,8 @@ def _subtracted(potential: Any, scene: Scene) -> float:
         return 0.0
     inner = potential.potential
     found = abs(getattr(potential, "factor", 1.0)) * _subtracted(inner, scene)
-    if isinstance(potential, (Shifted, ForceShifted)):
-        end = potential.cutoff
+    end = getattr(potential, "cutoff", np.inf)
+    if isinstance(potential, (Shifted, ForceShifted)) and end < inner.range():
         charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
         found += abs(float(inner.energy_between(end, charge, charge)))
         if isinstance(potential, ForceShifted):
@@ -202,5 +202,6 @@ def _shortest_length(layout: Layout, motion: Motion) -> float:
     for contact in layout.model.contacts:
         for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):
             dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))
-            lengths.append(float(contact.potential.clearance(np.min(np.hypot(dx, dy)))))
+            nearest = np.min(np.hypot(dx, dy))
+            lengths.append(float(contact.potential.clearance_between(nearest, 1.0, 1.0)))
     return min((length for length in lengths if length > 0.0), default=np.inf)

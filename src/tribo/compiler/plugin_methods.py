@@ -46,6 +46,9 @@ METHOD_ARGUMENTS = {
     "coupling": 2,
     "energy_between": 3,
     "force_between": 3,
+    "acts_between": 2,
+    "clearance_between": 3,
+    "range_between": 2,
     "feature": 0,
     "clearance": 1,
     "range": 0,
@@ -233,9 +236,11 @@ def choose(condition, x, y):
 def _choose(condition, x, y):
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)
-    numbers = isinstance(x, types.Number) and isinstance(y, types.Number)
-    if isinstance(condition, types.Boolean) and numbers:
-        return lambda condition, x, y: x if condition else y
+    if isinstance(condition, types.Boolean):
+        if isinstance(x, LanesType) or isinstance(y, LanesType):
+            return lambda condition, x, y: where_less(0.5, 1.0 if condition else 0.0, x, y)
+        if isinstance(x, types.Number) and isinstance(y, types.Number):
+            return lambda condition, x, y: x if condition else y
     return lambda condition, x, y: np.where(condition, x, y)
 
 

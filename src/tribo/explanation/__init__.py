@@ -212,7 +212,7 @@ def explain(scene: Scene) -> Explanation:
     """Predict what a run of a scene does and costs, with the scene's own numerics.
 
     This compiles the time loop. With an accuracy, it also makes the search for settings with
-    which every run begins, for at most two seconds by the model of costs.
+    which every run begins, for at most one second by the model of costs.
 
     Parameters
     ----------

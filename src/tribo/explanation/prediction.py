@@ -32,7 +32,7 @@ from tribo.loops.integrate import MOST_PREDICTED, Integration, Setting, most_eva
 from tribo.loops.select import Integrator
 
 # Time of all runs of a search, by the model of costs [s].
-BUDGET = 2.0
+BUDGET = 1.0
 # Time of the run that measures a speed with a given step, by the model of costs [s].
 MEASURED = 0.05
 # The phase of the fastest motion in a step [rad] that is still well resolved.

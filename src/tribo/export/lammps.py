@@ -16,11 +16,14 @@ from tribo.export.lammps_pairs import pair_lines
 from tribo.files import replace_file
 from tribo.kernels.kinematics import nearest_image
 from tribo.layout.contacts import SKIN
+from tribo.layout.layout import lay_out
+from tribo.loops.resolution import corrugation_frequency, spring_frequency
 from tribo.model.scene import Scene
+from tribo.plugins.classes import parts
 from tribo.validation import as_path, must_be
 
 DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
-# Step that is written, where the scene has none, as a fraction of the shortest time of a contact.
+# Step that is written, where the scene has none, as a fraction of the shortest time of a motion.
 STEP = 0.02
 # Largest number of surfaces: LAMMPS has 32 groups, one of which holds all atoms.
 MOST_SURFACES = 31
@@ -139,15 +142,19 @@ def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
 
 
 def _step(scene: Scene, atoms: Atoms) -> float:
-    """A step [time] that resolves a pass and an oscillation in the sharpest contact."""
+    """A step [time] that resolves passes, and oscillations in contact, in fields and on springs."""
     lightest, speed = min(kind.mass for kind in atoms.kinds), atoms.largest_speed
     times = [scene.duration / 50.0]
+    layout = lay_out(scene)
+    for frequency in (spring_frequency(layout), corrugation_frequency(layout)):
+        if frequency > 0.0:
+            times.append(2.0 * math.pi / frequency)
     for interaction in scene.interactions:
         length = interaction.potential.feature()[0]
         if length > 0.0 and speed > 0.0:
             times.append(length / speed)
-        if hasattr(interaction.potential, "minimum"):
-            curvature = interaction.potential.minimum()[2]
+        for part in parts(interaction.potential):
+            curvature = part.minimum()[2] if hasattr(part, "minimum") else 0.0
             if curvature > 0.0:
                 times.append(2.0 * math.pi * math.sqrt(lightest / curvature))
     return STEP * min(times)

@@ -10,7 +10,9 @@ from typing import Any, NamedTuple
 from tribo.export.lepton import energy_text
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
-from tribo.potentials.charges import Coulomb
+from tribo.plugins.classes import parts
+from tribo.plugins.sources import is_own
+from tribo.potentials.charges import Charged, Coulomb
 from tribo.potentials.cutoff import Shifted, Truncated
 from tribo.potentials.derivative import NoFormulaError
 from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
@@ -52,10 +54,7 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
 
     `farthest` is a distance of no pair, the cutoff of potentials without one [length].
     """
-    potentials = [interaction.potential for interaction in scene.interactions]
-    uncut = [p.potential if type(p) is Truncated else p for p in potentials]
-    strengths = {p.strength for p in uncut if type(p) is Coulomb}
-    strength = strengths.pop() if len(strengths) == 1 else 0.0
+    strength = _strength([interaction.potential for interaction in scene.interactions])
     pairs: dict[tuple[int, int], Pair] = {}
     omitted = []
     for index, interaction in enumerate(scene.interactions):
@@ -67,6 +66,21 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
             continue
         pairs |= dict.fromkeys(_types(scene, interaction, kinds), pair)
     return _commands(pairs, len(kinds), strength), omitted
+
+
+def _strength(potentials: Sequence[Any]) -> float:
+    """The strength of Coulomb that ``dielectric`` stands for; 0 where that would change others.
+
+    It scales the charges of all pair styles, so that it must be that of every charged potential.
+    """
+    strengths = set()
+    for potential in potentials:
+        inner = potential.potential if type(potential) is Truncated else potential
+        if type(inner) is Coulomb:
+            strengths.add(inner.strength)
+        elif any(isinstance(part, Charged) or not is_own(type(part)) for part in parts(potential)):
+            return 0.0
+    return strengths.pop() if len(strengths) == 1 else 0.0
 
 
 def _pair(potential: Any, farthest: float, strength: float) -> Pair:

@@ -70,6 +70,11 @@ class Formula(np.lib.mixins.NDArrayOperatorsMixin):
         """The formula of ``np.where`` of a condition and two values."""
         if function is not np.where or len(inputs) != 3:
             raise NoFormulaError
+        condition, chosen, other = inputs
+        if not isinstance(condition, Formula):
+            return Formula(_text(chosen if condition else other))
+        if condition.text == "1":
+            return Formula(_text(chosen))
         return Formula("select({},{},{})".format(*map(_text, inputs)))
 
     # A program that decides, or takes an element, by the value of a formula.

@@ -121,7 +121,7 @@ def differences(model, x, y, i, m):
 def over_distances(potential, square, dx, dy, dz, charge, others, low, high):
     """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
     r, inverse = separations(square, dx, dy, dz, low, high)
-    end = range_in_lanes(potential)
+    end = range_in_lanes(potential, 1.0, 1.0)
     f = force_in_lanes(potential, r, end, charge, others, low, high)
     return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
 
@@ -274,7 +274,6 @@ def pair_energy(model, contact, k, neighbours, lane):
     """Potential energy of one interaction between one pair of surfaces, for `lane` of one run."""
     charges = model.each[CHARGE]
     potential = potential_of(contact, lane)
-    end = potential.range()
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
@@ -288,7 +287,7 @@ def pair_energy(model, contact, k, neighbours, lane):
                 if not is_partner(model.species, partners, j):
                     continue
                 r = distance_of(model, i, j)
-                if r < end:
+                if r < potential.range_between(charges[i], charges[j]):
                     energy += potential.energy_between(r, charges[i], charges[j])
     return energy
 

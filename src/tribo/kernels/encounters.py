@@ -24,7 +24,7 @@ NEGLIGIBLE = 0.01
 
 class Encounter(NamedTuple):
     rate: float  # largest (relative speed) / (distance to the next change of force) [1 / time]
-    closest: float  # smallest distance of a pair [length]
+    closest: float  # smallest distance of a pair between which a force acts [length]
     clearance: float  # smallest distance that a pair may move before its force changes [length]
     ignored: float  # largest rate of pairs whose potential cannot matter [1 / time]
     one: int  # the bobs of the fastest of these
@@ -54,10 +54,13 @@ def can_matter(potential, r, charge, other_charge, thermal):
     """Whether a pair at r can come to feel its potential, against the thermal energy."""
     if thermal == 0.0:
         return True
+    end = potential.range_between(charge, other_charge)
     for k in range(PROBES):
-        energy = potential.energy_between((k + 1) / PROBES * r, charge, other_charge)
-        if not abs(energy) < NEGLIGIBLE * thermal:
-            return True
+        place = (k + 1) / PROBES * r
+        if place < end:
+            energy = potential.energy_between(place, charge, other_charge)
+            if not abs(energy) < NEGLIGIBLE * thermal:
+                return True
     return False
 
 
@@ -83,8 +86,9 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
                     vx = speeds[0, i] - speeds[0, j]
                     vy = speeds[1, i] - speeds[1, j]
                     speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
-                    closest = min(closest, r)
-                    own = potential.clearance(r)
+                    own = potential.clearance_between(r, charges[i], charges[j])
+                    if own < math.inf:
+                        closest = min(closest, r)
                     clearance = min(clearance, own)
                     faster = speed / own
                     if faster > rate:
@@ -105,10 +109,11 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
 def next_encounter(model, neighbours, speeds, lane):
     """The next encounters of all pairs, or of one member of an ensemble; bobs in place.
 
-    A potential's clearance(r) is the distance that a pair at r may move before its force changes.
-    Pairs that are not listed are farther apart than the cutoff by what is left of the skin.  With
-    thermal noise, pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has
-    the velocity of each centre of mass, and the largest speed of the bob about it.
+    A potential's clearance_between(r, one, other) is the distance that a pair of charges at r may
+    move before its force changes; where there is no force there is no encounter.  Pairs that are
+    not listed are farther apart than the cutoff by what is left of the skin.  With thermal noise,
+    pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has the velocity of
+    each centre of mass, and the largest speed of the bob about it.
     """
     found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
     thermal = thermal_energy(model, model.own, model.friction, model.swing_friction, lane)

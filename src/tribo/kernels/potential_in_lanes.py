@@ -58,17 +58,24 @@ def _one_by_one(potential, r, end, charge, others, low, high):
     return force
 
 
-def range_in_lanes(potential):
-    """The distance from which a potential's force is zero; Lanes where its numbers are."""
-    return potential.range()
+def range_in_lanes(potential, one, other):
+    """The distance from which the force of two charges is zero; Lanes where its numbers are.
+
+    Of Lanes it is that of the potential for any charges.
+    """
+    return potential.range_between(one, other)
 
 
 @overload(range_in_lanes, **OVERLOAD)
-def _range_in_lanes(potential):
-    return _ranges if lanes in potential.types else range_in_lanes
+def _range_in_lanes(potential, one, other):
+    if lanes in potential.types:
+        return _ranges
+    if lanes in (one, other):
+        return lambda potential, one, other: potential.range()
+    return range_in_lanes
 
 
-def _ranges(potential):
+def _ranges(potential, one, other):
     ranges = broadcast(0.0)
     for i in range(LANES):
         ranges = with_lane(ranges, i, numbers_at_lane(potential, i).range())

@@ -7,8 +7,9 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
 from tribo.model.drives import DrivenBars, Forced
+from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
-from tribo.potentials import Coulomb, as_potential
+from tribo.potentials import Coulomb, Potential, as_potential
 from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
 from tribo.validation import inside
 
@@ -40,7 +41,7 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
     rows, longest = 0, 0.0
     for interaction in scene.interactions:
         reach = interaction.potential.range()
-        pairs = scene.pairs(interaction)
+        pairs = [pair for pair in scene.pairs(interaction) if are_coupled(scene, interaction, pair)]
         first = []
         for one, other in pairs:
             count = scene.surfaces[one].count
@@ -59,6 +60,15 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
         nothing = np.empty(0, dtype=np.int64)
         found.append(Contact(as_potential(Coulomb(0.0)), nothing.reshape(0, 2), nothing, None))
     return tuple(sorted(found, key=lambda each: bool(each.within))), rows, SKIN * longest
+
+
+def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -> bool:
+    """Whether the charges of any bobs of two surfaces are coupled by an interaction."""
+    potential = interaction.potential
+    if not isinstance(potential, Potential):  # a calculator
+        return True
+    charges = [float(np.max(np.abs(scene.surfaces[k].each["charge"]))) for k in pair]
+    return bool(potential.acts_between(*charges) or not potential.acts_between(1.0, 1.0))
 
 
 def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:

@@ -7,6 +7,7 @@ import numpy as np
 
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
+from tribo.layout.contacts import are_coupled
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
 from tribo.layout.slots import slide
@@ -40,6 +41,12 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     fixed = (each.velocity is not None for s in surfaces for each in s.reservoirs)
     if not any((layout.model.fields, layout.model.drives, layout.model.ends, *fixed)):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
+    # Surfaces without charges are no pair of a layout whose potential acts between charges.
+    scene, keys = layout.scene, tuple(keys)
+    if any(key.endswith(".charge") for key in keys):
+        for interaction in scene.interactions:
+            if not all(are_coupled(scene, interaction, pair) for pair in scene.pairs(interaction)):
+                return False
     return all(key in known or key.startswith(tuple(plain)) for key in keys)
 
 

@@ -2,8 +2,8 @@
 
 Where bars of one surface are beyond all bobs of the other, they have passed.  Bobs may change their
 order in y without that: rods pass beside each other, and pendulums turn over.  A bar that is lower
-than every bob of a surface below it has passed the rods there too.  Only bars that move along y
-can: those with a load, a drive of the user's own, or uncancelled forces.
+than every bob of a surface below it has passed the rods there too.  A surface that carries a load
+is to stay on the other; bodies without one, as those that attract each other, may pass.
 """
 
 from collections.abc import Iterator
@@ -87,14 +87,17 @@ def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
 
 
 def _facing(layout: Layout) -> list[tuple[int, int]]:
-    """Surfaces in contact that face each other, in both orders; at least one can move along y."""
+    """Surfaces in contact that face each other, in both orders; at least one carries a load."""
     scene = layout.scene
     pairs = {pair for interaction in scene.interactions for pair in scene.pairs(interaction)}
     found = []
     for one, other in sorted(pairs):
         surfaces = scene.surfaces[one], scene.surfaces[other]
         facing = {surface.facing for surface in surfaces}
-        if len(facing) == 2 and any(map(scene.slides_along_y, surfaces)):
+        # Members of an ensemble may have other loads; each that passes is run alone, by its own.
+        differ = layout.numbers is not None
+        pressed = (s.drive.presses or (differ and s.drive.load is not None) for s in surfaces)
+        if len(facing) == 2 and any(pressed):
             found += [(one, other), (other, one)]
     return found
 

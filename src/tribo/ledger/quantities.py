@@ -187,7 +187,7 @@ FURTHER_OF_SURFACES = {
     "pull_force": _along_x("the drive's force", "f2", present=FORCES["f2"].is_known),
     "time_without_contact": Quantity(
         "share",
-        "share of time without contact: 1 where no bob is in contact, else 0",
+        "share of time without contact: 1 where no two bobs repel each other, else 0",
         lambda whole: whole.without_contact,
         has_contact_distance,
     ),

@@ -1,14 +1,19 @@
 """The bobs that are closest to one another, and contact between surfaces over time.
 
-Notes say where surfaces part for good or never meet.  Two bobs are in contact within the range of a
-potential that ends.  Of a potential that decays without an end, they are so within the largest
-distance at which its energy is a fraction of the energies that it competes with.  A potential that
-states no distance beyond which it is weak has no such distance, as that of Coulomb.
+Two bobs are in contact where they repel each other: closer than the largest distance at which the
+force between them is repulsive.  Of a potential that repels without an end, this is the distance at
+which its energy is a fraction of the energies that it competes with.
+
+Notes say where surfaces part for good or never meet: where no bob is within reach of the other
+surface, which an attraction is too.  The reach is the range of the potential, or, without one, the
+largest distance at which its energy is that fraction.  A potential that states no distance beyond
+which it is weak, as that of Coulomb, has neither.
 """
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -32,9 +37,11 @@ PART = "part for good"
 MOST_PAIRS = 400
 # Energy of two bobs in contact, at least, as a fraction of torsion by 1 rad and of k_B T.
 IN_CONTACT = 0.01
-# Distances at which a decaying potential is looked at, in units of that beyond which it is weak:
-# a tail r^-6 falls by 4e3 up to the largest, and steps of 2 % resolve the smallest.
-DISTANCES = np.geomspace(4.0, 0.05, 220)
+# Distances at which a potential is looked at, in steps of 2 %: in units of its range, or without
+# one of the distance beyond which it is weak, which a part of a sum may exceed by far.
+WITHIN_RANGE, DISTANCES = np.geomspace(1.0, 0.01, 234), np.geomspace(1e3, 0.05, 500)
+# Halvings of a step of 2 %, to 1e-12 of the distance of contact.
+HALVINGS = 36
 
 
 class Closest(NamedTuple):
@@ -121,13 +128,20 @@ class Reach(NamedTuple):
     distance: float  # [length]
     ends: bool  # whether their potential is zero beyond it
     species: tuple[str, str] | None  # of the two bobs; None for any
+    signs: tuple[float, float]  # of their charges
 
 
 def touching(
-    layout: Layout, samples: Samples, counts: Callable[[tuple[int, int]], bool] = lambda pair: True
+    layout: Layout,
+    samples: Samples,
+    counts: Callable[[tuple[int, int]], bool] = lambda pair: True,
+    repelling: bool = False,
 ) -> np.ndarray:
-    """Whether any bobs of two surfaces with a range that `counts` selects touch, (times, pairs)."""
-    pairs = [item for item in _reaches(layout.scene).items() if counts(item[0])]
+    """Whether any bobs of two surfaces that `counts` selects are within reach, (times, pairs).
+
+    Only surfaces that have a reach count.  With `repelling`, whether the bobs are in contact.
+    """
+    pairs = [item for item in _reaches(layout.scene, repelling).items() if counts(item[0])]
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
     places = bob_places(layout, samples)
@@ -172,19 +186,31 @@ def _part(t: np.ndarray, met: np.ndarray) -> bool:
     return bool(t[-1] - met[-1] > max(LEAST_PART * (t[-1] - t[0]), LONGER * before))
 
 
-def _reaches(scene: Scene) -> dict[tuple[int, int], list[Reach]]:
-    """Of each two surfaces that interact by potentials with a range alone, their distances."""
+def _reaches(scene: Scene, repelling: bool = False) -> dict[tuple[int, int], list[Reach]]:
+    """Of each two surfaces that interact by potentials with a reach alone, their distances."""
     found: dict[tuple[int, int], list[Reach]] = {}
     endless = set()
     for interaction in scene.interactions:
-        distance = contact_distance(scene, interaction)
+        if not has_reach(interaction):
+            endless.update(scene.pairs(interaction))
+            continue
+        ends = bool(np.isfinite(interaction.potential.range()))
         for pair in scene.pairs(interaction):
-            if distance is None:
-                endless.add(pair)
-            else:
-                ends = bool(np.isfinite(interaction.potential.range()))
-                found.setdefault(pair, []).append(Reach(distance, ends, interaction.species))
+            one, other = (_charges(scene.surfaces[k]) for k in pair)
+            for sign, charge in one.items():
+                for its_sign, its in other.items():
+                    look = interaction.potential, charge, its, _least_energy(scene, interaction)
+                    distance = reach_of(*look, repelling)
+                    reach = Reach(distance, ends, interaction.species, (sign, its_sign))
+                    found.setdefault(pair, []).append(reach)
     return {pair: reach for pair, reach in found.items() if pair not in endless}
+
+
+def _charges(surface: Surface) -> dict[float, float]:
+    """The largest charge of each sign on a surface."""
+    charges = surface.each["charge"]
+    signs = np.unique(np.sign(charges)).tolist()
+    return {sign: sign * float(np.max(np.abs(charges[np.sign(charges) == sign]))) for sign in signs}
 
 
 def _in_contact(
@@ -194,14 +220,15 @@ def _in_contact(
     surfaces = [layout.scene.surfaces[k] for k in pair]
     bobs = [places[:, layout.parts[surface.name]] for surface in surfaces]
     found = np.zeros(len(places), dtype=bool)
-    for distance, _, species in reaches:
+    for distance, _, species, signs in reaches:
         for kinds in {species, species and species[::-1]}:
-            mine, theirs = bobs
-            if kinds is not None:
-                mine, theirs = (
-                    each[:, surface.species_of_each == kind]
-                    for each, surface, kind in zip(bobs, surfaces, kinds, strict=True)
-                )
+            selected = []
+            for k, (each, surface) in enumerate(zip(bobs, surfaces, strict=True)):
+                chosen = np.sign(surface.each["charge"]) == signs[k]
+                if kinds is not None:
+                    chosen &= surface.species_of_each == kinds[k]
+                selected.append(each if np.all(chosen) else each[:, chosen])
+            mine, theirs = selected
             found |= _any_within(layout, mine, theirs, distance)
     return found
 
@@ -230,37 +257,74 @@ def _any_within(
     return found
 
 
-def contact_distance(scene: Scene, interaction: Interaction) -> float | None:
-    """The distance of two bobs in contact [length]; None without a range, or without bobs."""
+def has_reach(interaction: Interaction) -> bool:
+    """Whether a potential ends, or states a distance beyond which it is weak."""
     potential = interaction.potential
-    if math.isfinite(ends := potential.range()):
-        return float(ends)
+    if math.isfinite(potential.range()):
+        return True
     if not hasattr(potential, "feature"):  # a calculator, or code that is not loaded
-        return None
-    weak_from = float(potential.feature()[1])
-    if not 0.0 < weak_from < math.inf:
-        return None
+        return False
+    return 0.0 < float(potential.feature()[1]) < math.inf
+
+
+def _least_energy(scene: Scene, interaction: Interaction) -> float:
+    """The energy from which on two bobs are in contact where a potential does not end."""
     surfaces = [scene.surfaces[k] for pair in scene.pairs(interaction) for k in pair]
     if not surfaces:
-        return None
+        return 0.0
     stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
     torsion = 0.5 * float(np.min(stiffness[np.isfinite(stiffness)], initial=np.inf))  # by 1 rad
     warm = [surface.bath.temperature for surface in surfaces]
     warm += [each.temperature for surface in surfaces for each in surface.reservoirs]
-    least = IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
-    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in surfaces)
-    distances = (weak_from * DISTANCES).tolist()
+    return IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
+
+
+@lru_cache(maxsize=64)
+def reach_of(potential: Any, one: float, other: float, least: float, repelling: bool) -> float:
+    """The largest distance at which two charges act on each other, or repel each other [length].
+
+    Without a range, the energy is at least `least` there, or the distance that beyond which the
+    potential is weak; inside of an attraction every repulsion counts.
+    """
+    ends = math.isfinite(potential.range())
+    if ends and not repelling:
+        return float(potential.range_between(one, other))
+    weak_from = float(potential.feature()[1])
+    distances = potential.range() * WITHIN_RANGE if ends else weak_from * DISTANCES
+
+    def look(r: float) -> tuple[float, float]:
+        energy = potential.energy_between(r, one, other)
+        return float(energy), float(potential.force_between(r, one, other)) if repelling else 0.0
+
     try:
         with np.errstate(all="ignore"):
-            energies = [abs(potential.energy_between(r, charge, charge)) for r in distances]
-    except Exception:  # a user's energy may raise anything: it is reported when it is compiled
-        return weak_from
-    strong = (r for r, energy in zip(distances, energies, strict=True) if energy >= least)
-    return next(strong, 0.0) if least > 0.0 else weak_from
+            energies, forces = np.array([look(r) for r in distances.tolist()]).T
+            strong = np.abs(energies) >= least if least > 0.0 else distances <= weak_from
+            if not repelling:
+                return float(np.max(distances, where=strong, initial=0.0))
+            inside = ends | np.logical_or.accumulate(forces < 0.0)
+            repels = (forces > 0.0) & (inside | strong)
+            if not np.any(repels):
+                return 0.0
+            k = int(np.argmax(repels))
+            near, far = float(distances[k]), float(distances[max(0, k - 1)])
+            for _ in range(HALVINGS if inside[k] else 0):
+                middle = 0.5 * (near + far)
+                near, far = (middle, far) if look(middle)[1] > 0.0 else (near, middle)
+            return near
+    except Exception:  # a user's methods may raise anything: it is reported when they are compiled
+        return float(distances[0])
+
+
+def contact_distance_of(scene: Scene, surface: Surface) -> float:
+    """The largest distance at which bobs of a surface are in contact with another [length]."""
+    index = [each.name for each in scene.surfaces].index(surface.name)
+    reaches = [r for pair, own in _reaches(scene, True).items() if index in pair for r in own]
+    return max((each.distance for each in reaches), default=0.0)
 
 
 def has_contact_distance(scene: Scene, surface: Surface) -> bool:
     """Whether all contacts of a surface with others have a range, or decay."""
     index = [each.name for each in scene.surfaces].index(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
-    return bool(mine) and all(contact_distance(scene, i) is not None for i in mine)
+    return bool(mine) and all(map(has_reach, mine))

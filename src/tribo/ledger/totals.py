@@ -116,8 +116,12 @@ class SurfaceSeries(AsperiteSeries):
 
     @property
     def without_contact(self) -> np.ndarray:
-        """1 where no bob of the surface is in contact with another surface, else 0."""
-        met = touching(self._layout, self.samples, lambda pair: self._index in pair)
+        """1 where no bob of the surface and one of another repel each other, else 0."""
+
+        def is_mine(pair: tuple[int, int]) -> bool:
+            return self._index in pair
+
+        met = touching(self._layout, self.samples, is_mine, repelling=True)
         return (~np.any(met, axis=1)).astype(float)
 
     @property

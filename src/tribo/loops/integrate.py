@@ -34,6 +34,8 @@ MOST_PREDICTED = 3.0
 TRIALS = 2**18
 # The same at least, for any number of asperites.
 FEWEST_TRIALS = 2**12
+# Evaluations of a trial, of which no method takes many more.
+OF_A_TRIAL = 20
 # Looks at the progress of a run that takes all evaluations that it may, at least; a trial takes
 # nine or more of them.
 LOOKS = 100
@@ -82,7 +84,9 @@ class ProgressGuard:
     ) -> None:
         self._clock = clocks[0]
         self._beginning, self._end, self._most = beginning, end, most
-        self._every = max(FEWEST_TRIALS, min(2 * TRIALS // asperites, int(most / LOOKS)))
+        every = max(FEWEST_TRIALS, min(2 * TRIALS // asperites, int(most / LOOKS)))
+        # So often that a run which may take few evaluations does not take many times as many.
+        self._every = max(1, min(every, int(most / OF_A_TRIAL)))
 
     def within(self, budget: int) -> int:
         """At most so many steps, and no more than until the next look."""
@@ -95,7 +99,10 @@ class ProgressGuard:
         done = float(self._clock["t"]) - self._beginning
         taken = float(self._clock["evaluations"])
         predicted = taken * (self._end - self._beginning)
-        return taken > self._most or predicted > MOST_PREDICTED * self._most * done
+        if taken > self._most:
+            return True
+        known = self._trials >= FEWEST_TRIALS  # fewer do not predict the rest
+        return known and predicted > MOST_PREDICTED * self._most * done
 
     @property
     def _trials(self) -> int:

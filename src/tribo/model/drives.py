@@ -27,6 +27,11 @@ class Drive:
 
     load: float | None = None
 
+    @property
+    def presses(self) -> bool:
+        """Whether the surface carries a load: a force along y other than from its surroundings."""
+        return self.load is not None and self.load != 0.0
+
     def __new__(cls, *values: Any, **settings: Any) -> Self:
         """Refuse values without keywords, of which the first would be the load."""
         if values:
@@ -115,6 +120,11 @@ class Pushed(Drive):
     force: tuple[float, float] = (0.0, 0.0)
     rate: tuple[float, float] = (0.0, 0.0)
 
+    @property
+    def presses(self) -> bool:
+        """Whether the load, or the force along y, is not zero at all times."""
+        return super().presses or self.force[1] != 0.0 or self.rate[1] != 0.0
+
     def __post_init__(self) -> None:
         super().__post_init__()
         check.fields(self, force=check.pair(unit="force"), rate=check.pair(unit="force / time"))
@@ -159,6 +169,11 @@ class Custom(Drive):
     """
 
     force: Any
+
+    @property
+    def presses(self) -> bool:
+        """Whether the surface may carry a load: unless one of zero stands for the user's gy."""
+        return self.load != 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -104,7 +104,7 @@ def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
     dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
     square = dx * dx + (dy * dy + pair.z_squared)
     r, inverse = root_and_inverse(square)
-    cutoff = range_in_lanes(potential)
+    cutoff = range_in_lanes(potential, pair.charge1, pair.charge2)
     f = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
     f = where_less(square, cutoff * cutoff, f, 0.0)
     return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
@@ -129,13 +129,15 @@ def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
     velocity_x = pair.velocity_x + pair.mobility * j
     speed = math.sqrt(velocity_x * velocity_x + pair.velocity_y * pair.velocity_y)
     speed += abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2
-    return speed / potential.clearance(r)
+    return speed / potential.clearance_between(r, pair.charge1, pair.charge2)
 
 
 @kernel
 def energy_at(pair, potential, t, q1, q2, k):
     r = distance(pair, t, q1, q2, k)
-    return potential.energy_between(r, pair.charge1, pair.charge2) if r < potential.range() else 0.0
+    if r < potential.range_between(pair.charge1, pair.charge2):
+        return potential.energy_between(r, pair.charge1, pair.charge2)
+    return 0.0
 
 
 @inlined

@@ -26,7 +26,7 @@ from tribo.compiler.lanes import (
 )
 from tribo.compiler.lanes_functions import near_zero, reduced
 from tribo.compiler.lanes_memory import load, rows_of, store
-from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
+from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane, numbers_in_lanes
 from tribo.compiler.pointers import pointers
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
@@ -135,7 +135,9 @@ def rate_of_encounters(pair, potential, r, q1, q2, rates):
     speed = speed + (abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2)
     clear = r
     for i in range(LANES):
-        clear = with_lane(clear, i, numbers_at_lane(potential, i).clearance(lane(r, i)))
+        own, one, other = numbers_at_lane(potential, i), pair.charge1, pair.charge2
+        each = own.clearance_between(lane(r, i), lane_of(one, i), lane_of(other, i))
+        clear = with_lane(clear, i, each)
     return speed / clear
 
 

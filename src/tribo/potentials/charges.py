@@ -36,6 +36,9 @@ class Coulomb(Charged):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * inverse * inverse
 
+    def acts_between(self, one, other):
+        return self.strength * one * other != 0.0
+
 
 class Yukawa(Charged):
     """U = strength q_i q_j exp(-screening r) / r: the potential between two screened charges.
@@ -64,6 +67,9 @@ class Yukawa(Charged):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * np.exp(-self.screening * r) * (self.screening + inverse) * inverse
 
+    def acts_between(self, one, other):
+        return self.strength * one * other != 0.0
+
 
 class Plummer(Charged):
     """U = strength q_i q_j / sqrt(r^2 + softening^2): Coulomb's potential, finite at r = 0.
@@ -90,6 +96,9 @@ class Plummer(Charged):
     def force(self, r):
         square = r * r + self.softening * self.softening
         return self.strength * r / (square * np.sqrt(square))
+
+    def acts_between(self, one, other):
+        return self.strength * one * other != 0.0
 
     def feature(self):
         """Length over which the force changes near r = 0 [length]; farther out that length is r."""

@@ -1,19 +1,14 @@
-"""Potentials made of others: sums, multiples, and what both share with cutoffs."""
+"""Potentials made of others: sums, multiples, and what both share with cutoffs.
+
+From its range on a part is zero, whatever its formula gives there, which may be no number.
+"""
+
+import numpy as np
 
 from tribo.potentials.potential import COMBINED, Potential, as_potential
 
 
-class BetweenCharges(Potential):
-    """A class that defines energy and force between any two charges."""
-
-    def energy(self, r):
-        return self.energy_between(r, 1.0, 1.0)
-
-    def force(self, r):
-        return self.force_between(r, 1.0, 1.0)
-
-
-class Sum(BetweenCharges):
+class Sum(Potential):
     """The sum of two potentials: U = U_first + U_second.
 
     Each part multiplies its own energy by the charges, so in a sum of a charged and an uncharged
@@ -35,15 +30,36 @@ class Sum(BetweenCharges):
             return as_potential(cls(first.first, cls.of(first.second, second)))
         return as_potential(cls(first, second))
 
+    def energy(self, r):
+        own = np.where(r < self.first.range_between(1.0, 1.0), self.first.energy(r), 0.0)
+        its = np.where(r < self.second.range_between(1.0, 1.0), self.second.energy(r), 0.0)
+        return own + its
+
+    def force(self, r):
+        own = np.where(r < self.first.range_between(1.0, 1.0), self.first.force(r), 0.0)
+        its = np.where(r < self.second.range_between(1.0, 1.0), self.second.force(r), 0.0)
+        return own + its
+
     def energy_between(self, r, one, other):
-        first = (r < self.first.range()) * self.first.energy_between(r, one, other)
-        second = (r < self.second.range()) * self.second.energy_between(r, one, other)
-        return first + second
+        own = self.first.energy_between(r, one, other)
+        its = self.second.energy_between(r, one, other)
+        own = np.where(r < self.first.range_between(1.0, 1.0), own, 0.0)
+        return own + np.where(r < self.second.range_between(1.0, 1.0), its, 0.0)
 
     def force_between(self, r, one, other):
-        first = (r < self.first.range()) * self.first.force_between(r, one, other)
-        second = (r < self.second.range()) * self.second.force_between(r, one, other)
-        return first + second
+        own = self.first.force_between(r, one, other)
+        its = self.second.force_between(r, one, other)
+        own = np.where(r < self.first.range_between(1.0, 1.0), own, 0.0)
+        return own + np.where(r < self.second.range_between(1.0, 1.0), its, 0.0)
+
+    def acts_between(self, one, other):
+        """Whether either part acts between two charges."""
+        return self.first.acts_between(one, other) or self.second.acts_between(one, other)
+
+    def clearance_between(self, r, one, other):
+        """The smaller clearance of the two parts."""
+        own = self.first.clearance_between(r, one, other)
+        return min(own, self.second.clearance_between(r, one, other))
 
     def feature(self):
         """The shorter length of the two, and the larger distance."""
@@ -81,6 +97,12 @@ class Wrapper(Potential):
 
     potential: Potential
 
+    def acts_between(self, one, other):
+        return self.potential.acts_between(one, other)
+
+    def clearance_between(self, r, one, other):
+        return self.potential.clearance_between(r, one, other)
+
     def feature(self):
         return self.potential.feature()
 
@@ -100,7 +122,7 @@ class Wrapper(Potential):
         return self.potential.domain()
 
 
-class Scaled(BetweenCharges, Wrapper):
+class Scaled(Wrapper):
     """A potential times a number: U = factor U_potential.
 
     Attributes
@@ -112,6 +134,20 @@ class Scaled(BetweenCharges, Wrapper):
     """
 
     factor: float
+
+    def energy(self, r):
+        return self.factor * self.potential.energy(r)
+
+    def force(self, r):
+        return self.factor * self.potential.force(r)
+
+    def acts_between(self, one, other):
+        """Whether the factor is not zero, and the potential acts between two charges."""
+        return self.factor != 0.0 and self.potential.acts_between(one, other)
+
+    def clearance_between(self, r, one, other):
+        """That of the potential; infinite where the factor is zero."""
+        return self.potential.clearance_between(r, one, other) if self.factor != 0.0 else np.inf
 
     def energy_between(self, r, one, other):
         return self.factor * self.potential.energy_between(r, one, other)

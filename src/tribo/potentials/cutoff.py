@@ -14,14 +14,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from tribo.potentials.combined import BetweenCharges, Wrapper
+from tribo.potentials.combined import Wrapper
 from tribo.potentials.potential import AT_CUTOFF
 
 
-class WithCutoff(BetweenCharges, Wrapper):
+class WithCutoff(Wrapper):
     """The methods that all cutoffs share.
 
-    Cutoffs are linear in U, so they apply to the potential between any two charges.
+    Cutoffs are linear in U, so they apply to the potential between any two charges.  What they
+    subtract is zero where the cutoff is beyond the range of the potential.
 
     Attributes
     ----------
@@ -39,6 +40,10 @@ class WithCutoff(BetweenCharges, Wrapper):
     def clearance(self, r):
         """Distance that a pair at r may move before the force changes considerably."""
         return max(self.potential.clearance(r), r - self.cutoff)
+
+    def clearance_between(self, r, one, other):
+        """The same of two charges; infinite where no force acts between them."""
+        return max(self.potential.clearance_between(r, one, other), r - self.cutoff)
 
     def range(self):
         return min(self.cutoff, self.potential.range())
@@ -59,41 +64,78 @@ class Truncated(WithCutoff):
     """U below the cutoff, zero beyond: U and the force jump."""
 
     _at_cutoff = -1  # U jumps
+    acts_between = Wrapper.acts_between
+
+    def energy(self, r):
+        return 1.0 * np.where(r < self.range(), self.potential.energy(r), 0.0)
 
     def energy_between(self, r, one, other):
-        return (r < self.cutoff) * self.potential.energy_between(r, one, other)
+        return 1.0 * np.where(r < self.range(), self.potential.energy_between(r, one, other), 0.0)
+
+    def force(self, r):
+        return 1.0 * np.where(r < self.range(), self.potential.force(r), 0.0)
 
     def force_between(self, r, one, other):
-        return (r < self.cutoff) * self.potential.force_between(r, one, other)
+        return 1.0 * np.where(r < self.range(), self.potential.force_between(r, one, other), 0.0)
 
 
 class Shifted(WithCutoff):
     """U - U(cutoff) below the cutoff, zero beyond: the force jumps."""
 
     _at_cutoff = 0  # the force jumps
+    acts_between = Wrapper.acts_between
+
+    def energy(self, r):
+        end = self.potential.energy(self.cutoff)
+        end = np.where(self.cutoff < self.potential.range(), end, 0.0)
+        return 1.0 * np.where(r < self.range(), self.potential.energy(r) - end, 0.0)
 
     def energy_between(self, r, one, other):
         end = self.potential.energy_between(self.cutoff, one, other)
-        return (r < self.cutoff) * (self.potential.energy_between(r, one, other) - end)
+        end = np.where(self.cutoff < self.potential.range(), end, 0.0)
+        return 1.0 * np.where(
+            r < self.range(), self.potential.energy_between(r, one, other) - end, 0.0
+        )
+
+    def force(self, r):
+        return 1.0 * np.where(r < self.range(), self.potential.force(r), 0.0)
 
     def force_between(self, r, one, other):
-        return (r < self.cutoff) * self.potential.force_between(r, one, other)
+        return 1.0 * np.where(r < self.range(), self.potential.force_between(r, one, other), 0.0)
 
 
 class ForceShifted(WithCutoff):
     """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink."""
 
     _at_cutoff = 1  # the force has a kink
+    acts_between = Wrapper.acts_between
+
+    def energy(self, r):
+        end = self.potential.energy(self.cutoff)
+        end = np.where(self.cutoff < self.potential.range(), end, 0.0)
+        slope = self.potential.force(self.cutoff)
+        slope = np.where(self.cutoff < self.potential.range(), slope, 0.0)
+        shifted = self.potential.energy(r) - end + (r - self.cutoff) * slope
+        return 1.0 * np.where(r < self.range(), shifted, 0.0)
 
     def energy_between(self, r, one, other):
         end = self.potential.energy_between(self.cutoff, one, other)
+        end = np.where(self.cutoff < self.potential.range(), end, 0.0)
         slope = self.potential.force_between(self.cutoff, one, other)
-        plain = self.potential.energy_between(r, one, other)
-        return (r < self.cutoff) * (plain - end + (r - self.cutoff) * slope)
+        slope = np.where(self.cutoff < self.potential.range(), slope, 0.0)
+        shifted = self.potential.energy_between(r, one, other) - end + (r - self.cutoff) * slope
+        return 1.0 * np.where(r < self.range(), shifted, 0.0)
+
+    def force(self, r):
+        end = np.where(self.cutoff < self.potential.range(), self.potential.force(self.cutoff), 0.0)
+        return 1.0 * np.where(r < self.range(), self.potential.force(r) - end, 0.0)
 
     def force_between(self, r, one, other):
         end = self.potential.force_between(self.cutoff, one, other)
-        return (r < self.cutoff) * (self.potential.force_between(r, one, other) - end)
+        end = np.where(self.cutoff < self.potential.range(), end, 0.0)
+        return 1.0 * np.where(
+            r < self.range(), self.potential.force_between(r, one, other) - end, 0.0
+        )
 
 
 class Switched(WithCutoff):
@@ -110,20 +152,40 @@ class Switched(WithCutoff):
     switch_from: float
     _limits = (*WithCutoff._limits, ("switch_from", ">", "length"))
     _at_cutoff = 2
+    acts_between = Wrapper.acts_between
+
+    def energy(self, r):
+        inverse = 1.0 / (self.cutoff - self.switch_from)  # loops over pairs compute it once
+        u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
+        switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
+        return 1.0 * np.where(r < self.range(), self.potential.energy(r) * switch, 0.0)
 
     def energy_between(self, r, one, other):
         inverse = 1.0 / (self.cutoff - self.switch_from)  # loops over pairs compute it once
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
-        return self.potential.energy_between(r, one, other) * switch
+        return 1.0 * np.where(
+            r < self.range(), self.potential.energy_between(r, one, other) * switch, 0.0
+        )
+
+    def force(self, r):
+        inverse = 1.0 / (self.cutoff - self.switch_from)
+        u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
+        switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
+        slope = -30.0 * inverse * u * u * (1.0 - u) * (1.0 - u)
+        force = self.potential.force(r) * switch - self.potential.energy(r) * slope
+        return 1.0 * np.where(r < self.range(), force, 0.0)
 
     def force_between(self, r, one, other):
         inverse = 1.0 / (self.cutoff - self.switch_from)
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))
         slope = -30.0 * inverse * u * u * (1.0 - u) * (1.0 - u)
-        force = self.potential.force_between(r, one, other)
-        return force * switch - self.potential.energy_between(r, one, other) * slope
+        force = (
+            self.potential.force_between(r, one, other) * switch
+            - self.potential.energy_between(r, one, other) * slope
+        )
+        return 1.0 * np.where(r < self.range(), force, 0.0)
 
     def smoothness_within(self):
         """Number of continuous derivatives of U at switch_from."""

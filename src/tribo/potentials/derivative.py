@@ -182,6 +182,32 @@ def force_from(energy: FunctionType) -> FunctionType | None:
         return None
 
 
+def factors_of(energy: FunctionType) -> tuple[str, ...]:
+    """The fields of which energy(self, r) is a multiple, by its source; none if that is unknown."""
+    try:
+        definition = _source(energy)
+    except (NoFormulaError, OSError, TypeError, SyntaxError, ValueError, AttributeError):
+        return ()
+    returned = [node for node in ast.walk(definition) if isinstance(node, ast.Return)]
+    if len(returned) != 1 or returned[0] is not definition.body[-1] or not definition.args.args:
+        return ()
+    return tuple(dict.fromkeys(factors_in(returned[0].value, definition.args.args[0].arg)))
+
+
+def factors_in(node: ast.expr | None, owner: str) -> list[str]:
+    """The attributes of a name that multiply an expression."""
+    match node:
+        case ast.Attribute(ast.Name(name), attribute) if name == owner:
+            return [attribute]
+        case ast.UnaryOp(ast.USub() | ast.UAdd(), operand):
+            return factors_in(operand, owner)
+        case ast.BinOp(u, ast.Mult(), v):
+            return factors_in(u, owner) + factors_in(v, owner)
+        case ast.BinOp(u, ast.Div(), _):
+            return factors_in(u, owner)
+    return []
+
+
 def _source(function: FunctionType) -> ast.FunctionDef:
     """The definition of a function, if its file still holds the source of its code."""
     code = function.__code__

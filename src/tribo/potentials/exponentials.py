@@ -38,6 +38,9 @@ class Morse(Potential):
         e = np.exp(-self.alpha * (r - self.r0))
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
+    def acts_between(self, one, other):
+        return self.D != 0.0
+
     def feature(self):
         return 1.0 / self.alpha, self.r0 + 6.0 / self.alpha
 
@@ -69,6 +72,9 @@ class BornMayer(Potential):
 
     def force(self, r):
         return self.A / self.rho * np.exp(-r / self.rho)
+
+    def acts_between(self, one, other):
+        return self.A != 0.0
 
     def feature(self):
         return self.rho, WEAK_FROM * self.rho

@@ -11,7 +11,7 @@ from functools import cache
 
 from tribo.plugins import classes as plugins
 from tribo.plugins import sources
-from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules, substitute
+from tribo.potentials.derivative import CHOICES, FUNCTIONS, OPERATORS, Rules, factors_in, substitute
 from tribo.potentials.potential import Potential, as_potential
 from tribo.validation import InputError, short_repr
 
@@ -39,6 +39,8 @@ BODY = """
         return {energy}
     def force(self, r):
         return -({slope})
+    def acts_between(self, one, other):
+        return {acts}
 Expression.expression_text = {text!r}
 """
 
@@ -90,8 +92,11 @@ def class_of(text: str) -> type:
         raise _refusal(text, "the distance r")
     source = HEAD.format(text=text.replace("\\", "").replace('"', ""))
     source += "".join(f"    {name}: float\n" for name in fields)
+    energy = _compiled(tree)
+    factors = factors_in(ast.parse(energy, mode="eval").body, "self")
+    acts = " and ".join(f"self.{name} != 0.0" for name in factors) or "True"
     source += BODY.format(
-        energy=_compiled(tree), slope=_compiled(Rules("r").derivative(tree)), text=text
+        energy=energy, acts=acts, slope=_compiled(Rules("r").derivative(tree)), text=text
     )
     return sources.load(source.encode(), f"<{text}>").Expression
 

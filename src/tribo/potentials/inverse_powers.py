@@ -34,6 +34,9 @@ class LennardJones(Potential):
         s6 = (self.sigma * inverse) ** 6
         return 24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0)
 
+    def acts_between(self, one, other):
+        return self.epsilon != 0.0
+
     def feature(self):
         return self.sigma / 6.0, 2.0 * self.sigma
 
@@ -71,6 +74,9 @@ class WeeksChandlerAndersen(Potential):
         inverse = 1.0 / r  # loops over pairs compute it too
         s6 = (self.sigma * inverse) ** 6
         return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
+
+    def acts_between(self, one, other):
+        return self.epsilon != 0.0
 
     def feature(self):
         return self.sigma / 6.0, END * self.sigma
@@ -124,6 +130,9 @@ class Mie(Potential):
         scale = self.epsilon * n / (n - m) * (n / m) ** (m / (n - m))
         return scale * (n * s**n - m * s**m) * inverse
 
+    def acts_between(self, one, other):
+        return self.epsilon != 0.0
+
     def feature(self):
         return 2.0 * self.sigma / self.n, 2.0 * self.sigma
 
@@ -163,6 +172,9 @@ class SoftSphere(Potential):
     def force(self, r):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.n * self.epsilon * (self.sigma * inverse) ** self.n * inverse
+
+    def acts_between(self, one, other):
+        return self.epsilon != 0.0
 
     def feature(self):
         return 2.0 * self.sigma / max(self.n, 2.0), 2.0 * self.sigma

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, dataclass_transform
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
-from tribo.potentials.derivative import force_from
+from tribo.potentials.derivative import factors_of, force_from
 from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, must_be, number, short_repr
 
 # A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
@@ -52,6 +52,7 @@ DOCUMENTATION = {
     "force": "Force -dU/dr [energy / length] for a coupling of 1, positive if it repels.",
     "energy_between": "Energy U(r) [energy] of two charges at distance r [length].",
     "force_between": "Force -dU/dr [energy / length] between two charges, positive if it repels.",
+    "acts_between": "Whether U of two charges differs from zero at any distance.",
     "minimum": "Position, energy and curvature (r, U, d2U/dr2) of the minimum.",
 }
 
@@ -72,20 +73,49 @@ def _force_of_charges(self, r, one, other):
     return self.coupling(one, other) * self.force(r)
 
 
+def _energy_of_charges_one(self, r):
+    return self.energy_between(r, 1.0, 1.0)
+
+
+def _force_of_charges_one(self, r):
+    return self.force_between(r, 1.0, 1.0)
+
+
+def acts_if_coupled(self, one, other):
+    """Whether U of two charges differs from zero at any distance: where they are coupled."""
+    return self.coupling(one, other) != 0.0
+
+
+def _acts_by(factors: tuple[str, ...]) -> Callable[..., Any]:
+    """The same of an energy that is a product with some fields as its factors."""
+    if not factors:
+        return acts_if_coupled
+    met = " and ".join(f"self.{name} != 0.0" for name in factors)
+    text = f"{met} and self.coupling(one, other) != 0.0"
+    made: dict[str, Callable[..., Any]] = {}
+    exec(f"def acts_between(self, one, other):\n    return {text}", {}, made)
+    method = made["acts_between"]
+    method.__module__, method.__doc__ = __name__, acts_if_coupled.__doc__
+    return method
+
+
 def following(own: Mapping[str, Any]) -> dict[str, Callable[..., Any]]:
     """The methods that follow from those that a class defines, as a force from its energy.
 
     They replace what the class inherits, which fits other methods.
     """
     found: dict[str, Callable[..., Any]] = {}
+    between = "energy_between" in own
     if "energy" in own and "force" not in own:
         found["force"] = force_from(own["energy"]) or _complex_step
-    if own.keys() & {"energy", "coupling"} and "energy_between" not in own:
+    if own.keys() & {"energy", "coupling"} and not between:
         found["energy_between"] = energy_of_charges
     sources = {"energy", "force", "coupling", "energy_between"}
     if own.keys() & sources and "force_between" not in own:
-        between = "energy_between" in own
         found["force_between"] = _complex_step_between if between else _force_of_charges
+    if own.keys() & sources and "acts_between" not in own:
+        known = "energy" in own and not between
+        found["acts_between"] = _acts_by(factors_of(own["energy"]) if known else ())
     return found
 
 
@@ -99,6 +129,8 @@ class PotentialType(type):
     def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
         """A class with its fields, those of its parents first."""
         methods = following(namespace) | namespace
+        if "energy_between" in methods and not any(hasattr(each, "energy") for each in bases):
+            methods = {"energy": _energy_of_charges_one, "force": _force_of_charges_one} | methods
         for each in DOCUMENTATION.keys() & methods.keys():
             method = methods[each]
             if not method.__doc__ and method.__module__.startswith("tribo."):  # none of a user's
@@ -159,6 +191,21 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         """Distance that a pair at r may move before the force changes considerably."""
         length, reach = self.feature()
         return max(length, r - min(reach, self.range()))
+
+    def acts_between(self, one: Real, other: Real) -> bool:
+        """Whether U of two charges differs from zero at any distance.
+
+        Where it does not, as with a strength of zero, there is no encounter.
+        """
+        return self.coupling(one, other) != 0.0
+
+    def clearance_between(self, r: Real, one: Real, other: Real) -> Real:
+        """The clearance of two charges: infinite where no force acts between them."""
+        return self.clearance(r) if self.acts_between(one, other) else math.inf
+
+    def range_between(self, one: Real, other: Real) -> Real:
+        """The range of two charges: zero where no force acts between them."""
+        return self.range() if self.acts_between(one, other) else 0.0
 
     def range(self) -> float:
         """Distance from which U and the force are zero [length]; infinity by default."""

@@ -35,6 +35,9 @@ class Gaussian(Potential):
         x = r / self.width
         return self.height / self.width * x * np.exp(-0.5 * x * x)
 
+    def acts_between(self, one, other):
+        return self.height != 0.0
+
     def feature(self):
         return self.width, WEAK_FROM * self.width
 
@@ -68,6 +71,9 @@ class Hertz(Potential):
     def force(self, r):
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
+
+    def acts_between(self, one, other):
+        return self.A != 0.0
 
     def feature(self):
         return 0.25 * self.d, self.d

@@ -30,10 +30,14 @@ COMPARED_AT = (0.25, 0.5, 0.75)
 SAFETY = 2.0
 # Shortest interval, as a fraction of the largest distance; a shorter one hides a jump or a kink.
 NARROWEST = 1e-9
-# Values at the last point are zero below this fraction of the largest value of their kind.
+# Values at the last point are zero below this fraction of the largest value of their kind in the
+# outer half.  The values of a core may be larger by any factor, and are not reached.
 ROUND_OFF = 1e-12
-# Changes of the force below this fraction of the largest force do not limit steps.
+# Changes of the force below this fraction of the largest force there do not limit steps.
 WEAK = 1e-3
+# Energies, in units of the largest in the outer half, beyond which the error of a table of points
+# is not counted: of Lennard-Jones from r to 2 sigma those below 0.8 sigma or so.
+COUNTED = 100.0
 
 
 class Table(Potential):
@@ -52,7 +56,9 @@ class Table(Potential):
     error : float
         Largest error of U between the points [energy].
     length : float
-        Length over which the force changes [length].
+        Shortest length over which the force changes [length].
+    clearances : (n,) array
+        Distance that a pair at each point may move before its force changes considerably [length].
     """
 
     r: np.ndarray
@@ -60,6 +66,7 @@ class Table(Potential):
     slopes: np.ndarray
     error: float
     length: float
+    clearances: np.ndarray
 
     def energy(self, r):
         k, h, t = self.interval(r)
@@ -90,6 +97,14 @@ class Table(Potential):
     def feature(self):
         return self.length, self.r[-1]
 
+    def clearance(self, r):
+        """Distance that a pair at r may move before the force changes considerably.
+
+        It is shorter the deeper r is in a core.
+        """
+        k, _, _ = self.interval(r)
+        return max(self.clearances[k], r - self.r[-1])
+
     def range(self):
         """Distance of the last point, from which U is zero [length]."""
         return self.r[-1]
@@ -97,7 +112,8 @@ class Table(Potential):
     def smoothness(self):
         """Number of continuous derivatives of U, with the jump to zero at the last point."""
         ends = (self.values, self.slopes, curvatures(self.r, self.values, self.slopes))
-        jumps = (abs(each[-1]) > ROUND_OFF * np.max(np.abs(each)) for each in ends)
+        outer = _outer(self.r, self.values)
+        jumps = (abs(each[-1]) > ROUND_OFF * np.max(np.abs(each[outer])) for each in ends)
         return next((order - 1 for order, jump in enumerate(jumps) if jump), 2)
 
     def smoothness_within(self):
@@ -136,7 +152,9 @@ def from_points(r: object, energy: object, error: float | None = None) -> Table:
         U at these distances [energy].
     error : float, optional
         Largest error of U between the points [energy].  By default the table is compared with a
-        spline through every other point, whose error is larger where the points resolve U.
+        spline through every other point, whose error is larger where the points resolve U.  Where
+        U exceeds 100 times the largest U in the outer half, as deep in a core, its error does not
+        count.
 
     Raises
     ------
@@ -155,8 +173,11 @@ def from_points(r: object, energy: object, error: float | None = None) -> Table:
         error = _error_of_half(r, values)
     error = number("error", error, NOT_NEGATIVE, "energy")
     slopes = np.ascontiguousarray(_spline(r, values)(r, 1))
-    slopes.flags.writeable = False
-    return Table(r, values, slopes, error, _length(r, slopes, curvatures(r, values, slopes)))
+    lengths = _lengths(r, values, slopes)
+    clearances = _clearances(r, lengths)
+    for each in (slopes, clearances):
+        each.flags.writeable = False
+    return Table(r, values, slopes, error, float(lengths[0]), clearances)
 
 
 def from_csv(
@@ -250,20 +271,43 @@ def _spline(r: np.ndarray, values: np.ndarray) -> Callable[..., np.ndarray]:
     return CubicSpline(r, values)  # type: ignore[no-any-return]
 
 
+def _outer(r: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Whether each point is in the outer half of the distances where U is not zero, or beyond."""
+    last = r[np.flatnonzero(values)[-1]] if np.any(values) else r[-1]
+    return np.asarray(r >= 0.5 * (r[0] + last))
+
+
 def _error_of_half(r: np.ndarray, values: np.ndarray) -> float:
     """Largest error of the spline through every other point, and the last, at the others."""
     kept = np.union1d(np.arange(0, r.size, 2), [r.size - 1])
-    return float(np.max(np.abs(_spline(r[kept], values[kept])(r) - values)))
+    errors = np.abs(_spline(r[kept], values[kept])(r) - values)
+    most = COUNTED * np.max(np.abs(values[_outer(r, values)]))
+    return float(np.max(errors, where=np.abs(values) <= most, initial=0.0))
 
 
-def _length(r: np.ndarray, slopes: np.ndarray, curves: np.ndarray) -> float:
-    """Length over which the force changes: its change between extrema over its steepest slope."""
+def _lengths(r: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """(n,) the shortest length over which the force changes from each point on.
+
+    Between two extrema it is the change of the force over its steepest slope.  A part of the way
+    counts as the whole, since near an extremum both are small.
+    """
+    curves = curvatures(r, values, slopes)
     extrema = np.flatnonzero(curves[1:] * curves[:-1] < 0.0) + 1
     ends = [0, *extrema.tolist(), r.size - 1]
-    weak = WEAK * np.max(np.abs(slopes))
-    lengths = [r[-1] - r[0]]
-    for one, other in pairwise(ends):
-        change = abs(slopes[other] - slopes[one])
-        if change > weak:
-            lengths.append(change / np.max(np.abs(curves[one : other + 1])))
-    return float(min(lengths))
+    weak = WEAK * np.max(np.abs(slopes[_outer(r, values)]))
+    lengths = np.full(r.size, r[-1] - r[0])
+    for one, other in reversed(list(pairwise(ends))):
+        changes = np.abs(slopes[other] - slopes[one : other + 1])
+        lengths[one:other] = lengths[other]
+        if changes[0] > weak:
+            curved = np.abs(curves[one : other + 1])
+            steepest = np.maximum.accumulate(curved[::-1])[::-1]
+            on_the_way = np.maximum.accumulate(changes[:-1] / steepest[:-1])
+            lengths[one:other] = np.minimum(on_the_way, lengths[other])
+    return lengths
+
+
+def _clearances(r: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """(n,) the largest distance from each point that is no longer than the length at its end."""
+    first = np.searchsorted(r + lengths, r)
+    return np.maximum(lengths[np.maximum(first - 1, 0)], r - r[first])

@@ -132,10 +132,10 @@ def recorded_averages(result: RunResult) -> dict[str, dict[str, Average]]:
 def time_without_contact(result: RunResult, surface: str, after: float | None = None) -> float:
     """The fraction of time in which no bob of a surface is in contact with another surface.
 
-    Two bobs are in contact within the range of their potential. Where it decays without an
-    end, they are in contact if their energy is at least 1 % of the sum of the energy of
-    torsion by 1 rad of the softest asperite and of k_B T.  The scene's output must
-    ask for the series "forces".
+    Two bobs are in contact where they repel each other: closer than the largest distance at
+    which the force between them is repulsive.  Where it repels without an end, they are in
+    contact if their energy is at least 1 % of the sum of the energy of torsion by 1 rad of the
+    softest asperite and of k_B T.  The scene's output must ask for the series "forces".
 
     Parameters
     ----------

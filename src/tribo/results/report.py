@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
+from tribo.ledger.separation import contact_distance_of
 from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
 from tribo.results import force_averages
@@ -31,6 +32,8 @@ SHOWN = {
 def end(result: RunResult) -> dict[str, Any]:
     """The end state and the cost, as ``tribo run --json`` prints them."""
     ledger, shares = result.ledger.at_end(), force_averages.shares_without_contact(result)
+    scene = result.scene
+    distances = {s.name: contact_distance_of(scene, s) for s in scene.surfaces if s.name in shares}
     return {
         "status": result.status,
         "t": float(ledger.t[-1]),
@@ -59,7 +62,7 @@ def end(result: RunResult) -> dict[str, Any]:
             name: {surface: average._asdict() for surface, average in averages.items()}
             for name, averages in force_averages.recorded_averages(result).items()
         },
-        **({"time_without_contact": shares} if shares else {}),
+        **({"time_without_contact": shares, "contact_distance": distances} if shares else {}),
     }
 
 
@@ -98,7 +101,12 @@ def _sliding(result: RunResult) -> Iterator[str]:
     shares = force_averages.shares_without_contact(result)
     each = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares.items())
     if each:
-        yield f"  time without contact: {each}"
+        scene = result.scene
+        distances = [contact_distance_of(scene, s) for s in scene.surfaces if s.name in shares]
+        yield (
+            f"  time without contact: {each}; in contact are bobs that repel each other, here "
+            f"closer than {max(distances):.4g}"
+        )
 
 
 def _friction(result: RunResult) -> Iterator[str]:
