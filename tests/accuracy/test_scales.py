@@ -146,7 +146,7 @@ def test_diverged_runs_know_nothing():
     def bounds(apart, diverged=DIVERGED, least=0.0):
         """Estimates of two energies, the first of which differs from the coarser run."""
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
-        found = Extremes(names, tops, apart * tops, np.zeros(2), 0.0, 0.0)
+        found = Extremes(names, tops, apart * tops, np.zeros(2), 0.0, 0.0, 0.0)
         return estimate(found, scales, False, least, diverged)
 
     assert bounds(10.0)["applied_work"] == pytest.approx(30.0)

@@ -147,7 +147,7 @@ def error_bounds(
     """
     found = extremes(layout, fine, coarser, observables(accuracy))
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
-    scales = scales_of(layout, tops, float(found.speed), float(found.internal))
+    scales = scales_of(layout, tops, float(found.speed), float(found.internal), float(found.path))
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
@@ -269,7 +269,7 @@ def compare_members(
     """Scales of members, and largest differences in units of the accuracy; NaN if not finite."""
     found = member_extremes(layout, fine, other, observables(accuracy))
     tops = dict(zip(found.names, found.tops, strict=True))
-    scales, worst = scales_of(layout, tops, found.speed, found.internal), np.zeros(fine.runs)
+    scales, worst = scales_of(layout, tops, *found[4:]), np.zeros(fine.runs)
     for name, gap in zip(found.names, found.gaps, strict=True):
         if isinstance(accuracy, Mapping) and name not in accuracy:
             continue

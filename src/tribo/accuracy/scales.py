@@ -46,7 +46,9 @@ class Scales:
     """
 
     rate: float  # the largest |omega| or |nu| [1 / time]
-    length: float  # the longest rod
+    # The largest displacement of a bob relative to the mean of the surfaces' initial velocities, at
+    # most the longest rod; this where nothing moves.
+    length: float
     velocity: float  # the largest of a bob relative to the mean of the surfaces' initial velocities
     # The largest work, pseudowork, delta_e_int or delta_k_trans; where works are below the rounding
     # of the largest internal energy, that energy.
@@ -79,7 +81,8 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         for name, role in ROLES.items()
         if (role.measures or role.scale == quantities.OWN) and ledger.series(name)
     }
-    mean, speed, internal = mean_velocity(layout), 0.0, 0.0
+    mean, speed, internal, path = mean_velocity(layout), 0.0, 0.0, 0.0
+    later = ledger.t[:, None] - ledger.t[0]
     for surface in layout.scene.surfaces:
         table, a = ledger.surfaces[surface.name], layout.asperites[layout.parts[surface.name]]
         swing = table["theta"] - surface.rest
@@ -91,11 +94,13 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         direction = swing_direction(a.facing, swing)
         bob = rod_velocity(vx, vy, table["omega"], a.l1, *direction)
         speed = max(speed, float(np.max(np.hypot(*bob))))
-    return scales_of(layout, tops, speed, internal)
+        x, y = (table[name] - table[name][0] for name in ("x_bob", "y_bob"))
+        path = max(path, largest(np.hypot(x - mean[0] * later, y - mean[1] * later)))
+    return scales_of(layout, tops, speed, internal, path)
 
 
 def scales_of(
-    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values
+    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values, path: Values
 ) -> Scales:
     """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
     a, runs = layout.together.asperites, np.size(speed)
@@ -115,7 +120,7 @@ def scales_of(
         energy = np.where(energy > 0.0, energy, possible)
     scales = {
         "rate": resolved(_highest(tops[name] for name in RATES), np.sqrt(potential / inertia)),
-        "length": length,
+        "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
         "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
@@ -127,6 +132,12 @@ def scales_of(
     return Scales(
         **{scale: each.item() if single else each for scale, each in scales.items()}, own=own
     )
+
+
+def length_scale(path: Values, rod: Values) -> np.ndarray:
+    """The scale of lengths: how far bobs move, at most the longest rod; this where they do not."""
+    moves = np.asarray(path) > UNRESOLVED * np.asarray(rod)
+    return np.where(moves, np.minimum(path, rod), rod)
 
 
 def are_lost(work: Values, energy: Values) -> np.ndarray:
