@@ -118,7 +118,7 @@ def scales_of(
     soft = np.min(np.where(np.isfinite(a.kappa), a.kappa, 0.0))
     for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
         energy = np.where(energy > 0.0, energy, possible)
-    scales = {
+    scales: dict[str, Any] = {
         "rate": resolved(_highest(tops[name] for name in RATES), np.sqrt(potential / inertia)),
         "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
