@@ -42,7 +42,7 @@ def test_every_variable_and_unit():
     rows = set(re.findall(r"^\| `(\w+)` \| `(.*?)` \| (.*) \|$", tables_of_page, re.M))
     tables = (
         *(quantities.ASPERITE_QUANTITIES, quantities.OPTIONAL_QUANTITIES),
-        *(quantities.BLOCK_QUANTITIES, quantities.SYSTEM_QUANTITIES),
+        *(quantities.BLOCK_QUANTITIES, quantities.PULLED_QUANTITIES, quantities.SYSTEM_QUANTITIES),
         *(quantities.FURTHER_OF_ASPERITES, quantities.FURTHER_OF_SURFACES),
         *(quantities.FURTHER_OF_SYSTEM, quantities.SUMMED_QUANTITIES),
     )

@@ -15,8 +15,9 @@ from tribo.accuracy.comparison import DIVERGED, DIVERGED_IN_CHAOS, estimate
 from tribo.accuracy.extremes import Extremes
 from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import KINDS, Scales, reported_scales
+from tribo.accuracy.scales import ROLES, Scales, reported_scales, scale_of
 from tribo.layout.layout import lay_out
+from tribo.ledger import quantities
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import Motion
 
@@ -145,7 +146,7 @@ def test_diverged_runs_know_nothing():
     def bounds(apart, diverged=DIVERGED, least=0.0):
         """Estimates of two energies, the first of which differs from the coarser run."""
         names, tops = ("contact_energy", "applied_work"), np.array([1.0, 1e-6])
-        found = Extremes(names, tops, apart * tops, np.zeros(2), 0.0, 0.0)
+        found = Extremes(names, tops, apart * tops, np.zeros(2), 0.0, 0.0, 0.0)
         return estimate(found, scales, False, least, diverged)
 
     assert bounds(10.0)["applied_work"] == pytest.approx(30.0)
@@ -191,7 +192,7 @@ def test_energies_of_a_surface_have_a_scale_of_their_own():
             np.max(np.abs(series))
             for table in tables
             for name, series in table.items()
-            if KINDS[name] == kind and name != "contact_energy"
+            if scale_of(name) == kind and name != "contact_energy"
         )
         for kind in ("energy", "total")
     )
@@ -208,3 +209,28 @@ def test_works_below_the_rounding_of_energies(strength, is_noted):
     lower = tribo.Surface("lower", facing="up", bars="free")
     result = tribo.simulate(tribo.Scene((upper, lower), tribo.Coulomb(strength), 4.0))
     assert any("no work exceeds" in note for note in result.notes) == is_noted
+
+
+def test_a_further_quantity_changes_no_bound(monkeypatch):
+    """One whose values are fifty times larger has a scale of its own."""
+    upper = tribo.Surface("upper", bob=(-2.0, 1.0), velocity=(31.0, 0.0))
+    lower = tribo.Surface("lower", facing="up", velocity=(30.0, 0.0))
+    output = tribo.Output(samples=41)
+    scene = tribo.Scene((upper, lower), tribo.Coulomb(1.0), 4.0, output=output)
+    before = simulate(scene, accuracy=1e-6)
+    further = quantities.Quantity(
+        "energy", "kinetic energy", lambda group: group.each(lambda motion: motion.translation)
+    )
+    for table in (quantities.ASPERITE_QUANTITIES, quantities.QUANTITIES, quantities.EVERY_QUANTITY):
+        monkeypatch.setitem(table, "k_lab", further)
+    monkeypatch.setitem(ROLES, "k_lab", further.role)
+    quantities.reported.cache_clear()
+    try:
+        after = simulate(scene, accuracy=1e-6)
+        assert np.max(after["upper"].k_lab) > 50.0 * np.max(np.abs(after["upper"].w1))
+        bounds = dict(after.error_estimate)
+        assert 0.0 < bounds.pop("k_lab") < 1e-6 * np.max(after["upper"].k_lab)
+        assert {name: before.error_estimate[name] for name in bounds} == bounds
+        assert before.met and after.met and before.cost.steps == after.cost.steps
+    finally:
+        quantities.reported.cache_clear()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tribo
+from support.hard_scenes import simulate
 from support.sliding import long_slide
 from tribo import atlas, paper
 from tribo.accuracy import choose_method, cost_model, levels, plan, search
@@ -325,6 +326,72 @@ class Wrong(NamedTuple):
 
     def force(self, r):
         return self.strength / r**2 * np.where(r < 1.0, 1.5, 1.0)
+
+
+def test_a_scene_in_which_nothing_happens_keeps_its_accuracy():
+    """Bobs out of the range of a shifted potential: works are zero, and a shift rounds."""
+    potential = tribo.LennardJones(0.2, 0.6).with_cutoff(1.0, "shift")
+    upper = tribo.Surface("upper", bob=(-1.0, 1.3), velocity=(0.5, 0.0), drive="free")
+    lower = tribo.Surface("lower", facing="up", drive="free")
+    for velocity in (0.5, 0.0):
+        still = replace(upper, velocity=(velocity, 0.0))
+        scene = tribo.Scene((still, lower), potential, 2.0, output=tribo.Output(samples=5))
+        for accuracy in (0.1, 1e-6):
+            result = simulate(scene, accuracy=accuracy)
+            assert result.met and not any("accuracy" in note for note in result.notes)
+            assert not np.any(result["upper"].w1)
+
+
+OVERLAPPING = {
+    "interaction": tribo.LennardJones(0.006406071580384777, 1.0),
+    "upper": {"m1": 1.4786634544914772, "m2": 1.44990549790243, "kappa": 1550.9891460308834},
+    "lower": {"m1": 0.6313668957813385, "m2": 0.9115466637006286, "kappa": 0.15819376254298434},
+}
+
+
+def test_bobs_that_overlap_keep_a_coarse_accuracy():
+    """A change of the start grows by 3e11, yet all runs agree: no bound is twice its scale."""
+    upper, lower = (tribo.Asperite(**OVERLAPPING[name]) for name in ("upper", "lower"))
+    bob, velocity = (-0.09212501886705385, 0.34312627094102616), (0.011598396786589138, 0.0)
+    surfaces = (
+        tribo.Surface("upper", bob=bob, velocity=velocity, asperite=upper),
+        tribo.Surface("lower", facing="up", asperite=lower),
+    )
+    output = tribo.Output(samples=2)
+    scene = tribo.Scene(surfaces, OVERLAPPING["interaction"], 2.659246744241509, output=output)
+    coarse, fine = (simulate(scene, accuracy=accuracy) for accuracy in (0.1, 1e-4))
+    assert coarse.met
+    for name in ("theta", "w1", "contact_energy", "delta_E_int"):
+        pairs = zip(coarse.ledger.series(name), fine.ledger.series(name), strict=True)
+        apart = max(float(np.max(np.abs(one - other))) for one, other in pairs)
+        assert apart <= coarse.error_estimate[name]
+    assert coarse.error_estimate["contact_energy"] < 0.1 * 1.06e4
+
+
+def test_long_rods_are_no_scale_of_places():
+    """Kepler's motion of two rigid asperites, e = 0.9 and axis 1, with rods of 500 [length]."""
+    strength, mass, eccentricity = 1.0, 1.5, 0.9
+    speed = np.sqrt(strength / mass * (1.0 - eccentricity) / (1.0 + eccentricity))
+    period = 2.0 * np.pi * np.sqrt(mass / strength)
+    own = {"drive": tribo.Free(load=0.0), "asperite": tribo.Asperite(kappa=np.inf, length=500.0)}
+    apart = 1.0 + eccentricity
+    surfaces = (
+        tribo.Surface("upper", bob=(apart, 0.0), velocity=(0.0, 0.5 * speed), **own),
+        tribo.Surface("lower", facing="up", velocity=(0.0, -0.5 * speed), **own),
+    )
+    output = tribo.Output(samples=41)
+    scene = tribo.Scene(surfaces, tribo.Coulomb(-strength), period, output=output)
+    result = simulate(scene, accuracy=1e-8)
+    mean = np.pi + 2.0 * np.pi * result.t / period
+    anomaly = mean
+    for _ in range(60):
+        off = anomaly - eccentricity * np.sin(anomaly) - mean
+        anomaly = anomaly - off / (1.0 - eccentricity * np.cos(anomaly))
+    distance = result["upper"].x_bob[:, 0] - result["lower"].x_bob[:, 0]
+    error = np.max(np.abs(distance - (eccentricity - np.cos(anomaly))))
+    assert result.met
+    # With rods as the scale, the bound was 5e-9.
+    assert error <= 2.0 * result.error_estimate["x_bob"] < 0.1 * 1e-8 * apart
 
 
 def test_an_energy_budget_that_stays_open():

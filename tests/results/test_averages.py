@@ -65,14 +65,48 @@ def test_arrays_of_other_libraries():
         assert tribo.time_average(kind(t), kind(values), after=np.float32(10.0)) == known
 
 
-def test_incomplete_periods_do_not_matter():
-    """The mean of sine waves has an error far below amplitude over phase, and so its interval."""
+def test_incomplete_periods_do_not_matter_with_weights():
+    """The weighted mean of sine waves has an error far below amplitude over phase.
+
+    The mean itself is that of the window, with an interval that allows for the incomplete period.
+    """
     for periods in (10.3, 51.7, 200.25):
         s = np.linspace(0.0, 1.0, 4001)
-        found = tribo.time_average(s, 7.0 + np.sin(2.0 * np.pi * periods * s), 0.0)
-        plain = abs(np.trapezoid(np.sin(2.0 * np.pi * periods * s), s))
-        assert abs(found.mean - 7.0) < found.half_width < 0.2 * plain
+        values = 7.0 + np.sin(2.0 * np.pi * periods * s)
+        found = tribo.time_average(s, values, 0.0)
+        plain = np.trapezoid(values, s)
+        assert found.mean == pytest.approx(plain, abs=1e-14)
+        off, half_width = abs(plain - 7.0), found.weighted_half_width
+        assert abs(found.weighted_mean - 7.0) < half_width < 0.2 * off
+        assert off < found.half_width < 1.3 * off
+        assert f"vanish there it is {found.weighted_mean:.4g} +- {half_width:.2g}" in found.note
         assert found.effective_samples > 4001
+
+
+def test_the_mean_is_that_of_the_window():
+    """The integral over the time, divided by the time, of noise, of slips and of short series."""
+    differs = 0
+    for kind in ("exponential, 1/50", "sawtooth, 10", "thermal 0.1, 10"):
+        for seed in range(10):
+            values = KINDS[kind](np.random.default_rng(seed), 500)
+            t = 2.0 + np.cumsum(np.random.default_rng(seed).uniform(0.5, 1.5, 500))
+            found = tribo.time_average(t, values, t[100])
+            plain = np.trapezoid(values[100:], t[100:]) / (t[-1] - t[100])
+            assert found.mean == pytest.approx(plain, abs=1e-13) and found.after == t[100]
+            noted = "with weights that vanish there" in found.note
+            differs += noted
+            apart = abs(found.weighted_mean - plain)
+            assert noted == (apart > 0.5 * found.weighted_half_width)
+    assert differs > 0
+
+
+@pytest.mark.parametrize("t", [np.geomspace(1.0, 1000.0, 8), np.array([0.0, 0.1, 0.2, 10.0])])
+def test_few_samples_in_the_second_half_are_averaged(t):
+    """The automatic run-in leaves two samples; one sample is refused by the name of the times."""
+    found = tribo.time_average(t, np.exp(-t))
+    assert t[0] <= found.after <= t[-2]
+    with pytest.raises(tribo.InputError, match=r"^t: must be two times or more, got 1"):
+        tribo.time_average(t[:1], t[:1])
 
 
 def test_correlation_time_and_effective_samples():

@@ -15,14 +15,15 @@ import numpy as np
 from tribo.accuracy.extremes import Extremes, extremes, member_extremes
 from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import (
+    COMMON,
     EPSILON,
-    KINDS,
+    ROLES,
     Scales,
     Values,
     are_lost,
-    kind_of,
     largest,
     reported_scales,
+    scale_of,
     scales_of,
 )
 from tribo.kernels.status import Status
@@ -105,7 +106,7 @@ def check_observables(layout: Layout, names: Iterable[str], field: str = "accura
             raise InputError(
                 f"{field}.{name}", 'is not kept; works need another output.ledger, as "asperites"'
             )
-        if str(name).rpartition(".")[2] not in KINDS or not reported.series(str(name)):
+        if str(name).rpartition(".")[2] not in ROLES or not reported.series(str(name)):
             raise InputError(
                 f"{field}.{name}",
                 'is not a reported quantity; give one, as "w1", or one of a surface, as '
@@ -116,7 +117,7 @@ def check_observables(layout: Layout, names: Iterable[str], field: str = "accura
 def distance(one: Ledger, other: Ledger, scales: Scales, names: Iterable[str] = ()) -> float:
     """The largest difference of two runs, in units of the scales, of some quantities or of all."""
     worst = 0.0
-    for name in names or KINDS:
+    for name in names or COMMON:
         for mine, theirs in zip(one.series(name), other.series(name), strict=True):
             worst = max(worst, scales.relative(name, largest(mine - theirs)))
     return worst
@@ -146,7 +147,7 @@ def error_bounds(
     """
     found = extremes(layout, fine, coarser, observables(accuracy))
     tops = dict(zip(found.names, found.tops.tolist(), strict=True))
-    scales = scales_of(layout, tops, float(found.speed), float(found.internal))
+    scales = scales_of(layout, tops, float(found.speed), float(found.internal), float(found.path))
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
@@ -165,7 +166,8 @@ def estimate(
     """A bound on the error of each reported quantity, over asperites and recorded times.
 
     In units of the scales, `least` is the effect on the motion of rounding, which may be the same
-    in all runs, and of chance; from an estimate of `diverged` on, runs count as diverged.
+    in all runs, and of chance.  From a difference of `diverged` or an estimate of DIVERGED on, runs
+    count as diverged.
     """
     factor, tops, rounded = safety(rough), found.tops, found.terms
     gaps = factor * found.gaps
@@ -173,9 +175,11 @@ def estimate(
     with np.errstate(invalid="ignore"):  # an infinite energy has no known error
         # The part of a difference that is no rounding; 0 if unknown.
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - factor * rounded, 0.0), 0.0)
-    has_scale = scale > 0.0
+    # A quantity with a scale of its own changes no bound of another.
+    has_scale = (scale > 0.0) & [name.rpartition(".")[2] in COMMON for name in found.names]
     relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
-    pooled = max(relative, UNRELATED) if relative + least > diverged else POOLED * relative
+    apart = relative > diverged or relative + least > DIVERGED
+    pooled = max(relative, UNRELATED) if apart else POOLED * relative
     bounds = gaps + 4.0 * EPSILON * tops + rounded
     # Equal bits in all runs, as of the energy of a first contact, are known to one rounding.
     same = np.where((gaps == 0.0) & (tops > 0.0), EPSILON, 0.0)
@@ -205,7 +209,7 @@ def measure_amplification(
     """The largest growth of a small change of the start; None if a run was ended from outside."""
     own = assemble(layout, run.samples)
     scales = reported_scales(layout, own)
-    chosen = names or [name for name in KINDS if name not in ENERGIES]
+    chosen = names or [name for name in COMMON if name not in ENERGIES]
     scaled = [name for name in chosen if scales.of(name) > 0.0]
     grown = 0.0
     for change in (PERTURBATION, TINY_PERTURBATION):
@@ -246,7 +250,7 @@ def growth(amplification: float) -> str:
 def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
     """A note for each run whose errors of works are relative to energies of the motion; else ""."""
     work, energy = np.atleast_1d(work), np.atleast_1d(energy)
-    asked = [kind_of(name) for name in observables(accuracy)]
+    asked = [scale_of(name) for name in observables(accuracy)]
     if asked and not {"energy", "total"} & set(asked):
         return [""] * work.size
     lost = (work > 0.0) & are_lost(work, energy)
@@ -265,7 +269,7 @@ def compare_members(
     """Scales of members, and largest differences in units of the accuracy; NaN if not finite."""
     found = member_extremes(layout, fine, other, observables(accuracy))
     tops = dict(zip(found.names, found.tops, strict=True))
-    scales, worst = scales_of(layout, tops, found.speed, found.internal), np.zeros(fine.runs)
+    scales, worst = scales_of(layout, tops, *found[4:]), np.zeros(fine.runs)
     for name, gap in zip(found.names, found.gaps, strict=True):
         if isinstance(accuracy, Mapping) and name not in accuracy:
             continue

@@ -32,6 +32,7 @@ class Extremes(NamedTuple):
     terms: np.ndarray  # the rounding of terms: see tribo.accuracy.roundoff.rounding_of_terms
     speed: float | np.ndarray  # the largest of a bob relative to the mean of initial velocities
     internal: float | np.ndarray  # the largest internal energy of an asperite
+    path: float | np.ndarray  # the largest displacement of a bob, in the frame of that mean
 
     def join(self, other: Extremes) -> Extremes:
         return Extremes(self.names, *map(np.maximum, self[1:], other[1:]))
@@ -75,6 +76,7 @@ def _extremes(
         terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
         speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
         internal=largest(motion.energy[:count]),
+        path=largest(motion.bob_path(mean_velocity(layout))[:count]),
     )
 
 
@@ -91,4 +93,5 @@ def member_extremes(
         terms=np.zeros(()),
         speed=largest_of_runs(motion.bob_speed(mean_velocity(layout)), runs),
         internal=largest_of_runs(motion.energy, runs),
+        path=largest_of_runs(motion.bob_path(mean_velocity(layout)), runs),
     )

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.accuracy.force_rounding import rounding_of_forces
-from tribo.accuracy.scales import largest, resolved
+from tribo.accuracy.scales import largest, length_scale, resolved
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import rod_velocity
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
-from tribo.ledger.motion import Motion
+from tribo.ledger.motion import Motion, mean_velocity
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
@@ -57,6 +57,7 @@ class ToleranceScales:
     rate: float  # the largest |omega| or |nu| [1 / time]
     spin: float  # the largest |omega| [1 / time]
     twist: float  # the largest |theta - rest - phi| [rad]
+    length: float  # that of the motion, at most the longest rod [length]
     # What the rounding of forces changes, and no step resolves; see accuracy.force_rounding.
     lost_angle: float = 0.0
     lost_rate: float = 0.0
@@ -78,7 +79,8 @@ def first_guess(layout: Layout) -> ToleranceScales:
     velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
     rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
     energy = float(np.max(a.mass)) * velocity**2
-    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0)
+    rod = float(np.max(a.l1 + a.l2))
+    return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0, rod)
 
 
 def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
@@ -110,6 +112,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
     inertia = float(np.max(span.asperites.inertia))
     lost = rounding_of_forces(layout, motion)
+    path = largest(motion.bob_path(mean_velocity(layout)))
     return ToleranceScales(
         velocity=velocity,
         energy=float(resolved(energy, potential)) or guess.energy,
@@ -117,6 +120,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
         rate=float(resolved(max(spin, turn), np.sqrt(potential / inertia))) or guess.rate,
         spin=spin or guess.spin,
         twist=twist or guess.twist,
+        length=float(length_scale(path, guess.length)),
         lost_angle=lost.get("theta", 0.0),
         lost_rate=max(lost.get("omega", 0.0), lost.get("nu", 0.0)),
         lost_speed=lost.get("vx_cm", 0.0),
@@ -160,7 +164,7 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     a = layout.together.asperites
     energy = float(_slower_below(level * scales.energy, scales.lost_energy))
     speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
-    q = np.full(layout.coordinates, level * float(np.max(a.l1 + a.l2)))
+    q = np.full(layout.coordinates, level * scales.length)
     v = np.full(layout.coordinates, speed)
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.

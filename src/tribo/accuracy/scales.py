@@ -1,7 +1,7 @@
 """The scales that errors are relative to."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,25 +14,20 @@ from tribo.ledger.motion import internal_energies, mean_velocity, swing_directio
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
-# The kind of every reported quantity, which selects its scale; that of wholes is "total".
-KINDS = {name: quantity.kind for name, quantity in quantities.QUANTITIES.items()}
-KINDS |= dict.fromkeys(quantities.BLOCK_QUANTITIES | quantities.SYSTEM_QUANTITIES, "total")
-# Energies by which no others are measured: that of contacts has an arbitrary origin, those of
-# swings are no changes, and the work against friction is a part of other works.
-NOT_MEASURED = ("contact_energy", "swing_energy", "friction_work")
-# The quantities of asperites by which rates and energies are measured.
-ENERGIES = tuple(
-    name
-    for name, quantity in (quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES).items()
-    if quantity.kind == "energy" and name not in NOT_MEASURED
+# The role of every quantity that has an accuracy, which declares its scale.
+ROLES = {name: quantity.role for name, quantity in quantities.QUANTITIES.items()}
+# Those whose errors are relative to a common scale.  Others change no bound but their own.
+COMMON = tuple(name for name, role in ROLES.items() if role.scale != quantities.OWN)
+
+
+def measures_of(scale: str) -> tuple[str, ...]:
+    """The quantities of which a scale is at least the largest value."""
+    return tuple(name for name, role in ROLES.items() if scale in role.measures)
+
+
+RATES, ENERGIES, WORKS, TOTALS, POTENTIALS = map(
+    measures_of, ("rate", "energy", "work", "total", "potential")
 )
-# The works and pseudoworks among them.
-WORKS = tuple(name for name in ENERGIES if name.startswith("w"))
-# The quantities of surfaces and of the system by which their energies are measured.
-TOTALS = tuple(n for n, kind in KINDS.items() if kind == "total" and n not in NOT_MEASURED)
-# Energies of a position, with which those of the motion are compared.
-POTENTIALS = ("contact_energy", "field_energy")
-MEASURED = ("omega", "nu", *ENERGIES, *TOTALS, *POTENTIALS)
 # Motion with less than this part of the energy of contacts and fields is round-off.  Two rows of
 # five in an equilibrium have works of 1e-15 of that energy, and a total of 1e-14.
 UNRESOLVED = 256.0 * EPSILON
@@ -44,14 +39,16 @@ Values = float | np.ndarray
 
 @dataclass(frozen=True)
 class Scales:
-    """One scale for each kind of quantity, which its errors are relative to; arrays of members.
+    """The scales that errors are relative to, as quantities declare; arrays of members.
 
     Rates, velocities and energies below UNRESOLVED of what the energy of contacts and fields by
     asperite could give are round-off; this is then the scale.
     """
 
     rate: float  # the largest |omega| or |nu| [1 / time]
-    length: float  # the longest rod
+    # The largest displacement of a bob relative to the mean of the surfaces' initial velocities, at
+    # most the longest rod; this where nothing moves.
+    length: float
     velocity: float  # the largest of a bob relative to the mean of the surfaces' initial velocities
     # The largest work, pseudowork, delta_e_int or delta_k_trans; where works are below the rounding
     # of the largest internal energy, that energy.
@@ -60,10 +57,14 @@ class Scales:
     total: float
     work: float = 0.0  # the largest work or pseudowork of an asperite; no errors are relative to it
     angle: float = 1.0  # radian
+    # The largest values of quantities that have scales of their own, by name.
+    own: Mapping[str, Values] = field(default_factory=dict)
 
     def of(self, name: str) -> Any:
         """The scale of a quantity, "w1" or "upper.w1"."""
-        return getattr(self, kind_of(name))
+        quantity = name.rpartition(".")[2]
+        scale = scale_of(quantity)
+        return self.own[quantity] if scale == quantities.OWN else getattr(self, scale)
 
     def relative(self, name: str, difference: float) -> float:
         """A difference of a quantity in units of its scale; 0 stays 0 where that is 0."""
@@ -76,9 +77,12 @@ class Scales:
 def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     """The scales of a run's errors: maxima over asperites and samples, in the laboratory."""
     tops = {
-        name: max(map(largest, ledger.series(name))) for name in MEASURED if ledger.series(name)
+        name: max(map(largest, ledger.series(name)))
+        for name, role in ROLES.items()
+        if (role.measures or role.scale == quantities.OWN) and ledger.series(name)
     }
-    mean, speed, internal = mean_velocity(layout), 0.0, 0.0
+    mean, speed, internal, path = mean_velocity(layout), 0.0, 0.0, 0.0
+    later = ledger.t[:, None] - ledger.t[0]
     for surface in layout.scene.surfaces:
         table, a = ledger.surfaces[surface.name], layout.asperites[layout.parts[surface.name]]
         swing = table["theta"] - surface.rest
@@ -90,11 +94,13 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         direction = swing_direction(a.facing, swing)
         bob = rod_velocity(vx, vy, table["omega"], a.l1, *direction)
         speed = max(speed, float(np.max(np.hypot(*bob))))
-    return scales_of(layout, tops, speed, internal)
+        x, y = (table[name] - table[name][0] for name in ("x_bob", "y_bob"))
+        path = max(path, largest(np.hypot(x - mean[0] * later, y - mean[1] * later)))
+    return scales_of(layout, tops, speed, internal, path)
 
 
 def scales_of(
-    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values
+    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values, path: Values
 ) -> Scales:
     """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
     a, runs = layout.together.asperites, np.size(speed)
@@ -108,17 +114,30 @@ def scales_of(
     potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0])
     potential = potential / layout.scene.count
     energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
-    scales = {
-        "rate": resolved(_highest([tops["omega"], tops["nu"]]), np.sqrt(potential / inertia)),
-        "length": length,
+    # Where nothing happens, what the motion or a pendulum that turns by 1 rad could exchange.
+    soft = np.min(np.where(np.isfinite(a.kappa), a.kappa, 0.0))
+    for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
+        energy = np.where(energy > 0.0, energy, possible)
+    scales: dict[str, Any] = {
+        "rate": resolved(_highest(tops[name] for name in RATES), np.sqrt(potential / inertia)),
+        "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
         "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
         "work": work if works else np.zeros_like(work),
         "angle": np.ones(1),
     }
+    own = {name: tops[name] for name in tops if name in ROLES and name not in COMMON}
     single = np.ndim(speed) == 0
-    return Scales(**{kind: each.item() if single else each for kind, each in scales.items()})
+    return Scales(
+        **{scale: each.item() if single else each for scale, each in scales.items()}, own=own
+    )
+
+
+def length_scale(path: Values, rod: Values) -> np.ndarray:
+    """The scale of lengths: how far bobs move, at most the longest rod; this where they do not."""
+    moves = np.asarray(path) > UNRESOLVED * np.asarray(rod)
+    return np.where(moves, np.minimum(path, rod), rod)
 
 
 def are_lost(work: Values, energy: Values) -> np.ndarray:
@@ -136,9 +155,9 @@ def resolved(measured: Values, possible: Values) -> np.ndarray:
     return np.where(measured > UNRESOLVED * possible, measured, possible)
 
 
-def kind_of(name: str) -> str:
-    """The kind of a quantity, "w1" or "upper.w1"."""
-    return KINDS[name.rpartition(".")[2]]
+def scale_of(name: str) -> str:
+    """The scale that a quantity, "w1" or "upper.w1", declares: a field of Scales, or its own."""
+    return ROLES[name.rpartition(".")[2]].scale
 
 
 def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:

@@ -25,6 +25,7 @@ from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution, Runs, planned, policy_of
 from tribo.ensembles.statistics import coordinates_of, variables_of
 from tribo.ensembles.stores import MemberStore, StatisticsStore, Target, in_file
+from tribo.layout.layout import lay_out
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.settings import names_of_quantities
@@ -169,11 +170,11 @@ def ensemble(
     most = integer("members", members, 2)
     variation.check_lengths(most)
     how = Execution.checked(engine, threads)
+    kept = request.kept(lay_out(request.recorded(scene)))  # before anything is compiled
+    check_series(kept, wanted or {})
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene)
-        kept = request.kept(simulation.layout)
-        check_series(kept, wanted or {})
         runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target)

@@ -12,7 +12,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
-from tribo.kernels.records import Model, Neighbours
+from tribo.kernels.records import OF_MEMBERS, Model, Neighbours
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.scene_records import (
@@ -197,6 +197,12 @@ class Layout:
             return float(record.total_mass)
         own = self.numbers.asperites["mass"][:, list(self.parts.values())[index]].sum(axis=1)
         return self._rows(own + (record.total_mass - record.mass))
+
+    def number_of(self, index: int, name: str) -> float | np.ndarray:
+        """A number of a surface's drive or reservoir, of those in OF_MEMBERS."""
+        if self.numbers is None:
+            return float(self.surfaces[index][name])
+        return self._rows(self.numbers.of_surfaces[:, index, OF_MEMBERS.index(name)])
 
     def _rows(self, each: np.ndarray) -> np.ndarray:
         """A row for each time and member, from one for each member."""

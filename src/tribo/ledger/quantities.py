@@ -1,8 +1,9 @@
-"""The reported quantities: the kind, the units, the meaning and the formula of each."""
+"""The reported quantities: the kind, the scale, the meaning and the formula of each."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,11 +12,14 @@ from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.separation import has_contact_distance
 from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
+from tribo.model.drives import Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
 Table = Mapping[str, np.ndarray]  # quantity -> its series
 
+# The scale of a quantity that is its own largest value.
+OWN = "own"
 # The units of each kind, in the scene's own units of length, time and energy.
 UNITS = {
     "angle": "rad",
@@ -28,25 +32,50 @@ UNITS = {
 }
 
 
+class Role(NamedTuple):
+    """What the errors of a quantity are relative to, and which scales are its largest values.
+
+    A quantity of the default role has a scale of its own: it changes no bound of another one.
+    """
+
+    scale: str = OWN  # of its errors: a field of `tribo.accuracy.scales.Scales`, or OWN
+    measures: tuple[str, ...] = ()  # scales that are at least its largest value
+
+
+OWN_SCALE = Role()
+ANGLE, RATE, LENGTH = Role("angle"), Role("rate", ("rate",)), Role("length")
+VELOCITY = Role("velocity")
+# A work or pseudowork, and a heat or change of energy, of an asperite.
+WORK, CHANGE = Role("energy", ("energy", "work")), Role("energy", ("energy",))
+# An energy by which no others are measured: a swing's is no change.
+ENERGY = Role("energy")
+# The same of a surface or the system; work against friction is a part of other works, and the
+# energy of contacts has an arbitrary origin.
+TOTAL, PART, POTENTIAL = Role("total", ("total",)), Role("total"), Role("total", ("potential",))
+
+
 @dataclass(frozen=True)
 class Quantity:
-    kind: str  # a key of `UNITS`; accuracies are relative to one scale per kind
+    kind: str  # a key of `UNITS`
     long_name: str  # its meaning in a few words
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
     present: Has = always  # whether it can be asked for
+    role: Role = OWN_SCALE
 
     @property
     def units(self) -> str:
         return UNITS[self.kind]
 
 
-def _moving(kind: str, long_name: str, value: Callable[[Motion], np.ndarray]) -> Quantity:
-    return Quantity(kind, long_name, lambda group: group.each(value))
+def _moving(
+    kind: str, long_name: str, value: Callable[[Motion], np.ndarray], role: Role = OWN_SCALE
+) -> Quantity:
+    return Quantity(kind, long_name, lambda group: group.each(value), role=role)
 
 
-def _accounted(name: str, long_name: str, present: Has = always) -> Quantity:
+def _accounted(name: str, long_name: str, present: Has = always, role: Role = WORK) -> Quantity:
     of = Linear(partial(AsperiteSeries.accounted, name=name))
-    return _energy(long_name, of, present)
+    return _energy(long_name, of, present, role)
 
 
 def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
@@ -63,24 +92,33 @@ def _has_reservoir(scene: Scene, surface: Surface) -> bool:
     return bool(surface.reservoirs)
 
 
-def _energy(long_name: str, of: Callable[..., np.ndarray], present: Has = always) -> Quantity:
-    return Quantity("energy", long_name, of, present)
+def _energy(
+    long_name: str,
+    of: Callable[..., np.ndarray],
+    present: Has = always,
+    role: Role = OWN_SCALE,
+) -> Quantity:
+    return Quantity("energy", long_name, of, present, role)
 
 
 # Of each asperite, in the order in which they are reported.
 ASPERITE_QUANTITIES = {
-    "theta": _moving("angle", "pendulum angle", lambda e: e.theta),
-    "phi": _moving("angle", "bar angle", lambda e: e.phi),
-    "omega": _moving("rate", "angular velocity of the pendulum", lambda e: e.omega),
-    "nu": _moving("rate", "angular velocity of the bar", lambda e: e.nu),
-    "x_cm": _moving("length", "x of the centre of mass", lambda e: e.centre[0]),
-    "y_cm": _moving("length", "y of the centre of mass", lambda e: e.centre[1]),
-    "vx_cm": _moving("velocity", "x velocity of the centre of mass", lambda e: e.velocity[0]),
-    "vy_cm": _moving("velocity", "y velocity of the centre of mass", lambda e: e.velocity[1]),
-    "x_bob": _moving("length", "x of the bob", lambda e: e.bob[0]),
-    "y_bob": _moving("length", "y of the bob", lambda e: e.bob[1]),
-    "x_bar": _moving("length", "x of the bar's centre", lambda e: e.bar[0]),
-    "y_bar": _moving("length", "y of the bar's centre", lambda e: e.bar[1]),
+    "theta": _moving("angle", "pendulum angle", lambda e: e.theta, ANGLE),
+    "phi": _moving("angle", "bar angle", lambda e: e.phi, ANGLE),
+    "omega": _moving("rate", "angular velocity of the pendulum", lambda e: e.omega, RATE),
+    "nu": _moving("rate", "angular velocity of the bar", lambda e: e.nu, RATE),
+    "x_cm": _moving("length", "x of the centre of mass", lambda e: e.centre[0], LENGTH),
+    "y_cm": _moving("length", "y of the centre of mass", lambda e: e.centre[1], LENGTH),
+    "vx_cm": _moving(
+        "velocity", "x velocity of the centre of mass", lambda e: e.velocity[0], VELOCITY
+    ),
+    "vy_cm": _moving(
+        "velocity", "y velocity of the centre of mass", lambda e: e.velocity[1], VELOCITY
+    ),
+    "x_bob": _moving("length", "x of the bob", lambda e: e.bob[0], LENGTH),
+    "y_bob": _moving("length", "y of the bob", lambda e: e.bob[1], LENGTH),
+    "x_bar": _moving("length", "x of the bar's centre", lambda e: e.bar[0], LENGTH),
+    "y_bar": _moving("length", "y of the bar's centre", lambda e: e.bar[1], LENGTH),
     **_works(
         {
             "w1": "the contact force",
@@ -92,51 +130,66 @@ ASPERITE_QUANTITIES = {
         }
     ),
     "delta_k_trans": _moving(
-        "energy", "change of translational kinetic energy", lambda e: e.kinetic
+        "energy", "change of translational kinetic energy", lambda e: e.kinetic, CHANGE
     ),
-    "delta_e_int": _moving("energy", "change of internal energy", lambda e: e.internal),
+    "delta_e_int": _moving("energy", "change of internal energy", lambda e: e.internal, CHANGE),
     "swing_energy": _moving(
         "energy",
         "internal energy; on driven bars, of the motion about the bar",
         lambda e: e.swinging,
+        ENERGY,
     ),
 }
-# Of each asperite of a surface with a field, with a reservoir, or with one at its bars and another
-# on its swings.
+# Of each asperite of a surface with a field, with a reservoir, or with one on its swings.
 OPTIONAL_QUANTITIES = {
     **_works({"w_field": "external fields"}, Scene.has_field),
     **_works({"w_T": "the reservoir"}, _has_reservoir),
-    "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir),
+    "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir, CHANGE),
     "heat_swing": _accounted(
         "heat_swing",
         "heat given to the reservoir on the swing",
-        lambda scene, surface: len(surface.reservoirs) == 2,
+        lambda scene, surface: surface.reservoir("swing") is not None,
+        CHANGE,
     ),
 }
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work)),
+    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work), role=TOTAL),
     "W_ps": _energy(
-        "pseudowork of external forces on the surface", Linear(SurfaceSeries.pseudowork)
+        "pseudowork of external forces on the surface",
+        Linear(SurfaceSeries.pseudowork),
+        role=TOTAL,
     ),
     "delta_K": _energy(
-        "change of the surface's bulk kinetic energy", lambda whole: whole.change_of_kinetic
+        "change of the surface's bulk kinetic energy",
+        lambda whole: whole.change_of_kinetic,
+        role=TOTAL,
     ),
     "delta_E_int": _energy(
-        "change of the surface's internal energy", lambda whole: whole.change_of_internal
+        "change of the surface's internal energy",
+        lambda whole: whole.change_of_internal,
+        role=TOTAL,
     ),
     "friction_work": _energy(
-        "work against the contact force at the surface's velocity", Linear(SurfaceSeries.friction)
+        "work against the contact force at the surface's velocity",
+        Linear(SurfaceSeries.friction),
+        role=PART,
     ),
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
     "contact_energy": _energy(
-        "potential energy of contacts between surfaces", lambda system: system.samples.contact
+        "potential energy of contacts between surfaces",
+        lambda system: system.samples.contact,
+        role=POTENTIAL,
     ),
-    "total_energy_change": _energy("change of the total energy", SystemSeries.change_of_energy),
+    "total_energy_change": _energy(
+        "change of the total energy", SystemSeries.change_of_energy, role=TOTAL
+    ),
     "applied_work": _energy(
-        "work of drives, ends, reservoirs and moving fields", Linear(SystemSeries.applied)
+        "work of drives, ends, reservoirs and moving fields",
+        Linear(SystemSeries.applied),
+        role=TOTAL,
     ),
 }
 # Those that have an accuracy.
@@ -155,6 +208,10 @@ def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
         return np.asarray(np.sum(sum(whole.force(name, 0) for name in names), axis=1))
 
     return Quantity("force", f"x of {force} on the surface", of, present)
+
+
+def _is_pulled(scene: Scene, surface: Surface) -> bool:
+    return isinstance(surface.drive, Pulled)
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -205,6 +262,17 @@ FURTHER_OF_SURFACES = {
     "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
     "heat_bath": _energy("heat given to the bath", lambda w: w.heat_of_bath, _has_bath),
 }
+# Of each pulled surface as a whole, without an accuracy.
+PULLED_QUANTITIES = {
+    "stage_work": _energy(
+        "work of the stage on the pulling springs",
+        Linear(SurfaceSeries.work_of_stage),
+        lambda scene, surface: _is_pulled(scene, surface) and scene.output.ledger != "none",
+    ),
+    "e_pull": _energy(
+        "energy of the pulling springs", lambda whole: whole.energy_of_pull, _is_pulled
+    ),
+}
 # Those of which the average over time is kept at the end of a run, not the value at that time.
 AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
 # Of the whole system, likewise.
@@ -216,7 +284,13 @@ FURTHER_OF_SYSTEM = {
     )
 }
 ON_REQUEST = (FURTHER_OF_ASPERITES, FURTHER_OF_SURFACES, FURTHER_OF_SYSTEM)
-EVERY_QUANTITY = QUANTITIES | FURTHER_OF_ASPERITES | FURTHER_OF_SURFACES | FURTHER_OF_SYSTEM
+# Those beside the ones that have an accuracy: of asperites, of surfaces, and of the system.
+WITHOUT_ACCURACY = (
+    FURTHER_OF_ASPERITES,
+    PULLED_QUANTITIES | FURTHER_OF_SURFACES,
+    FURTHER_OF_SYSTEM,
+)
+EVERY_QUANTITY = QUANTITIES | {k: v for table in WITHOUT_ACCURACY for k, v in table.items()}
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
     group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
@@ -226,7 +300,11 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
     """The optional quantities that a scene reports, and the series that its output asks for."""
-    groups = (OPTIONAL_QUANTITIES, *(FURTHER.get(name, {}) for name in scene.output.series))
+    groups = (
+        OPTIONAL_QUANTITIES,
+        PULLED_QUANTITIES,
+        *(FURTHER.get(name, {}) for name in scene.output.series),
+    )
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)
     )
@@ -267,7 +345,7 @@ def reported(ledger: str, present: frozenset[str]) -> Reported:
         tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
     elif ledger == "none":
         tables = list(map(_without_accounts, tables))
-    asked = (_those_of(table, present) for table in ON_REQUEST)
+    asked = (_those_of(table, present) for table in WITHOUT_ACCURACY)
     return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
 
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from tribo.kernels.kinematics import rod_position
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout
@@ -91,6 +92,27 @@ class SurfaceSeries(AsperiteSeries):
     def friction(self, integrals: Integrals) -> np.ndarray:
         """Minus the work of the contact's impulse at the initial velocity of the surface."""
         return 0.0 - self.sum_over(integrals, ("w1",), Account.boost)
+
+    def work_of_stage(self, integrals: Integrals) -> np.ndarray:
+        """The work of the stage that pulls the surface: its speed times the impulse along x."""
+        layout, index = self._layout, self._index
+        speed = layout.velocity_of(index)[0] + layout.number_of(index, "speed")
+        every = (integrals[span] for span in self._accounted)
+        return np.asarray(speed * _sum(each.whole(each["w2"].jx) for each in every))
+
+    @property
+    def energy_of_pull(self) -> np.ndarray:
+        """The energy of the springs between the bars and the stage."""
+        layout, index = self._layout, self._index
+        stiffness, speed = (layout.number_of(index, name) for name in ("stiffness", "speed"))
+        anchor = float(layout.model.surfaces[index].anchor)
+        stage = np.asarray(anchor + speed * self.samples.t)[:, None]
+
+        def squares(motion: Motion) -> np.ndarray:
+            x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)
+            return np.asarray((stage - x) ** 2)
+
+        return np.asarray(0.5 * stiffness * self._total(squares))
 
     @cached_property
     @_with_infinities

@@ -13,7 +13,15 @@ from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing
 from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
 from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figure_of, style
-from tribo.plotting.works import WORKS, draw_works, energies, heats_of, works_of
+from tribo.plotting.works import (
+    WORKS,
+    draw_works,
+    energies,
+    energy_of_pull,
+    has_pull,
+    heats_of,
+    works_of,
+)
 from tribo.results.averages import mean_text
 from tribo.results.force_averages import friction_force, has_mean_friction
 from tribo.results.run_result import RunResult
@@ -115,12 +123,14 @@ class Plots:
     def energy_budget(self, ax: Axes | None = None) -> Axes:
         """Draw the energies that the work put in over time became, one on top of the other.
 
-        The parts are bulk kinetic energy, contact, fields, internal energy and heat, of all
-        surfaces together; the heat of baths is separate from internal energy if the scene's output
-        asks for the series "energies".  A negative part goes down from the edge before it. The
-        last edge is the sum, which equals the work that is put in; a text gives the largest gap
-        between the two.  The applied work of the ledger is net of the heat given to reservoirs.
-        With reservoirs, heat is a part of the stack, and is added to the applied work.
+        The parts are bulk kinetic energy, contact, fields, internal energy, heat and the springs
+        of pulled surfaces, of all surfaces together; the heat of baths is separate from internal
+        energy if the scene's output asks for the series "energies".  A negative part goes down
+        from the edge before it. The last edge is the sum, which equals the work that is put in; a
+        text gives the largest gap between the two.  The applied work of the ledger is net of the
+        heat given to reservoirs, and is that of pulling springs, not of their stage.  With
+        reservoirs, heat is a part of the stack, and is added to the applied work.  On pulled
+        surfaces, the work put in is that of the stage in place of that of the springs.
         """
         result, heats = self._result, heats_of(self._result)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
@@ -132,8 +142,9 @@ class Plots:
                     ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
                 below = edge
             if "applied_work" in result.system:
-                work = result.system["applied_work"] + sum(heats)
-                label = self._named("applied work + heat" if heats else "applied work")
+                work = result.system["applied_work"] + sum(heats) + energy_of_pull(result)
+                label = "applied work + heat" if heats else "applied work"
+                label = self._named("work put in" if has_pull(result) else label)
                 line: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (4.0, 3.0))}
                 ax.plot(result.t, work, color=INK, label=label, **line)
                 if not self._label:

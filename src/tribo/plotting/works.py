@@ -96,8 +96,21 @@ def energies(result: RunResult) -> dict[str, np.ndarray]:
         "internal": internal - bath,
         "bath": bath,
         "heat": sum(heats_of(result)),
+        "pulling springs": energy_of_pull(result),
     }
     return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
+
+
+def has_pull(result: RunResult) -> bool:
+    """Whether a surface is pulled by springs."""
+    return any("e_pull" in block for block in result.ledger.blocks.values())
+
+
+def energy_of_pull(result: RunResult) -> np.ndarray:
+    """The change of the energy of all pulling springs, (times,)."""
+    blocks = result.ledger.blocks.values()
+    each = (block["e_pull"] - block["e_pull"][0] for block in blocks if "e_pull" in block)
+    return sum(each, start=np.zeros(result.t.size))
 
 
 def heats_of(result: RunResult) -> list[np.ndarray]:

@@ -23,6 +23,8 @@ stops too often where the variance happens to be small.
 C. Stein, Ann. Math. Stat. 16 (1945) 243.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -47,8 +49,8 @@ LONGEST_CORRELATION = 0.035
 # An interval is wider by the factor 1 + (this time over WIDENING)^4, because a series with a short
 # one may be one of the short ones of a longer correlation: measured, from 1/20 to 1/50.
 WIDENING = 0.032
-# Part of the half-width by which the average with equal weights may differ from that with smooth
-# ends; beyond it, the ends are incomplete periods.  And its interval, relative to the other.
+# Part of the half-width by which the mean with equal weights may differ from that with smooth ends;
+# beyond it, the ends are incomplete periods.  And its interval, relative to the other.
 SIMILAR, NARROWER = 0.5, 0.9
 # A slip between two samples differs from its neighbours' line by so many times the median.
 UNRESOLVED = 5.0
@@ -67,7 +69,7 @@ class Average(NamedTuple):
     Attributes
     ----------
     mean : float
-        The average.
+        The integral over the time, divided by the time.
     half_width : float
         Half-width of its 95 % interval; NaN where the series is too short for one.
     spread : float
@@ -81,7 +83,11 @@ class Average(NamedTuple):
     after : float
         Time at which the average begins [time].
     note : str
-        The reason for a missing interval, or a warning of a trend; else empty.
+        The reason for a missing interval, a warning of a trend, or the weighted mean where
+        incomplete periods at the ends matter; else empty.
+    weighted_mean, weighted_half_width : float
+        The mean with weights that vanish at both ends, where incomplete periods hardly matter,
+        and the half-width of its 95 % interval; NaN where the series is too short for one.
     """
 
     mean: float
@@ -91,6 +97,37 @@ class Average(NamedTuple):
     effective_samples: float
     after: float
     note: str = ""
+    weighted_mean: float = np.nan
+    weighted_half_width: float = np.nan
+
+
+class _Record(NamedTuple):
+    """A series in the window over which it is averaged."""
+
+    begin: float  # of the window [time]
+    length: float  # of the window [time]
+    s: np.ndarray  # (values,) the places of the values, from 0 to 1
+    values: np.ndarray
+    weights: np.ndarray  # (values,) their parts of the window
+
+    @classmethod
+    def of_samples(cls, t: np.ndarray, values: np.ndarray, first: int) -> _Record:
+        """From one of its samples on; it is linear between them."""
+        t, values = t[first:], values[first:]
+        if t.size < 2:
+            raise InputError("after", f"must leave two samples or more, got {t.size}")
+        begin, length = float(t[0]), float(t[-1] - t[0])
+        return cls(begin, length, (t - begin) / length, values, _weights(t))
+
+    @classmethod
+    def of_intervals(cls, t: np.ndarray, means: np.ndarray, first: int) -> _Record:
+        """Of means over the intervals that end at the samples, from one of the samples on."""
+        t, means = t[first:], means[first + 1 :]
+        if means.size < 2:
+            raise InputError("after", f"must leave two intervals or more, got {means.size}")
+        begin, length = float(t[0]), float(t[-1] - t[0])
+        middle = 0.5 * (t[:-1] + t[1:])
+        return cls(begin, length, (middle - begin) / length, means, np.diff(t) / length)
 
 
 class _Estimate(NamedTuple):
@@ -122,8 +159,8 @@ def time_average(
     Returns
     -------
     Average
-        The mean is the integral over the time. If incomplete periods at the ends matter, its
-        weights vanish there.
+        Its mean is the plain one of the samples from `after` on, whose half-width allows for
+        incomplete periods at the ends; the weighted mean is a field of its own.
 
     Raises
     ------
@@ -131,65 +168,80 @@ def time_average(
         Times or values are not numbers, times do not increase, or fewer than two are left.
     """
     t, values = vector("t", t, unit="time"), vector("values", values, size=len(t))
+    return average_from(t, values, after)
+
+
+def average_from(
+    t: np.ndarray, values: np.ndarray, after: float | str, of_intervals: bool = False
+) -> Average:
+    """As :func:`time_average`, of arrays.
+
+    The values may be means over the intervals that end at the samples; the first is then unused.
+    """
+    if t.size < 2:
+        raise InputError("t", f"must be two times or more, got {t.size}")
     if np.any(np.diff(t) <= 0.0):
         raise InputError("t", "must increase")
+    record = _Record.of_intervals if of_intervals else _Record.of_samples
     if isinstance(after, str) and after != "auto":
         raise must_be("after", 'a time or "auto"', after)
     if not isinstance(after, str):
-        return _average(t, values, int(np.searchsorted(t, number("after", after, unit="time"))))
-    whole, later = _average(t, values, 0), _average(t, values, _run_in(t, values))
-    return later if abs(whole.mean - later.mean) > later.half_width else whole
+        first = int(np.searchsorted(t, number("after", after, unit="time")))
+        return _average(record(t, values, first))
+    whole = record(t, values, 0)
+    found, later = _average(whole), _average(record(t, values, _run_in(whole, t)))
+    return later if abs(found.mean - later.mean) > later.half_width else found
 
 
-def _average(t: np.ndarray, values: np.ndarray, first: int) -> Average:
-    """The average of a series from one of its samples on."""
-    t, values = t[first:], values[first:]
-    if t.size < 2:
-        raise InputError("after", f"must leave two samples or more, got {t.size}")
-    weights = _weights(t)
+def _average(record: _Record) -> Average:
+    """The average of a series over its window."""
+    begin, length, s, values, weights = record
     mean = float(values[0] + weights @ (values - values[0]))  # exact for a constant
     rest = values - mean
     spread = float(np.sqrt(weights @ rest**2))
-    begin, length = float(t[0]), float(t[-1] - t[0])
     if spread <= ROUNDING * abs(mean):
-        return Average(mean, 2.0 * spread, spread, 0.0, float(t.size), begin)
-    if t.size < 2 * FUNCTIONS:
-        note = f"too short for an interval: {t.size} samples, {2 * FUNCTIONS} or more would do"
+        found = mean, 2.0 * spread, spread, 0.0, float(s.size)
+        return Average(*found, begin, "", mean, 2.0 * spread)
+    if s.size < 2 * FUNCTIONS:
+        note = f"too short for an interval: {s.size} samples, {2 * FUNCTIONS} or more would do"
         return Average(mean, np.nan, spread, np.nan, np.nan, begin, note)
-    s, note = (t - begin) / length, ""
     low = _low_frequencies(s, weights)
     smooth = _regression(rest @ low, low.sum(axis=0), CONFIDENCE)
     trend = _regression((rest - smooth.value) @ low, (s - 0.5) @ low, TREND)
     unresolved = _unresolved(s, rest, weights)
     memory = _correlated(s, rest)
-    half_width = np.hypot(smooth.half_width * (1.0 + (memory / WIDENING) ** 4), 2.0 * unresolved)
-    if abs(smooth.value) <= SIMILAR * half_width:
-        half_width *= NARROWER
-    else:
-        mean += smooth.value
-    density = smooth.density + unresolved**2
+    weighted = np.hypot(smooth.half_width * (1.0 + (memory / WIDENING) ** 4), 2.0 * unresolved)
     if memory > LONGEST_CORRELATION:
-        half_width = np.nan
+        weighted = np.nan
+    matters = abs(smooth.value) > SIMILAR * weighted
+    half_width = abs(smooth.value) + weighted if matters else NARROWER * weighted
+    density = smooth.density + unresolved**2
+    correlation_time = 0.5 * length * density / spread**2 if spread > 0.0 else 0.0
+    effective = spread**2 / density if density > 0.0 else float(s.size)
+    found = mean, float(half_width), spread, float(correlation_time), float(effective)
+    weighted_mean, weighted_half_width = mean + smooth.value, float(weighted)
+    note = ""
+    if memory > LONGEST_CORRELATION:
         note = "too short for an interval: it is correlated for a large part of its length"
+    elif matters:
+        note = "incomplete periods at its ends count: with weights that vanish there it is "
+        note += mean_text(weighted_mean, weighted_half_width)
     if abs(trend.value) > np.hypot(trend.half_width, SLOPE * unresolved):
         note = f"has a trend of {trend.value / length:.2g} per unit of time"
-    correlation_time = 0.5 * length * density / spread**2 if spread > 0.0 else 0.0
-    effective = spread**2 / density if density > 0.0 else float(t.size)
-    found = mean, float(half_width), spread, float(correlation_time), float(effective)
-    return Average(*found, begin, note)
+    return Average(*found, begin, note, weighted_mean, weighted_half_width)
 
 
-def _run_in(t: np.ndarray, values: np.ndarray) -> int:
-    """The place in the first half that is twice as late as the one of the smallest error.
+def _run_in(record: _Record, t: np.ndarray) -> int:
+    """The sample in the first half that is twice as late as the one of the smallest error.
 
     That is the error of the mean of independent samples from there on, by which an exponential
-    approach still has its own error.
+    approach still has its own error.  Two samples or more are left, if there are so many.
     """
-    weights = _weights(t)
-    left = np.cumsum(weights[::-1])[::-1]
-    rest = values - weights @ values
-    mean, square = (np.cumsum((weights * x)[::-1])[::-1] / left for x in (rest, rest**2))
+    left = np.cumsum(record.weights[::-1])[::-1]
+    rest = record.values - record.weights @ record.values
+    mean, square = (np.cumsum((record.weights * x)[::-1])[::-1] / left for x in (rest, rest**2))
     half = int(np.searchsorted(t, 0.5 * (t[0] + t[-1])))
+    half = max(0, min(half, record.values.size - 2))
     least = int(np.argmin(((square - mean**2) / left)[: half + 1]))
     return min(half, int(np.searchsorted(t, 2.0 * t[least] - t[0])))
 

@@ -3,10 +3,12 @@
 import numpy as np
 
 from tribo.kernels.status import Status
+from tribo.ledger.ledger import Series
+from tribo.ledger.quantities import AVERAGED
 from tribo.model.drives import Drive, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-from tribo.results.averages import Average, time_average
+from tribo.results.averages import Average, average_from
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, choice
 
@@ -93,8 +95,13 @@ def friction_coefficient(
     load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
     if load == 0.0:
         raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
-    mean, half_width, spread = abs(found.mean), found.half_width, found.spread
-    return found._replace(mean=mean / load, half_width=half_width / load, spread=spread / load)
+    return found._replace(
+        mean=abs(found.mean) / load,
+        half_width=found.half_width / load,
+        spread=found.spread / load,
+        weighted_mean=np.copysign(1.0, found.mean) * found.weighted_mean / load,
+        weighted_half_width=found.weighted_half_width / load,
+    )
 
 
 def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:
@@ -106,16 +113,41 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
             ledger = result.scene.output.ledger
             raise InputError("output.ledger", f'must be "asperites", got "{ledger}": f2 has noise')
         raise InputError("output.series", 'does not contain "forces"; add it, and run again')
-    # Means over intervals have no first value; the last ones of a stopped run may be infinite.
-    finite = np.isfinite(series[name])
-    after = result.scene.output.run_in if after is None else after
-    found = time_average(result.t[finite], series[name][finite], after)
-    notes = [found.note]
-    if result.status != Status.COMPLETED:
-        notes.insert(0, f"the run stopped at t = {result.t[-1]:g}, {result.status}")
+    stop = _stop_of(result)
+    t, values = _up_to_stop(result, series, name)
+    # Means over the intervals that end at the samples have no first value.
+    of_intervals = bool(np.isnan(values[0]))
+    if not of_intervals:
+        finite = np.isfinite(values)
+        t, values = t[finite], values[finite]
+    begin = result.scene.output.run_in if after is None else after
+    try:
+        found = average_from(t, values, begin, of_intervals)
+    except InputError as error:
+        field = "output.run_in" if after is None and error.field == "after" else error.field
+        raise InputError(field, "; ".join(filter(None, [error.problem, stop]))) from None
+    notes = [stop, found.note]
     if name == "pull_force":
         notes.append(_drag_note(result, surface, found.mean))
     return found._replace(note="; ".join(filter(None, notes)))
+
+
+def _up_to_stop(result: RunResult, series: Series, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values of a force up to the last time at which all forces of the surface are known.
+
+    The last ones of a stopped run may be infinite; averages of all forces end at one time.
+    """
+    every = [name] if result.status == Status.COMPLETED else set(AVERAGED).intersection(series)
+    known = np.logical_and.reduce([np.isfinite(series[each]) for each in every])
+    end = 1 + int(np.max(np.flatnonzero(known), initial=0))
+    return result.t[:end], np.asarray(series[name][:end])
+
+
+def _stop_of(result: RunResult) -> str:
+    """When a run stopped before its end, and why; empty of one that completed."""
+    if result.status == Status.COMPLETED:
+        return ""
+    return f"the run stopped at t = {result.t[-1]:g}, {result.status}"
 
 
 def recorded_averages(result: RunResult) -> dict[str, dict[str, Average]]:
@@ -165,7 +197,9 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
     later = result.t >= (result.scene.output.run_in if after is None else after)
     t, without = result.t[later], series["time_without_contact"][later]
     if t.size < 2:
-        raise InputError("after", f"leaves {t.size} samples, and a share of time takes two")
+        stop = _stop_of(result)
+        problem = f"leaves {t.size} samples, and a share of time takes two"
+        raise InputError("after", "; ".join(filter(None, [problem, stop])))
     return float(np.sum(0.5 * (without[1:] + without[:-1]) * np.diff(t)) / (t[-1] - t[0]))
 
 
