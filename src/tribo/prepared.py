@@ -23,7 +23,8 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.saved_state import digest_of, state_of
+from tribo.loops.origin import digest_of
+from tribo.loops.saved_state import state_of
 from tribo.loops.select import Integrator, up_to_passing
 from tribo.model.identity import settings_of, version
 from tribo.result import Result
@@ -62,9 +63,10 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
-        self._notes = notes_on.run_notes(self.layout, self.method, step)
+        taken = () if integrator.origin is None else integrator.origin.notes
+        self._notes = (*taken, *notes_on.run_notes(self.layout, self.method, step))
         self._streams = is_streamed(self.layout, self.layout.times.size)
-        self.initial_state = InitialState(self.layout)
+        self.initial_state = InitialState(self.layout, integrator.origin is not None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the settings and what to lay out and compile again."""

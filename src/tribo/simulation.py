@@ -17,7 +17,8 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
-from tribo.loops.saved_state import Origin, State, continued, digest_of
+from tribo.loops.origin import Origin, continued, digest_of
+from tribo.loops.saved_state import State
 from tribo.loops.select import Integrator
 from tribo.model.identity import identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
@@ -124,9 +125,7 @@ def _task(
     scene = instance(Scene)("scene", scene)
     if boolean("allow_unresolved", allow_unresolved):
         scene = replace(scene, numerics=replace(scene.numerics, allow_unresolved=True))
-    layout, origin = lay_out(scene), None
-    if start is not None:
-        layout, origin = continued(layout, start)
+    layout, origin = (lay_out(scene), None) if start is None else continued(scene, start)
     given = scene.numerics
     if accuracy is None and method is None and step is None:
         with inside("numerics"):
