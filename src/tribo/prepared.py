@@ -26,7 +26,7 @@ from tribo.loops.integrate import Integration, Setting
 from tribo.loops.origin import digest_of
 from tribo.loops.saved_state import state_of
 from tribo.loops.select import Integrator, up_to_passing
-from tribo.model.identity import settings_of, version
+from tribo.model.identity import changes, settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
 from tribo.results.run_result import Cost, itself
@@ -119,9 +119,16 @@ class Simulation:
         An interrupted run is returned with its status.
         """
         y = self.initial_state({} if initial is None else initial)
+        tuned = self.plan.tuned is not None
+        result = self._estimated_run(y) if tuned and estimate else self._single_run(y)
+        if initial or (tuned and not estimate):
+            result.settings = result.settings | changes(initial or {}, estimate or not tuned)
+        return result
+
+    def _estimated_run(self, y: np.ndarray) -> Result:
+        """A run with an error estimate, from two coarser ones."""
         tuned = self.plan.tuned
-        if not estimate or tuned is None:
-            return self._single_run(y)
+        assert tuned is not None
         few, many, fine = self._stops
         runs: list[Integration] = []
         for setting, times, rounded in (
