@@ -1,4 +1,4 @@
-"""Times of drives in runs from states: what is new begins with the run, what is the same goes on."""
+"""Times of drives in runs from states: what is new begins with the run, the same goes on."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ def scene(drive, end, fields=((1.0, 0.0), (1.5, 0.3)), **output):
     """A rigid tip far from x = 0, in two corrugations, of which one moves."""
     tip = tribo.Surface(
         "tip",
-        bob=(4.5, 0.0),
+        bob=(4.2, 0.0),
         asperite=tribo.Asperite(kappa=np.inf),
         drive=drive,
         langevin=tribo.Langevin(gamma=2.0),
