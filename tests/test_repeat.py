@@ -45,6 +45,31 @@ def test_repeated_bit_for_bit(stored, tmp_path, capsys):
     assert repeat.differences(before, after) == {}
 
 
+def test_a_prepared_run(tmp_path, capsys):
+    """With initial values of its own, one an asperite, or without estimates: the file has them."""
+    simulation = tribo.prepare(paper.scene("A"), accuracy=1e-6)
+    kept = {"upper.theta": 0.3, "lower.omega": np.array([-0.1])}
+    for name, settings in {
+        "as_it_is": {},
+        "changed": {"initial": kept},
+        "single": {"estimate": False},
+        "changed_single": {"initial": kept, "estimate": False},
+    }.items():
+        path, again = tmp_path / f"{name}.nc", tmp_path / f"{name}_again.nc"
+        result = simulation.run(**settings)
+        assert result["upper"].theta[0, 0] == (0.3 if "initial" in settings else 0.0)
+        result.save(path)
+        assert main(["run", str(path), "--json", "--out", str(again)]) == 0
+        assert capsys.readouterr().err == f"{path}: repeated, bit for bit\n"
+        loaded = tribo.load_result(again)
+        assert loaded.settings == tribo.load_result(path).settings
+        given = loaded.settings["initial"], loaded.settings["estimate"]
+        values = {"upper.theta": 0.3, "lower.omega": [-0.1]} if "initial" in settings else {}
+        assert given == (values, "estimate" not in settings)
+        assert main(["run", str(path), "--json", "--out", str(again), "--resume"]) == 0
+        capsys.readouterr()
+
+
 def test_what_differs(stored, capsys, monkeypatch):
     """Status 1: how many series differ, which most and by how much, and the versions."""
     before = tribo.load_result(stored)

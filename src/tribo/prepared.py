@@ -23,9 +23,10 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
-from tribo.loops.saved_state import digest_of, state_of
+from tribo.loops.origin import digest_of
+from tribo.loops.saved_state import state_of
 from tribo.loops.select import Integrator, up_to_passing
-from tribo.model.identity import settings_of, version
+from tribo.model.identity import changes, settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
 from tribo.results.run_result import Cost, itself
@@ -62,9 +63,10 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
-        self._notes = notes_on.run_notes(self.layout, self.method, step)
+        taken = () if integrator.origin is None else integrator.origin.notes
+        self._notes = (*taken, *notes_on.run_notes(self.layout, self.method, step))
         self._streams = is_streamed(self.layout, self.layout.times.size)
-        self.initial_state = InitialState(self.layout)
+        self.initial_state = InitialState(self.layout, integrator.origin is not None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the settings and what to lay out and compile again."""
@@ -117,9 +119,16 @@ class Simulation:
         An interrupted run is returned with its status.
         """
         y = self.initial_state({} if initial is None else initial)
+        tuned = self.plan.tuned is not None
+        result = self._estimated_run(y) if tuned and estimate else self._single_run(y)
+        if initial or (tuned and not estimate):
+            result.settings = result.settings | changes(initial or {}, estimate or not tuned)
+        return result
+
+    def _estimated_run(self, y: np.ndarray) -> Result:
+        """A run with an error estimate, from two coarser ones."""
         tuned = self.plan.tuned
-        if not estimate or tuned is None:
-            return self._single_run(y)
+        assert tuned is not None
         few, many, fine = self._stops
         runs: list[Integration] = []
         for setting, times, rounded in (

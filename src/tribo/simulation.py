@@ -13,13 +13,15 @@ from tribo.analysis.deep_core import core_notes
 from tribo.files import netcdf_target
 from tribo.integrators import methods
 from tribo.kernels.status import Status
+from tribo.layout.initial_state import Start
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
 from tribo.loops.journal import PART, Journal
-from tribo.loops.saved_state import Origin, State, continued, digest_of
+from tribo.loops.origin import Origin, continued, digest_of
+from tribo.loops.saved_state import State
 from tribo.loops.select import Integrator
-from tribo.model.identity import identity_of, refuse_other, settings_of, version
+from tribo.model.identity import changes, identity_of, refuse_other, settings_of, version
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation, with_warning
 from tribo.progress import ProgressBar, Shown, reported, shown
@@ -99,6 +101,8 @@ class _Task(NamedTuple):
     choice: Choice
     origin: Origin | None
     threads: int | None
+    # How Simulation.run makes the run; None for the first result.
+    changes: tuple[Start, bool] | None = None
 
     def simulation(self, progress: Progress | None, journal: Journal | None = None) -> Simulation:
         """Compile and plan, with a bar for the runs; warn of bobs that start deep in a core."""
@@ -109,6 +113,20 @@ class _Task(NamedTuple):
             warnings.warn(note, TriboWarning, stacklevel=3)
         announce = progress.announce if isinstance(progress, ProgressBar) else None
         return Simulation(make_plan(self.choice, integrator, announce), integrator)
+
+    def run(self, progress: Progress | None, journal: Journal | None = None) -> Result:
+        """The result, which may be interrupted."""
+        simulation = self.simulation(progress, journal)
+        if self.changes is None:
+            return simulation.compute_first()
+        return simulation.compute(*self.changes)
+
+    def to_end(self, shown: Shown, out: str | Path | None, resume: bool) -> Result:
+        """The result, with its progress, in a file if there is one."""
+        with reported(shown, self.layout.scene.duration, "t") as report:
+            if out is None:
+                return self.run(report)
+            return _run_to_file(as_path(out), resume, self, report)
 
 
 def _task(
@@ -124,9 +142,7 @@ def _task(
     scene = instance(Scene)("scene", scene)
     if boolean("allow_unresolved", allow_unresolved):
         scene = replace(scene, numerics=replace(scene.numerics, allow_unresolved=True))
-    layout, origin = lay_out(scene), None
-    if start is not None:
-        layout, origin = continued(layout, start)
+    layout, origin = (lay_out(scene), None) if start is None else continued(scene, start)
     given = scene.numerics
     if accuracy is None and method is None and step is None:
         with inside("numerics"):
@@ -191,12 +207,26 @@ def simulate(
         The run stops early, its error estimates exceed the accuracy, or bobs start deep in a core.
     """
     task = _task(scene, accuracy, method, step, start, allow_unresolved, threads)
-    with reported(progress, task.layout.scene.duration, "t") as report:
-        if out is None:
-            result = task.simulation(report).compute_first()
-        else:
-            result = _run_to_file(as_path(out), resume, task, report)
-    return with_warning(result)
+    return with_warning(task.to_end(progress, out, resume))
+
+
+def simulate_prepared(
+    scene: Scene,
+    initial: Start,
+    estimate: bool,
+    accuracy: Accuracy | None,
+    method: str | None,
+    step: float | None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    threads: int | None = None,
+) -> Result:
+    """As ``prepare(scene, accuracy, method, step).run(initial, estimate)``, with its bits.
+
+    `out` and `resume` are those of :func:`simulate`, whose errors and warnings it raises.
+    """
+    task = _task(scene, accuracy, method, step, None, False, threads)
+    return with_warning(task._replace(changes=(initial, estimate)).to_end(None, out, resume))
 
 
 def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
@@ -205,6 +235,8 @@ def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | Non
     part = path.with_name(path.name + PART)
     start = digest_of(task.origin)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, start)
+    if task.changes is not None:
+        settings |= changes(*task.changes)
     identity = identity_of(task.layout.scene, settings, version())
     if resume and path.exists() and not part.exists():
         result = load_result(path)
@@ -213,7 +245,7 @@ def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | Non
         refuse_other(path, identity_of(result.scene, result.settings, result.version), identity)
         return result
     with Journal(part, identity, resume) as journal:
-        result = task.simulation(progress, journal).compute_first()
+        result = task.run(progress, journal)
         if result.status != Status.INTERRUPTED:
             result.save(path)
             journal.remove()

@@ -91,7 +91,7 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     """
     scene = layout.scene
     steps = max(steps_towards(layout), float(scene.times.size))
-    fast = FAST * scene.duration * bath_frequency(layout)
+    fast = FAST * layout.run_time * bath_frequency(layout)
     found = []
     for method in (METHODS[name] for name in RATES):
         if refusal(method, scene) is not None:
@@ -113,7 +113,7 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
 def _at_accuracy(layout: Layout, each: float, slope: float, accuracy: float) -> float:
     """Evaluations with so many for each radian at 1e-6."""
     scene = layout.scene
-    radians = scene.duration / unit_step(layout)
+    radians = layout.run_time / unit_step(layout)
     slope = min(slope, ROUGH_SLOPE) if np.isfinite(scene.smoothness) else slope
     return radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
 
@@ -165,7 +165,7 @@ def steps_towards(layout: Layout) -> float:
     places = np.column_stack([*rod_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     in_place, box = in_box(layout, places)
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
-    times, rates = np.linspace(0.0, layout.scene.duration, TIMES), [0.0]
+    times, rates = np.linspace(layout.beginning, layout.scene.duration, TIMES), [0.0]
     for contact in (each for each in layout.model.contacts if each.within is None):
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
@@ -180,4 +180,4 @@ def steps_towards(layout: Layout) -> float:
             if np.max(clear) > 0.0:  # bobs that stay at one place have no run
                 speed = float(np.hypot(*drift)) + 2.0 * swinging
                 rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
-    return max(rates) * layout.scene.duration / NEAR
+    return max(rates) * layout.run_time / NEAR

@@ -135,7 +135,7 @@ class _Search:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
         finer, few = levels.fine_level(self.method) * level, 0.0
         if not self.method.adaptive:
-            few = self.layout.scene.duration / levels.equal_step(self.layout, self.method, finer)
+            few = self.layout.run_time / levels.equal_step(self.layout, self.method, finer)
         if few > self.count.most:
             if self.runs:
                 return False

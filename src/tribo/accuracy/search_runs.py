@@ -148,7 +148,7 @@ class SearchRuns:
         coarse = (before / level) ** (1.0 / rate.slope) * evaluations
         each = 1e-9 * evaluation_time(layout, method)
         if not method.adaptive:
-            coarse = layout.scene.duration / levels.equal_step(layout, method, level) * rate.step
+            coarse = layout.run_time / levels.equal_step(layout, method, level) * rate.step
         elif last is not None and last.evaluations > 0:
             each = last.seconds / last.evaluations
         fine = (level / finer) ** (1.0 / rate.slope) * coarse

@@ -18,6 +18,7 @@ DISTANCES = np.geomspace(1.0, 100.0, 31)
 def core_notes(layout: Layout) -> tuple[str, ...]:
     """A note on the bobs that start deepest in a core, with their energy."""
     n, start = layout.coordinates, Samples.at_zero(layout)
+    start.t[0] = layout.beginning
     start.y[0, : layout.core] = layout.start[: layout.core]
     start.y[0, layout.core :] = layout.start[n : n + layout.core]
     found = [

@@ -8,7 +8,7 @@ from tribo.model.identity import plain_table
 from tribo.model.scene_file import scene_from
 from tribo.plugins.unloaded import Code, code
 from tribo.result import Result
-from tribo.simulation import simulate
+from tribo.simulation import simulate, simulate_prepared
 from tribo.validation import InputError
 
 
@@ -16,10 +16,11 @@ def repeat(result: Result, plugins: bool = True, **others: Any) -> Result:
     """Run the scene of a result again with its settings; without `plugins` it may name no code.
 
     Code that the scene names is loaded from where the scene says, beside the file of the result.
-    `others` are further arguments of :func:`tribo.simulate`.  Raises InputError if the code has
-    changed, or if the run began from the state of another run.
+    `others` are ``out``, ``resume`` and ``threads`` of :func:`tribo.simulate`.  Raises InputError
+    if the code has changed, or if the run began from the state of another run.
     """
-    settings, step = result.settings, result.settings["step"]
+    settings: dict[str, Any] = result.settings
+    step = settings["step"]
     if settings["start"] is not None:
         raise InputError(
             "start",
@@ -30,7 +31,11 @@ def repeat(result: Result, plugins: bool = True, **others: Any) -> Result:
         with code(Code.REFUSE):
             scene_from(plain_table(result.scene))
     others |= {"accuracy": result.accuracy, "method": result.method}
-    return simulate(result.scene, step=step if isinstance(step, float) else None, **others)
+    others["step"] = step if isinstance(step, float) else None
+    initial, estimate = settings.get("initial", {}), settings.get("estimate", True)
+    if initial or not estimate:  # files of earlier versions do not contain them
+        return simulate_prepared(result.scene, initial, estimate, **others)
+    return simulate(result.scene, **others)
 
 
 def differences(before: Result, after: Result) -> dict[str, float]:

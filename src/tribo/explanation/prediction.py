@@ -213,7 +213,7 @@ MOTIONS: dict[str, tuple[Callable[[Layout], float], str]] = {
     ),
     "bars under a plug-in's force": (resolution.user_frequency, "a force that varies less"),
     "encounters of bobs": (
-        lambda layout: steps_towards(layout) / layout.scene.duration,
+        lambda layout: steps_towards(layout) / layout.run_time,
         "a larger gap, a smaller velocity, or a potential that is softer at short distances",
     ),
 }

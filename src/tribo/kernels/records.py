@@ -206,6 +206,7 @@ class Custom(NamedTuple):
     surface: int
     origin: np.ndarray  # (2,) of the scene, in the laboratory
     velocity: np.ndarray  # (2,) of the first surface, in the laboratory
+    begun: float = 0.0  # when the plug-in's own time was zero
 
 
 class Calculator(NamedTuple):

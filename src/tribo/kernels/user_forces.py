@@ -36,6 +36,7 @@ def custom_drives(model, drives, t, q, v):
                 vx += s.vx + drive.velocity[0]
                 vy += s.vy + drive.velocity[1]
                 fx, fy = model.f1[rows.X, i], model.f1[rows.Y, i]
+                now = now - drive.begun
                 gx, gy = drive.plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
                 model.drive[rows.X, i] = gx
                 model.drive[rows.Y, i] = s.load if s.loaded else gy
@@ -50,7 +51,7 @@ def custom_ends(model, ends, t, q, v):
             for i in range(s.start, s.end):
                 phi = bar_angle(model, s, i, t, q)
                 nu = coordinate(s.dof_phi, s, i, v)
-                now = lane_of(t, i)
+                now = lane_of(t, i) - end.begun
                 found = end.plugin.end_forces(now, phi, nu, q[i] - phi)
                 model.left[rows.X, i], model.left[rows.Y, i] = found[0], found[1]
                 model.right[rows.X, i], model.right[rows.Y, i] = found[2], found[3]

@@ -16,13 +16,19 @@ Values = dict[str, float | np.ndarray]  # the same: one number, or (members, 1 o
 
 
 class InitialState:
-    """y at t = 0, with some initial values of the scene changed."""
+    """y at the start of a layout, with some initial values of the scene changed.
 
-    def __init__(self, layout: Layout) -> None:
-        self._layout = layout
+    Where a run `continues` from a state, this gives all that is not changed: baths, and angles
+    theta that would follow phi.
+    """
+
+    def __init__(self, layout: Layout, continues: bool = False) -> None:
+        self._layout, self._continues = layout, continues
         model = layout.model
-        self._has_baths = any(item is not None for item in (model.bath, model.torsional))
-        self._is_drawn = any(s.initial.temperature for s in layout.scene.surfaces)
+        baths = any(item is not None for item in (model.bath, model.torsional))
+        self._starts_baths = baths and not continues
+        drawn = any(s.initial.temperature for s in layout.scene.surfaces)
+        self._is_drawn = drawn and not continues
         self._scene = layout.asperites, layout.scene
         self._slots = cache(partial(_slots, layout))
 
@@ -59,7 +65,7 @@ class InitialState:
             slots, rest = self._slots(key)
             y[:, slots] = own - rest
         self._follow(values, y)
-        if self._has_baths and (values or seeds):
+        if self._starts_baths and (values or seeds):
             start_baths(*self._scene, y, seeds or [self._layout.scene.seed])
         return y
 
@@ -72,7 +78,7 @@ class InitialState:
                 raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
             if quantity == "phi" and not given:
                 surface, _ = self._layout.scene.initial_value(f"{name}.theta")
-                if surface.initial_swing is None:
+                if surface.initial_swing is None and not self._continues:
                     swing, phi = (self._slots(f"{name}.{k}")[0] for k in ("swing", "phi"))
                     y[:, swing] = y[:, phi]
 

@@ -60,6 +60,8 @@ class Layout:
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
+    # (surfaces, 2) when the own times of each drive, and of a user's forces on ends, were zero.
+    begun: np.ndarray
     beginning: float = 0.0  # time at which the run starts
     numbers: MemberNumbers | None = None
     member_times: int = 1  # at which samples have rows of all members
@@ -74,6 +76,11 @@ class Layout:
         times = self.scene.times
         later = times - self.beginning > SAME * self.scene.duration
         return np.union1d(times[later], [self.beginning])
+
+    @property
+    def run_time(self) -> float:
+        """How long the run lasts, from where it starts."""
+        return self.scene.duration - self.beginning
 
     @property
     def sampled_baths(self) -> tuple[int, int]:
@@ -102,16 +109,28 @@ class Layout:
         stages = [(speed, 0.0) for speed in self.model.surfaces.speed]
         return np.array([*stages, *(field.drift for field in self.model.fields or ())])
 
-    def anchored(self, anchors: np.ndarray) -> Layout:
-        """The same layout with other places of pulling stages and fields at t = 0."""
+    def begun_at(self, begun: np.ndarray, anchors: np.ndarray) -> Layout:
+        """The same layout with drives and ends that began at other times.
+
+        `anchors` are the places of pulling stages and fields at t = 0.
+        """
         model, count = self.model, len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
+        surfaces.push -= surfaces.push_rate * begun[:, 0]
+        surfaces.load -= surfaces.load_rate * begun[:, 0]
+        drives, ends = (
+            tuple(each._replace(begun=float(begun[each.surface, k])) for each in forces or ())
+            for k, forces in enumerate((model.drives, model.ends))
+        )
         moved = tuple(
             field._replace(origin=field.origin - anchor, anchor=anchor)
             for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
         )
-        return replace(self, model=model._replace(surfaces=surfaces, fields=moved or None))
+        model = model._replace(
+            surfaces=surfaces, fields=moved or None, drives=drives or None, ends=ends or None
+        )
+        return replace(self, model=model, begun=begun)
 
     @property
     def constants(self) -> np.ndarray:
@@ -297,6 +316,7 @@ def lay_out(scene: Scene) -> Layout:
         calculator_calls=calls,
         rows=rows,
         skin=skin,
+        begun=np.zeros((len(scene.surfaces), 2)),
     )
     for plugin in layout.plugins:
         recognize(plugin)

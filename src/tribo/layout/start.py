@@ -80,7 +80,7 @@ def start_baths(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
         if bath.temperature == 0.0:
             continue
         draws = Draws(seeds, index, 1)
-        *linear, torsional = _bath_slots(asperites[scene.parts[surface.name]], bath)
+        *linear, torsional = bath_slots(asperites[scene.parts[surface.name]], bath)
         for masses, frequencies, directions in (
             (bath.masses, bath.frequencies, linear),
             (bath.inertias, bath.torsional_frequencies, [torsional]),
@@ -92,7 +92,7 @@ def start_baths(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
                 v[:, slots] = speed * draws.standard_normal(slots.shape)
 
 
-def _bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
+def bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
     """Slots of the oscillators on each bar: along x, along y, and torsional, (asperites, ...)."""
     n = bath.masses.size
     slots = asperites["dof_bath"][:, None] + np.arange(2 * n + bath.inertias.size)
@@ -109,6 +109,6 @@ def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:
         for bars, slots in ((x, own["dof_x"]), (y, own["dof_y"])):
             if np.all(slots >= 0):
                 bars += q[..., slots]
-        along_x, along_y, torsional = _bath_slots(own, surface.bath)
+        along_x, along_y, torsional = bath_slots(own, surface.bath)
         q[..., along_x], q[..., along_y] = x[..., None], y[..., None]
         q[..., torsional] = q[..., own["dof_phi"], None]

@@ -82,13 +82,13 @@ def first_step(layout: Layout) -> float:
     a = layout.together.asperites
     pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
     fastest = max(pendulum, bath_frequency(layout))
-    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.scene.duration)
+    return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 
 
 def unit_step(layout: Layout) -> float:
     """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
     fastest = pendulum_frequency(layout)
-    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.scene.duration)
+    return min(1.0 / fastest if fastest > 0.0 else np.inf, 0.01 * layout.run_time)
 
 
 def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) -> float:

@@ -5,30 +5,23 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from tribo.layout.layout import Layout
 from tribo.layout.span import columns
+from tribo.layout.start import bath_slots
 from tribo.ledger.motion import about_pivots
 from tribo.ledger.quantities import Table
 from tribo.ledger.samples import Samples
-from tribo.loops.general import GeneralLoop
 from tribo.loops.integrate import Integration, Memory
-from tribo.model.identity import first_difference, plain_table, version
+from tribo.model.identity import version
 from tribo.model.scene import Scene
-from tribo.validation import InputError
+from tribo.model.surface import Surface
 
-# Keys of a scene that are no part of its physics.
-NO_PHYSICS = ("title", "duration", "output", "numerics")
-# Keys of a surface that place it: displacements in a state are relative to them.
-PLACES = (
-    *("name", "facing", "bob", "velocity", "shape", "spacing", "depth", "heights", "positions"),
-    *("species", "bars"),
-)
-# What a loop remembers in arrays whose lengths depend on the run, and which it reads accordingly.
-OF_ANY_LENGTH = ("noise", "neighbours_index")
+# Rows of coordinates in the tables of a state, and those of their rates.
+MOTIONS = {"swing": "omega", "phi": "nu", "x": "vx", "y": "vy"}
+OF_BATHS = {"x": "vx", "y": "vy", "phi": "nu"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +35,15 @@ class State:
     surfaces : dict
         Surface -> quantity -> (asperites,): the angles ``swing`` and ``phi`` from rest, the rates
         ``omega`` and ``nu``, the displacement ``x``, ``y`` of each centre of mass from its uniform
-        motion with the surface's initial velocity, and its rate ``vx``, ``vy``.
+        motion with the surface's initial velocity, and its rate ``vx``, ``vy``.  They have values
+        also where the drive or clamps hold a coordinate.
+    baths : dict
+        Surface with a bath -> quantity -> (asperites, oscillators): displacements ``x``, ``y`` of
+        oscillators from the resting bar in its uniform motion, their rates ``vx``, ``vy``, and the
+        angle ``phi`` of torsional ones with its rate ``nu``.
     y : ndarray, (2 coordinates,)
-        The same coordinates and those of baths, in the order of the time loops.
+        The coordinates of `surfaces` and `baths` that can move in this scene, and their rates, in
+        the order of the time loops.
     s : ndarray, (accounts,)
         The accounts of work and pseudowork.
     first : Samples
@@ -54,6 +53,9 @@ class State:
         present velocities all the time; zero unless a velocity was changed between two runs.
     phases : ndarray, (surfaces + fields, 2)
         Displacement of each pulling stage and of each field at `t`.
+    begun : ndarray, (surfaces, 2)
+        When the own time of each surface's drive was zero, and that of a user's forces on the ends
+        of its bars; zero unless a run from a state began with others.
     memory : dict
         Data that the method needs to continue bit for bit, and the random generator.
     method : str
@@ -74,6 +76,8 @@ class State:
     first: Samples
     anchors: np.ndarray
     phases: np.ndarray
+    begun: np.ndarray
+    baths: Mapping[str, Table]
     memory: Memory
     method: str
     scene: Scene
@@ -83,6 +87,14 @@ class State:
     def __repr__(self) -> str:
         counts = ", ".join(f'{each.count} of "{each.name}"' for each in self.scene.surfaces)
         return f"State at t = {self.t:g}: asperites {counts}; {self.method or 'at rest'}"
+
+    @property
+    def heights(self) -> dict[str, np.ndarray | None]:
+        """Surface -> (asperites,) heights, those that were drawn too; None without any."""
+        return {
+            surface.name: surface.drawn_heights([self.scene.seed, index, 0])
+            for index, surface in enumerate(self.scene.surfaces)
+        }
 
     @property
     def digest(self) -> str:
@@ -96,23 +108,23 @@ class State:
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays by name, for files."""
         found = {"t": np.array(self.t), "cut": np.array(self.cut)}
-        found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases")}
+        found |= {name: getattr(self, name) for name in ("y", "s", "anchors", "phases", "begun")}
         found |= under("first_", self.first.arrays()) | under("memory_", self.memory)
-        for surface, table in self.surfaces.items():
-            found |= {f"surface_{name}_{surface}": array for name, array in table.items()}
+        for kind, tables in (("surface", self.surfaces), ("bath", self.baths)):
+            for surface, table in tables.items():
+                found |= {f"{kind}_{name}_{surface}": array for name, array in table.items()}
         return found
 
     @classmethod
     def of_arrays(cls, arrays: dict[str, np.ndarray], method: str, scene: Scene, by: str) -> State:
         """The inverse of :meth:`arrays`; `by` is the version that made the state."""
-        surfaces: dict[str, dict[str, np.ndarray]] = {}
-        for key, array in below("surface_", arrays).items():
-            name, _, surface = key.partition("_")
-            surfaces.setdefault(surface, {})[name] = array
         return cls(
             t=float(arrays["t"]),
             cut=bool(arrays["cut"]),
-            surfaces=surfaces,
+            surfaces=_tables("surface_", arrays),
+            baths=_tables("bath_", arrays),
+            # Of earlier versions too, from whose states no run continues.
+            begun=arrays.get("begun", np.zeros((len(scene.surfaces), 2))),
             first=Samples(**{"baths": np.empty((1, 0, 0))} | below("first_", arrays)),
             memory=below("memory_", arrays),
             method=method,
@@ -122,38 +134,13 @@ class State:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Origin:
-    """Where the runs of a scene begin, if not at its start."""
-
-    state: State
-    same_scene: bool  # whether the state is of the same scene, whose accounts go on
-
-    @property
-    def first(self) -> Samples | None:
-        """The first sample of the run that goes on; None where a run begins."""
-        earlier = self.same_scene and self.state.first.t[0] < self.state.t
-        return self.state.first if earlier else None
-
-    def place(self, loop: GeneralLoop, method: str, exactly: bool) -> None:
-        """Let a loop begin from the state; `exactly` if its coordinates were not changed."""
-        state = self.state
-        if exactly and self.same_scene and method == state.method and "y" in state.memory:
-            wanted = {name: array.shape for name, array in loop.memory().items()}
-            _check_shapes("memory.", state.memory, wanted)
-            fraction = loop.clocks["encounter_fraction"].copy()
-            loop.restore(state.memory)
-            loop.clocks["encounter_fraction"], loop.clocks["sample"] = fraction, 0
-            return
-        loop.clocks["t"] = state.t
-        if self.same_scene:
-            loop.state.s[loop.layout.places.s] = state.s
-        loop.restore_noise(state.memory)
-
-
-def digest_of(origin: Origin | None) -> str | None:
-    """What tells the state where a run begins from others; None for the scene's own start."""
-    return None if origin is None else origin.state.digest
+def _tables(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    """The tables by surface, from arrays whose names have a prefix, a quantity and a surface."""
+    tables: dict[str, dict[str, np.ndarray]] = {}
+    for key, array in below(prefix, arrays).items():
+        name, _, surface = key.partition("_")
+        tables.setdefault(surface, {})[name] = array
+    return tables
 
 
 def state_of(layout: Layout, method: str, run: Integration) -> State:
@@ -182,12 +169,18 @@ def _state(layout: Layout, t: float, y: np.ndarray, s: np.ndarray, first: Sample
     """The state of a scene at a time, without what a method needs to continue."""
     return State(
         t=t,
-        surfaces={name: _surface(layout, part, y) for name, part in layout.parts.items()},
+        surfaces={name: _surface(layout, part, t, y) for name, part in layout.parts.items()},
+        baths={
+            surface.name: _bath(layout, surface, y)
+            for surface in layout.scene.surfaces
+            if surface.bath
+        },
         y=y,
         s=s,
         first=first,
         anchors=layout.anchors,
         phases=layout.anchors + layout.drifts * t,
+        begun=layout.begun,
         memory={},
         method="",
         scene=layout.scene,
@@ -195,12 +188,14 @@ def _state(layout: Layout, t: float, y: np.ndarray, s: np.ndarray, first: Sample
     )
 
 
-def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
+def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
     """The coordinates of a surface's asperites and their rates, by name."""
     a, n = layout.asperites[part], layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
-    for name, rate, slots in (("phi", "nu", a.dof_phi), ("x", "vx", a.dof_x), ("y", "vy", a.dof_y)):
-        table[name], table[rate] = columns(slots, y.reshape(2, n))
+    clamped = np.array([a.phi + a.nu * t, a.nu])
+    for name, absent in (("phi", clamped), ("x", 0.0), ("y", 0.0)):
+        slots = a[f"dof_{name}"]
+        table[name], table[MOTIONS[name]] = columns(slots, y.reshape(2, n), absent)
     if np.any(a.pivot > 0.0):
         about = about_pivots(a, table["swing"], table["omega"])
         for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
@@ -208,82 +203,12 @@ def _surface(layout: Layout, part: slice, y: np.ndarray) -> Table:
     return {name: np.array(values) for name, values in table.items()}
 
 
-def continued(layout: Layout, state: State) -> tuple[Layout, Origin]:
-    """The layout of a scene that starts from a state, which may be of a scene with other forces.
-
-    Fields that only one of the scenes has are where that scene puts them.  Raises InputError if the
-    state does not fit the scene, or another version made it.
-    """
-    if not isinstance(state, State):
-        raise InputError("start", f"must be a tribo.State, got {type(state).__name__}")
-    made_by = getattr(state, "version", "an earlier version")
-    if made_by != version():
-        raise InputError(
-            "start",
-            f"must be a state of this version of tribo, {version()}, but {made_by} made it, which "
-            "may order its numbers otherwise; repeat the run that it comes from",
-        )
-    if state.cut:
-        raise InputError(
-            "start",
-            f"must be a state in which a run ended, but this run was cut back to t = {state.t:g} "
-            "because surfaces passed through each other or its energy ran away; start from an "
-            "earlier state",
-        )
-    old, new = plain_table(state.scene), plain_table(layout.scene)
-    before, now = ({k: v for k, v in each.items() if k not in NO_PHYSICS} for each in (old, new))
-    # Works go on only where the same ones are kept.
-    ledgers = state.scene.output.ledger, layout.scene.output.ledger
-    same_scene = first_difference(before, now) is None and ledgers[0] == ledgers[1]
-    places, others = ({"surface": list(map(_places_of, t["surface"]))} for t in (old, new))
-    if (other := first_difference(places, others)) is not None:
-        raise InputError("start", f"must be a state of this scene, but {other}")
-    if state.y.size != layout.start.size:
-        raise InputError("start", "must be a state of this scene, but has other coordinates")
-    if layout.scene.duration <= state.t:
-        raise InputError(
-            "duration", f"must be later than the state's t = {state.t:g}, got {new['duration']:g}"
-        )
-    _check_arrays(layout, state, same_scene)
-    anchors = state.anchors
-    if not same_scene:
-        # Fields that are others are where the scene has them.
-        known = slice(None) if len(anchors) == len(layout.drifts) else slice(len(layout.parts))
-        anchors = layout.anchors
-        anchors[known] = state.phases[known] - layout.drifts[known] * state.t
-    layout = replace(layout.anchored(anchors), start=state.y, beginning=state.t)
-    return layout, Origin(state, same_scene)
-
-
-def _check_arrays(layout: Layout, state: State, same_scene: bool) -> None:
-    """Raise InputError unless a state has the numbers of its scene, and those that go on here."""
-    moved = len(state.scene.surfaces) + len(state.scene.fields)
-    wanted: dict[str, tuple[int, ...]] = dict.fromkeys(("anchors", "phases"), (moved, 2))
-    if same_scene:
-        wanted["s"] = (layout.accounts,)
-        first = Samples.at_zero(layout).arrays()
-        del first["baths"]  # which depends on the series that are asked for
-        wanted |= {f"first_{name}": array.shape for name, array in first.items()}
-    _check_shapes("", state.arrays(), {"y": layout.start.shape, **wanted})
-
-
-def _check_shapes(
-    part: str, arrays: Mapping[str, np.ndarray], wanted: Mapping[str, tuple[int, ...]]
-) -> None:
-    """Raise InputError about an array of a state that is missing, or has another shape."""
-    for name, shape in wanted.items():
-        found = np.shape(arrays[name]) if name in arrays else None
-        if found is None or (found != shape and name not in OF_ANY_LENGTH):
-            other = "is missing" if found is None else f"has the shape {found} in place of {shape}"
-            raise InputError("start", f"must be a whole state, but its {part}{name} {other}")
-
-
-def _places_of(surface: dict[str, Any]) -> dict[str, object]:
-    """Settings of a surface on which the meaning of its coordinates depends."""
-    places = {key: surface.get(key) for key in PLACES}
-    places["drive.kind"] = "bars" if surface["drive"]["kind"] == "bars" else None
-    places["asperite.kappa"] = np.inf if np.all(np.isinf(surface["asperite"]["kappa"])) else None
-    return places
+def _bath(layout: Layout, surface: Surface, y: np.ndarray) -> Table:
+    """The coordinates of the oscillators on a surface's bars and their rates, by name."""
+    slots, table = bath_slots(layout.asperites[layout.parts[surface.name]], surface.bath), {}
+    for (name, rate), own in zip(OF_BATHS.items(), slots, strict=True):
+        table[name], table[rate] = y.reshape(2, -1)[:, own]
+    return table
 
 
 def under(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -17,9 +17,10 @@ from tribo.loops.general import GeneralLoop, compile_loop
 from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
 from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
+from tribo.loops.origin import Origin, continued
 from tribo.loops.pair import Pair, has_pair_loop
 from tribo.loops.resolution import first_step
-from tribo.loops.saved_state import Origin, State, continued
+from tribo.loops.saved_state import State
 from tribo.model.scene import Scene
 
 # Factor of tolerances in one of two runs that are compared with a third, where forces are rough:
@@ -62,8 +63,9 @@ class Integrator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what to lay out and compile again, without `progress` and `journal`."""
-        state = None if self.origin is None else self.origin.state
-        return _integrator_from, (self.layout.scene, self.method.name, state, self.threads)
+        origin = self.origin
+        scene, state = (self.layout.scene, None) if origin is None else (origin.given, origin.state)
+        return _integrator_from, (scene, self.method.name, state, self.threads)
 
     @cached_property
     def rounded(self) -> tuple[Layout, Pair | None]:
@@ -137,7 +139,5 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
 
 
 def _integrator_from(scene: Scene, method: str, state: State | None, threads: int) -> Integrator:
-    layout, origin = lay_out(scene), None
-    if state is not None:
-        layout, origin = continued(layout, state)
+    layout, origin = (lay_out(scene), None) if state is None else continued(scene, state)
     return Integrator(layout, METHODS[method], origin=origin, threads=threads)

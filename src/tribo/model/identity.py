@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tribo.compiler.jit import package_stamp
 from tribo.model.drives import Custom, Ends
 from tribo.model.scene import Scene
@@ -26,7 +28,13 @@ def settings_of(
 ) -> Identity:
     """The settings of a run; `start` is the digest of the state where it begins."""
     accuracy = dict(accuracy) if isinstance(accuracy, Mapping) else accuracy
-    return {"method": method, "accuracy": accuracy, "step": step, "start": start}
+    return {"method": method, "accuracy": accuracy, "step": step, "start": start} | changes({})
+
+
+def changes(initial: Mapping[str, Any], estimate: bool = True) -> Identity:
+    """The settings of a prepared run: initial values that it changed, and whether it has errors."""
+    values = {str(name): np.asarray(value, float).tolist() for name, value in initial.items()}
+    return {"initial": values, "estimate": estimate}
 
 
 def identity_of(scene: Scene, settings: Identity, by: str) -> Identity:

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.layout.scene_records import resting_bobs
 from tribo.model.drives import Pulled, Pushed
 from tribo.model.fields import Corrugation
 from tribo.results.averages import interval
@@ -38,10 +37,10 @@ class Depinning(NamedTuple):
 def depinning(result: RunResult, surface: str, distance: float | None = None) -> Depinning:
     """The drive's force at which a pulled or pushed surface starts to slide, along x.
 
-    It is the largest force on each asperite until its bar has moved by `distance` over the
-    field or the other surface: the static friction, if the pull is slow and samples are close
-    in time. If the force grows at a rate, the result is too large by the rate times the time
-    that the bar takes for the distance.
+    It is the largest recorded force on each asperite until its bar has moved by `distance` over
+    the field or the other surface, from where the run begins: the static friction, if the pull is
+    slow and samples are close in time. If the force grows at a rate, the result is too large by
+    the rate times the time that the bar takes for the distance.
 
     Parameters
     ----------
@@ -95,7 +94,7 @@ def _ground(result: RunResult, name: str) -> tuple[list[float], np.ndarray]:
     if fields:
         potentials = [field.potential for field in fields]
         periods = [each.period for each in potentials if type(each) is Corrugation]
-        return periods, np.mean([field.velocity[0] for field in fields]) * result.t
+        return periods, np.mean([field.velocity[0] for field in fields]) * (result.t - result.t[0])
     others = [s for s in result.scene.surfaces if s.name != name]
     rows = [s for s in others if s.positions is None and s.shape[0] > 1 and s.spacing[0] > 0.0]
     places = [result[s.name]["x_bar"].mean(axis=1) for s in others] or [0.0 * result.t]
@@ -108,18 +107,30 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
 
     The sign is that of the slide: after a slip, the spring of a stage may push backwards.
     """
-    surface, t = result.scene.surfaces[index], result.t[:, None]
-    drive, x = surface.drive, result[surface.name]["x_bar"]
-    along = 0.0
-    if isinstance(drive, Pulled):
-        rest = resting_bobs(result.scene, index)[:, 0]
-        force = np.asarray(drive.stiffness * (rest + drive.speed * t - x))
-        along = float(np.sign(drive.speed * result.t[-1] - ground[-1]))
-    elif isinstance(drive, Pushed):
-        force = np.broadcast_to(drive.force[0] + drive.rate[0] * t, x.shape)
+    surface, along = result.scene.surfaces[index], 0.0
+    drive = surface.drive
+    if isinstance(drive, (Pulled, Pushed)):
+        recorded = "f2_x" in result[surface.name]
+        force = result[surface.name]["f2_x"] if recorded else _force_on_bars(result, index)
         along = float(np.sign(force[-1, 0]))
+    if isinstance(drive, Pulled):
+        along = float(np.sign(drive.speed * (result.t[-1] - result.t[0]) - ground[-1]))
     if along == 0.0:
         raise InputError(
             f"{surface.name}.drive", "must be one that pulls or pushes along x, to start a slide"
         )
     return force, along
+
+
+def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
+    """The same force where it was not recorded, with the stage and the ramp of the run."""
+    scene, state = result.scene, result.state()
+    surface, x = scene.surfaces[index], result[scene.surfaces[index].name]["x_bar"]
+    drive, t = surface.drive, result.t[:, None]
+    if isinstance(drive, Pushed):
+        force = drive.force[0] + drive.rate[0] * (t - state.begun[index, 0])
+        return np.broadcast_to(force, x.shape)
+    assert isinstance(drive, Pulled)
+    rest = surface.resting_bobs(seed=[scene.seed, index, 0])[:, 0] + surface.velocity[0] * state.t
+    stage = rest + state.phases[index, 0] + drive.speed * (t - state.t)
+    return np.asarray(drive.stiffness * (stage - x))

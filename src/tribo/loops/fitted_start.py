@@ -1,0 +1,118 @@
+"""The coordinates of a scene from those of a state, by surface, asperite and name.
+
+A state knows the places and velocities of all asperites, also where its drives or clamps held them.
+A scene in which they can move more freely takes them from there; one that holds a coordinate must
+hold it where it is in the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from tribo.layout.layout import Layout
+from tribo.layout.start import bath_slots
+from tribo.loops.saved_state import MOTIONS, OF_BATHS, State
+from tribo.model.drives import DrivenBars
+from tribo.model.surface import Surface
+from tribo.validation import InputError
+
+# Displacement of what a scene holds, in units of the rods, and its velocity, in units of the
+# largest of the state, up to which they are zero: above all rounding.
+HELD = 1e-9
+# What lets centres of mass move along an axis.
+CURES = {"x": 'drive = "free" lets them move', "y": "a load frees them"}
+
+
+def fitted_start(layout: Layout, state: State) -> np.ndarray:
+    """y at the state's time, (2 coordinates,).  Raises InputError about what the scene holds."""
+    y = np.zeros(2 * layout.coordinates)
+    q, v = np.split(y, 2)
+    before = {surface.name: surface for surface in state.scene.surfaces}
+    fastest = _largest_speed(state)
+    for surface in layout.scene.surfaces:
+        part = layout.parts[surface.name]
+        own, table = layout.asperites[part], dict(state.surfaces[surface.name])
+        _move_centres(table, own, surface.facing_sign, before[surface.name])
+        for problem, size, speed in _held(surface, own, table):
+            if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
+                raise InputError(
+                    "start",
+                    f"{problem}, but they are displaced by {size:.3g} and move at {speed:.3g}",
+                )
+        slots = {"swing": np.arange(part.start, part.stop)}
+        slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
+        for name, places in slots.items():
+            if places[0] >= 0:
+                q[places], v[places] = table[name], table[MOTIONS[name]]
+        if surface.bath:
+            oscillators = zip(OF_BATHS.items(), bath_slots(own, surface.bath), strict=True)
+            for (name, rate), places in oscillators:
+                bath = state.baths[surface.name]
+                q[places], v[places] = bath[name], bath[rate]
+    return y
+
+
+def _move_centres(table: dict[str, np.ndarray], own: Any, facing: float, before: Surface) -> None:
+    """Move the centres of mass of a surface's table along the rods, where masses are others.
+
+    Bobs and bars stay where they are, and keep their velocities.
+    """
+    farther = facing * (own.l2 - before.each["l2"])  # from the bar
+    if not np.any(farther):
+        return
+    for name, change in zip(("x", "y", "vx", "vy"), _about_bars(table, farther), strict=True):
+        table[name] = table[name] + change
+
+
+def _about_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Displacements x, y and velocities of points of the rods, relative to those of the bars.
+
+    `arm` is their distance from the bar, negative where asperites face up.
+    """
+    swing, omega = table["swing"], table["omega"]
+    sin, cos, versine = np.sin(swing), np.cos(swing), 2.0 * np.sin(0.5 * swing) ** 2
+    return arm * sin, arm * versine, arm * cos * omega, arm * sin * omega
+
+
+def _held(
+    surface: Surface, own: Any, table: dict[str, np.ndarray]
+) -> Iterator[tuple[str, float, float]]:
+    """What a scene holds: what a state must have, its largest displacement and velocity."""
+    name = f'"{surface.name}"'
+    if isinstance(surface.drive, DrivenBars):
+        x, y, vx, vy = _about_bars(table, surface.facing_sign * own.l2)
+        moved = np.hypot(table["x"] - x, table["y"] - y)
+        speed = np.hypot(table["vx"] - vx, table["vy"] - vy)
+        problem = f'must have the bars of {name} in uniform motion, as drive = "bars" holds them'
+        yield problem, _largest(moved), _largest(speed)
+    else:
+        for axis, cure in CURES.items():
+            if own[f"dof_{axis}"][0] < 0:
+                problem = (
+                    f"must have the centres of mass of {name} in uniform motion along {axis}, as "
+                    f"the drive holds them ({cure})"
+                )
+                yield problem, _largest(table[axis]), _largest(table[f"v{axis}"])
+    if surface.moves_as_one:
+        problem = f"must have asperites of {name} that move as one, as drive.rigid = true"
+        yield problem, 0.0, float(np.ptp(table["vx"]))
+    if surface.asperite.is_rigid:
+        problem = f"must have asperites of {name} that do not swing, as asperite.kappa = inf"
+        yield problem, 0.0, _largest(table["omega"] * (own.l1 + own.l2))
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.max(np.abs(values)))
+
+
+def _largest_speed(state: State) -> float:
+    """The largest speed of a bob or a surface in a state."""
+    speeds = [0.0]
+    for surface in state.scene.surfaces:
+        table, rods = state.surfaces[surface.name], surface.each["length"]
+        speeds += [_largest(table["vx"]), _largest(table["vy"]), _largest(table["omega"] * rods)]
+        speeds.append(float(np.hypot(*surface.velocity)))
+    return max(speeds)

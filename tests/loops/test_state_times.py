@@ -1,0 +1,68 @@
+"""Times of drives in runs from states: what is new begins with the run, the same goes on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Corrugation, Field, Pulled, Pushed
+
+HOW = {"method": "verlet", "step": 0.02}
+
+
+def scene(drive, end, fields=((1.0, 0.0), (1.5, 0.3)), **output):
+    """A rigid tip far from x = 0, in two corrugations, of which one moves."""
+    tip = tribo.Surface(
+        "tip",
+        bob=(4.2, 0.0),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=drive,
+        langevin=tribo.Langevin(gamma=2.0),
+    )
+    own = [Field(Corrugation(0.1, a), ["tip"], velocity=(v, 0.0)) for a, v in fields]
+    output = {"samples": 401, "series": ["forces"]} | output
+    return tribo.Scene([tip], [], end, fields=own, output=tribo.Output(**output))
+
+
+@pytest.mark.parametrize("series", [["forces"], []])
+@pytest.mark.parametrize("moving", [Pulled(stiffness=3.0, speed=0.1), Pushed(rate=(0.05, 0.0))])
+def test_depinning_after_a_rest(moving, series):
+    """The force is the recorded one, wherever the tip is, however long it rested."""
+    still = replace(moving, speed=0.0) if isinstance(moving, Pulled) else tribo.Free()
+    one = [(1.0, 0.0), (1.5, 0.0)]
+    for rest in (10.0, 40.0):
+        state = tribo.simulate(scene(still, rest, one), **HOW).state()
+        result = tribo.simulate(scene(moving, rest + 40.0, one), **HOW, start=state)
+        force = result["tip"].f2_x[:, 0]
+        assert force[0] == pytest.approx(0.0, abs=1e-6)
+        alone = tribo.simulate(
+            scene(moving, rest + 40.0, one, series=series), **HOW, start=state
+        ).depinning("tip", 0.5)
+        slid = np.argmax(result["tip"].x_bar[:, 0] - result["tip"].x_bar[0, 0] >= 0.5)
+        assert alone.mean == pytest.approx(np.max(force[:slid]), rel=1e-12)
+
+
+def test_ramps_go_on_or_begin():
+    """A load that changes leaves a ramp; a rate that changes begins one at zero."""
+    ramp = Pushed(rate=(0.02, 0.0))
+    state = tribo.simulate(scene(ramp, 10.0), **HOW).state()
+    for drive, force in (
+        (replace(ramp, load=0.1), 0.2),
+        (ramp, 0.2),
+        (Pushed(rate=(0.03, 0.0)), 0.0),
+    ):
+        result = tribo.simulate(scene(drive, 20.0), **HOW, start=state)
+        assert result["tip"].f2_x[0, 0] == pytest.approx(force, abs=1e-12)
+
+
+def test_fields_in_another_order_stay_in_place():
+    """Each is known again by what it is; a new one that moves begins at its place."""
+    free = tribo.Free()
+    first = tribo.simulate(scene(free, 10.0), **HOW)
+    other = scene(free, 20.0, [(1.5, 0.3), (1.0, 0.0)])
+    after = tribo.simulate(other, **HOW, start=first.state())
+    assert after["tip"].f_field_x[0] == pytest.approx(first["tip"].f_field_x[-1], abs=1e-12)
+    more = scene(free, 20.0, [(1.0, 0.0), (1.5, 0.3), (2.0, 0.4)])
+    placed = tribo.simulate(more, **HOW, start=first.state()).state()
+    assert placed.phases[1:, 0] == pytest.approx([0.0, 0.3 * 20.0, 0.4 * 10.0])
