@@ -156,6 +156,11 @@ class Kept:
             "note": np.full(members, note),
         }
 
+    def of_others(self, found: KeptValues) -> KeptValues:
+        """The values of runs of another scene, which may lack a quantity or have others."""
+        mine = self.without_runs(found["status"].size)
+        return mine | {name: found[name] for name in mine.keys() & found.keys()}
+
     def fill_in(self, found: KeptValues, index: int, result: Result) -> None:
         """Set the values of one member.  Raises KeyboardInterrupt if its run was interrupted."""
         if result.status == Status.INTERRUPTED:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, member_coordinates, times_of
+from tribo.ensembles.dataset import COUNTS, about_start, member_coordinates, times_of
 from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
@@ -32,14 +32,25 @@ class Table:
         if kept.at_samples:
             self.coordinates |= times_of(kept, grid.scene)
         if members is not None:
-            seed = "member_seed" if "seed" in grid.keys else "seed"
-            self.coordinates |= member_coordinates(members, seed)
+            self.coordinates |= self._members_and_starts(members)
         self.dimensions = (*grid.names, *("member",) * len(self._members))
         self.status = self.placed(found["status"])
         self.note = self.placed(found["note"])
         if np.all(self.status == REFUSED):
             with inside(grid.label(0)):
                 raise InputError("", str(self.note.flat[0]))
+
+    def _members_and_starts(self, members: Members) -> dict[str, Variable]:
+        """The coordinates of members; starts of each point are (points, members, asperites)."""
+        of_points = {key: each for key, each in members.values.items() if each.ndim == 3}
+        others = {key: each for key, each in members.values.items() if key not in of_points}
+        seed = "member_seed" if "seed" in self._grid.keys else "seed"
+        found = member_coordinates(members._replace(values=others), seed)
+        for key, each in of_points.items():
+            dimensions = *self._grid.names, "member", f"{key.rpartition('.')[0]}_asperite"
+            rows = self.placed(each.reshape(-1, each.shape[2]))
+            found[key] = dimensions, rows, about_start(key)
+        return found
 
     def placed(self, rows: np.ndarray) -> np.ndarray:
         """Values of all runs, (keys..., [members], ...)."""
