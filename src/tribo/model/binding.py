@@ -26,6 +26,8 @@ REPLACED_BY = {
     "numerics.method": ("method",),
     "numerics.allow_unresolved": ("allow_unresolved",),
     "output.keep": ("keep",),
+    "output.samples": ("samples",),
+    "output.times": ("samples",),
 }
 
 
@@ -70,9 +72,24 @@ def check_together(scene: Scene, keys: Iterable[str]) -> None:
                 raise InputError(key, problem)
 
 
-def check_arguments(keys: Iterable[str], arguments: Mapping[str, object]) -> None:
+def check_apart(
+    scene: Scene, one: Iterable[str], other: Iterable[str], how: str = "swept"
+) -> None:
+    """Raise InputError about one of some keys, as :func:`bound` gives them, beside others.
+
+    Other keys say how their values are given: they are "swept", or "set".
+    """
+    one, other = list(one), list(other)
+    for key in one:
+        if key in other:
+            raise InputError(key, f"is {how} too; give it once")
+    check_together(scene, [*other, *one])
+
+
+def check_arguments(values: Mapping[str, object], arguments: Mapping[str, object]) -> None:
     """Raise InputError about a key whose value an argument replaces, if that is given."""
-    for key in keys:
+    inner = (f"{key}.{k}" for key, value in values.items() if isinstance(value, Mapping) for k in value)
+    for key in (*values, *inner):
         for name in REPLACED_BY.get(key, ()):
             if arguments.get(name) not in (None, False):
                 problem = f"cannot go with {name}, which replaces it; give one or the other"

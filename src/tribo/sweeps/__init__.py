@@ -17,7 +17,7 @@ from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target, in_file
 from tribo.layout.layout import lay_out
-from tribo.model.binding import check_arguments, check_together
+from tribo.model.binding import check_apart, check_arguments
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
@@ -107,11 +107,8 @@ def sweep(
         check_arguments(grid.bound, settings)
     first = with_values(scene, grid.point(0))
     sources = sources_of(first, vary, sampler, members)
-    for key in grid.bound:
-        if key in sources:
-            raise InputError(f"vary.{key}", "is swept too; give it once")
     with inside("vary"):
-        check_together(scene, [*grid.bound, *sources])
+        check_apart(scene, sources, grid.bound)
     variation = Variation(first, sources, integer("seed", seed, 0))
     if number is not None:
         variation.check_lengths(number)
