@@ -208,7 +208,7 @@ class Variation:
             points, each = np.divmod(numbers, self._seeds.size)
             rows = {key: self._with_y(key, table[points]) for key, table in self._swept.items()}
             mine, back = np.unique(each, return_inverse=True)
-        rows |= {key: self._rows(key, mine)[back] for key in (*self._arrays, *self._draws)}
+        rows |= {key: self.rows(key, mine)[back] for key in (*self._arrays, *self._draws)}
         given = self._seeds
         seeds = self._drawn(SEEDS, "", mine) if given is None else given[mine]
         return Members(numbers, seeds[back], rows)
@@ -223,14 +223,14 @@ class Variation:
     def identity(self) -> dict[str, str]:
         """What tells the values of each quantity from others: a digest of the first of them."""
         some = np.arange(min([BLOCK, *self.lengths.values()]))
-        first = self._arrays | {key: self._rows(key, some) for key in self._draws}
+        first = self._arrays | {key: self.rows(key, some) for key in self._draws}
         return {
             key: hashlib.blake2b(values.tobytes(), digest_size=8).hexdigest()
             for key, values in first.items()
         }
 
-    def _rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
-        """The values of one quantity in some members, (members, 1) or (members, size)."""
+    def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
+        """The values of one key of `vary` in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
             return self._with_y(key, self._arrays[key][numbers])
         return self._with_y(key, self._drawn(self._draws[key], key, numbers))

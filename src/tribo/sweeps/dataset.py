@@ -7,7 +7,16 @@ from typing import Any
 import numpy as np
 
 from tribo.ensembles.dataset import COUNTS, about_start, member_coordinates, times_of
-from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
+from tribo.ensembles.kept_values import (
+    ERROR,
+    NOT_RUN,
+    REFUSED,
+    Kept,
+    KeptValues,
+    interval_note,
+    joined,
+    without_interval,
+)
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
@@ -89,8 +98,10 @@ class Table:
         return variables
 
     def notes(self) -> Iterator[str]:
-        """What to know of single points."""
+        """What to know of all runs, and of single points."""
         points = self._grid.size
+        if number := int(np.count_nonzero(without_interval(self._found))):
+            yield interval_note(number, self._found["status"].size, "runs")
         of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
