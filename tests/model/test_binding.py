@@ -117,7 +117,7 @@ def test_parts_of_scenes_as_tables():
 
 
 LJ = tribo.LennardJones(0.2, 1.0)
-SUM = LJ.with_cutoff(2.5) + tribo.Coulomb(0.1) + tribo.Morse(0.2, 0.4, 1.0)
+SUM = LJ.with_cutoff(2.5, "shift") + tribo.Coulomb(0.1) + tribo.Morse(0.2, 0.4, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -134,12 +134,12 @@ SUM = LJ.with_cutoff(2.5) + tribo.Coulomb(0.1) + tribo.Morse(0.2, 0.4, 1.0)
         (
             (0.5 * SUM).with_cutoff(4.0),
             "of.first.cutoff",
-            lambda x: (0.5 * (LJ.with_cutoff(x) + SUM.second)).with_cutoff(4.0),
+            lambda x: (0.5 * (LJ.with_cutoff(x, "shift") + SUM.second)).with_cutoff(4.0),
         ),
         (
             SUM,
             "second.second.D",
-            lambda x: LJ.with_cutoff(2.5) + tribo.Coulomb(0.1) + tribo.Morse(x, 0.4, 1.0),
+            lambda x: LJ.with_cutoff(2.5, "shift") + tribo.Coulomb(0.1) + tribo.Morse(x, 0.4, 1.0),
         ),
     ],
 )
