@@ -1,4 +1,4 @@
-"""Keys that may stand together, tables as parts of a scene, and numbers inside potentials by key."""
+"""Keys that may stand together, tables as parts of scenes, numbers inside potentials by key."""
 
 import tomllib
 
@@ -153,6 +153,9 @@ def test_numbers_inside_potentials(potential, key, expected):
     assert is_parameter(scene, key) and value_of(found, key) == 1.7
     assert scene_from(tomllib.loads(found.to_toml())) == found
     assert found != scene
-    for wrong, problem in (("interaction.third.D", "is not a known key"), (key + "D", "not a known")):
+    for wrong, problem in (
+        ("interaction.third.D", "is not a known key"),
+        (key + "D", "not a known"),
+    ):
         with pytest.raises(InputError, match=problem):
             with_values(scene, {wrong: 1.0})

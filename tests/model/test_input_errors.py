@@ -604,7 +604,7 @@ CALLS = [
         {"positions": np.array(1.0)},
         "positions: must be a list of [x, y, z] [length], got",
     ),
-    (surface, {"asperite": {"m": 1}}, "asperite.m: is not a known key; did you mean \"m2\"?"),
+    (surface, {"asperite": {"m": 1}}, 'asperite.m: is not a known key; did you mean "m2"?'),
     (
         surface,
         {"asperite": Asperite(m1=[1, 1])},

@@ -178,7 +178,7 @@ def _numbers(items):
 
 
 def idle_keys(scene, tried, keep, **how):
-    """Keys, without their surfaces, that neither change a result nor are refused; on any surface."""
+    """Keys, without their surfaces, that neither change a result nor are refused on any."""
     acts, idle = set(), set()
     names = [surface.name for surface in scene.surfaces]
     for key, values in tried:

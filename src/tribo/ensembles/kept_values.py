@@ -267,8 +267,8 @@ def without_interval(found: KeptValues) -> np.ndarray:
 
 def interval_note(number: int, total: int, what: str) -> str:
     return (
-        f"averages over time of {number} of {total} {what} have no interval (NaN): their series are "
-        "too short for one; run for longer, or let the averages begin earlier (output.run_in)"
+        f"averages over time of {number} of {total} {what} have no interval (NaN): their series "
+        "are too short for one; run for longer, or let the averages begin earlier (output.run_in)"
     )
 
 

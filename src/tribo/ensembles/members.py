@@ -169,7 +169,9 @@ class Variation:
                 for key, size in self._sizes.items()
                 if key not in self._draws
             }
-        drawn = {key: source.rows for key, source in vary.items() if isinstance(source, DrawnSwings)}
+        drawn = {
+            key: source.rows for key, source in vary.items() if isinstance(source, DrawnSwings)
+        }
         self._arrays = arrays | drawn
         self._swept = {key: np.asarray(each)[:, None] for key, each in swept.items()}
         self._sizes |= {key: size_of(scene, key) for key in swept}
@@ -202,7 +204,7 @@ class Variation:
 
     def drawn(self, numbers: np.ndarray) -> Members:
         """The members with rows of swing states as they are drawn, under the names of these."""
-        mine, back = numbers, slice(None)
+        mine, back = numbers, np.arange(numbers.size)
         rows: dict[str, np.ndarray] = {}
         if self._swept and self._seeds is not None:
             points, each = np.divmod(numbers, self._seeds.size)

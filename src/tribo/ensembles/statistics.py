@@ -193,7 +193,9 @@ def _histogram(moments: Moments, columns: slice) -> tuple[np.ndarray, np.ndarray
     """
     places = np.arange(moments.mean.size).reshape(moments.mean.shape)[:, columns].ravel().tolist()
     found = [moments.bins_of(place) for place in places]
-    ends = [(int(bins[0]), int(bins[-1])) for bins, _ in found if bins.size] or [(BINS // 2, BINS // 2)]
+    ends = [(int(bins[0]), int(bins[-1])) for bins, _ in found if bins.size] or [
+        (BINS // 2, BINS // 2)
+    ]
     first = min(low for low, _ in ends) // COARSE
     last = max(high for _, high in ends) // COARSE
     counts = np.zeros((len(places), last - first + 1), np.int64)

@@ -161,9 +161,7 @@ class JointStart:
         phases = 2.0 * np.pi * points[:, first:]
         return np.concatenate([size * np.cos(phases), size * np.sin(phases)], axis=1)
 
-    def starts(
-        self, rows: np.ndarray, values: Mapping[str, np.ndarray]
-    ) -> dict[str, np.ndarray]:
+    def starts(self, rows: np.ndarray, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Key -> (members, asperites), with the numbers of members in `values`.
 
         Raises InputError if a pendulum has no energy that it keeps.

@@ -123,9 +123,7 @@ def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
     return rows[:, 0]
 
 
-def parameters_of_members(
-    surface: Surface, members: int, values: Values
-) -> dict[str, np.ndarray]:
+def parameters_of_members(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
     """Every parameter of the asperites of a surface, (members x count,)."""
     before, count = f"{surface.name}.{ASPERITE_PART}.", surface.count
     own = {

@@ -58,7 +58,7 @@ def bound(scene: Scene, values: Mapping[str, Value]) -> dict[str, Value]:
 
 
 def check_together(scene: Scene, keys: Iterable[str]) -> None:
-    """Raise InputError about two of some keys, as :func:`bound` gives them, that exclude each other."""
+    """Raise InputError about two keys, as :func:`bound` gives them, that exclude each other."""
     given: dict[str, str] = {}  # key of one surface -> as it is given
     for key in keys:
         name, _, rest = key.partition(".")
@@ -72,9 +72,7 @@ def check_together(scene: Scene, keys: Iterable[str]) -> None:
                 raise InputError(key, problem)
 
 
-def check_apart(
-    scene: Scene, one: Iterable[str], other: Iterable[str], how: str = "swept"
-) -> None:
+def check_apart(scene: Scene, one: Iterable[str], other: Iterable[str], how: str = "swept") -> None:
     """Raise InputError about one of some keys, as :func:`bound` gives them, beside others.
 
     Other keys say how their values are given: they are "swept", or "set".
@@ -88,7 +86,9 @@ def check_apart(
 
 def check_arguments(values: Mapping[str, object], arguments: Mapping[str, object]) -> None:
     """Raise InputError about a key whose value an argument replaces, if that is given."""
-    inner = (f"{key}.{k}" for key, value in values.items() if isinstance(value, Mapping) for k in value)
+    inner = (
+        f"{key}.{k}" for key, value in values.items() if isinstance(value, Mapping) for k in value
+    )
     for key in (*values, *inner):
         for name in REPLACED_BY.get(key, ()):
             if arguments.get(name) not in (None, False):

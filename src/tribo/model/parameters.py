@@ -180,7 +180,7 @@ def _is_number(value: object) -> bool:
 
 
 def _values_of_only(scene: Scene, part: str) -> dict[str, Any]:
-    """The parameters of the only interaction or field by their keys; none where there are others."""
+    """The parameters of the only interaction or field by their keys; none of several."""
     items: tuple[Any, ...] = scene.interactions if part == INTERACTION else scene.fields
     return by_key.values_by_key(items[0].potential) if len(items) == 1 else {}
 

@@ -175,7 +175,7 @@ class Scene(ComparedByValue):
             raise InputError("temperature", "draws nothing: the asperites are rigid and are held")
 
     def _held(self, surface: Surface, name: str) -> str:
-        """Why centres of mass cannot be displaced along an axis, as a message says it; else empty."""
+        """Why centres of mass cannot be displaced along an axis, in a message; else empty."""
         if name[-1] == "x":
             can_move, instead = self.slides_along_x(surface), 'drive = "free" lets them move'
         else:

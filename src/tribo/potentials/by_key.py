@@ -46,7 +46,7 @@ def _parts(potential: Any) -> dict[str, str]:
 
 
 def with_values(potential: Any, own: Mapping[str, Any]) -> Any:
-    """A potential with other parameters or cutoffs; a switched one is reduced from the same fraction.
+    """A potential with other parameters or cutoff, reduced from the same fraction of it.
 
     Raises InputError.
     """

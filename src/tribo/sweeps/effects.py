@@ -29,7 +29,9 @@ def check_effects(grid: Grid, keep: Sequence[str], series: bool, members: bool) 
             if key in IDLE:
                 raise InputError(key, IDLE[key])
             if series and key in TIMES:
-                raise InputError(key, "cannot be swept where series are kept, as times would differ")
+                raise InputError(
+                    key, "cannot be swept where series are kept, as times would differ"
+                )
             if key in (*TIMES[1:], RUN_IN) and not averages:
                 problem = 'changes averages over time alone; keep one at the end, as "upper.'
                 raise InputError(key, f'{problem}friction_force"')

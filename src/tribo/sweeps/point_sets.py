@@ -20,7 +20,6 @@ from tribo.ensembles.members import Members, Source, Variation, is_start, size_o
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.ensembles.swing_states import DrawnSwings
-from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import can_differ
 from tribo.model.binding import SWING_STATE
 from tribo.model.parameters import with_values
@@ -69,7 +68,9 @@ class PointSet(NamedTuple):
             if self.points == 1:
                 return [None]
             return [own for place in range(self.points) for own in self.point(place).values()]
-        own = {key: np.split(each, self.points) for key, each in runs.items() if key not in self.swept}
+        own = {
+            key: np.split(each, self.points) for key, each in runs.items() if key not in self.swept
+        }
         return [{key: each[k] for key, each in own.items()} for k in range(self.points)]
 
     def scene_at(self, point: int) -> Scene:
