@@ -111,7 +111,7 @@ def test_parts_of_scenes_as_tables():
     tables = {"row.asperite": {"kappa": 9.0}, "row.initial": {"swing": 0.1}, **settings}
     tables |= {"row.asperite.kappa": 4.0, "interaction": contact, "field": field}
     assert with_values(bare, tables) == found
-    for wrong in ({"asperite": {"kapa": 1.0}}, {"initial": {"thta": 1.0}}):
+    for wrong in ({"asperite": {"kapa": 1.0}}, {"initial": {"swin": 1.0}}):
         with pytest.raises(InputError, match="is not a known key; did you mean"):
             tribo.Surface("row", **wrong)
 
