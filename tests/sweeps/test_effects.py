@@ -170,7 +170,7 @@ def numbers_by_key(scene):
             yield key, [present + 2, present + 3]
         else:
             first = present or 0.1
-            yield key, [first, 1.1 * first]
+            yield key, [first, (2.0 if key.startswith("numerics") else 1.1) * first]
 
 
 def _numbers(items):
@@ -228,10 +228,10 @@ def everything():
             {"gamma": 0.2, "temperature": 0.1, "on": "swing"},
         ],
         "bath": {"spectrum": "drude", "gamma": 0.3, "cutoff": 2.0, "n": 3, "temperature": 0.1},
-        "initial": {"theta": 0.3, "phi": 0.1, "omega": 0.2, "x": 0.1, "y": 0.1, "vx": 0.1},
+        "initial": {"swing": 0.0, "phi": 0.1, "omega": 0.2, "x": 0.1, "y": 0.1, "vx": 0.1},
     }
     drive = {"kind": "pulled", "stiffness": 1.0, "speed": 0.6, "load": 0.05}
-    upper = tribo.Surface("upper", bob=(-2.2, 1.0), drive=drive, bars="free", **common)
+    upper = tribo.Surface("upper", bob=(-2.4, 1.0), drive=drive, bars="free", **common)
     lower = tribo.Surface("lower", facing="up", drive="free", **common)
     contact = 2.0 * (tribo.LennardJones(0.1, 1.0) + tribo.Coulomb(0.1)).with_cutoff(2.4, "shift")
     field = {"kind": "corrugation", "amplitude": 0.1, "period": 1.5, "on": ["upper", "lower"]}
