@@ -87,8 +87,9 @@ class Simulation:
         Parameters
         ----------
         initial : mapping, optional
-            "surface.theta" (or swing, phi, omega, nu) -> a number, or one for each asperite
-            [rad, rad/time].
+            "surface.theta" (or swing, phi, omega, nu, and x, y, vx, vy of asperites that can move;
+            "*.theta" of all surfaces) -> a number, or one for each asperite [rad, rad/time, length,
+            length/time].
         estimate : bool
             False omits the two coarser runs that estimate the error.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tribo.model.binding import bound, check_together
 from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.result import Result
@@ -66,8 +67,10 @@ class Slider:
 def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
     """The sliders of a scene: key -> (low, high), or a list of words or of other values.
 
-    Raises InputError if a range is none, or the scene cannot have one of its ends or values.
+    Raises InputError if a range is none, the scene cannot have one of its ends or values, or two
+    keys exclude each other.
     """
+    check_together(scene, bound(scene, given))
     return [_slider(scene, str(key), values) for key, values in given.items()]
 
 

@@ -11,7 +11,7 @@ import tribo
 from tribo import InputError, ensemble, paper
 from tribo.ensembles import stores
 from tribo.ensembles.kept_values import Kept
-from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments
+from tribo.ensembles.statistics import FINE, PROBABILITIES, Moments, variables_of
 
 DRAWS = {
     "normal": stats.norm(1e3, 1e-3),
@@ -127,3 +127,40 @@ def test_too_many_covariances(monkeypatch):
             at="samples",
             statistics=True,
         )
+
+
+def test_members_that_stop_are_left_out(tmp_path):
+    """Statistics are those of the others, also at a point of a sweep; none is a sentence."""
+    upper = tribo.Surface("upper", bob=(-1.0, 0.3), velocity=(0.5, 0.0))
+    scene = tribo.Scene([upper, tribo.Surface("lower", facing="up")], tribo.Coulomb(0.2), 2.0)
+    how = {"keep": ["upper.friction_force"], "method": "verlet", "step": 0.05, "progress": False}
+    speeds = {"upper.velocity": [0.5, 0.6, 80.0, 0.7]}
+    each = ensemble(scene, vary=speeds, **how)
+    found = ensemble(scene, vary=speeds, statistics=True, out=tmp_path / "a.nc", **how)
+    assert json.loads(found.attrs["members"]) == {"completed": 3, "EncounterJumped": 1}
+    name = "upper.friction_force"
+    np.testing.assert_allclose(found[f"{name}_mean"], np.nanmean(each[name]), rtol=1e-12)
+    thetas = {"upper.theta": [0.0, 0.1, 0.2]}
+    with pytest.raises(InputError, match="is completed by no member"):
+        fast = replace(scene, surfaces=[replace(upper, velocity=(80.0, 0.0)), scene.surfaces[1]])
+        ensemble(fast, vary=thetas, statistics=True, **how)
+    swept = {"upper.velocity": [0.5, 80.0]}
+    data = tribo.sweep(scene, swept, 3, thetas, statistics=True, **how)
+    assert data["point_status"].values.tolist() == ["completed", "Refused"]
+    assert np.isfinite(data[f"{name}_mean"][0]) and np.isnan(data[f"{name}_mean"][1])
+
+
+def test_values_that_some_members_lack():
+    """They have no mean and no quantile; bins count those that are there; other times have both."""
+    values = np.random.default_rng(1).normal(size=(50, 3, 1))
+    values[:, 0], values[7, 1] = np.nan, np.nan
+    kept = Kept({"upper.f_T_x": (3, 1)}, True)
+    found = stores.StatisticsStore(kept, None)
+    for part in (values[:20], values[20:]):
+        found.add(kept.without_runs(len(part), "completed") | {"upper.f_T_x": part})
+    moments = found.moments()
+    np.testing.assert_allclose(moments.mean, values.mean(axis=0), rtol=1e-13)
+    known = np.isfinite(moments.quantiles()[:, :, 0]).all(axis=0)
+    assert known.tolist() == [False, False, True]
+    variables = variables_of(kept, moments)
+    assert variables["upper.f_T_x_count"][1].sum(axis=(1, 2)).tolist() == [0, 49, 50]

@@ -64,13 +64,37 @@ def test_energies_of_three_pendulums():
         assert stats.kstest(column, stats.beta(1, 5).cdf).pvalue > 1e-3
 
 
+@pytest.mark.parametrize("sampled", [False, True])
+def test_each_member_draws_with_its_own_numbers(sampled):
+    """Stiffness, masses and lengths that differ change swings and rates, not their energies."""
+    count = 4096
+    rng = np.random.default_rng(2)
+    numbers = {name: rng.uniform(0.5, 4.0, count) for name in ("kappa", "m1", "m2", "length")}
+    vary = {f"upper.asperite.{name}": values for name, values in numbers.items()}
+    vary |= {"*.swing_state": tribo.Canonical(0.3)}
+    if sampled:
+        vary = sources_of(FORCED, vary, qmc.Sobol(4, rng=3), count)
+    values = Variation(FORCED, vary, seed=5).members(np.arange(count)).values
+    m1, m2 = numbers["m1"], numbers["m2"]
+    inertia = m1 * m2 / (m1 + m2) * numbers["length"] ** 2
+    kinetic = 0.5 * inertia * values["upper.omega"][:, 0] ** 2
+    stored = 0.5 * numbers["kappa"] * values["upper.swing"][:, 0] ** 2
+    for each in (kinetic, stored):
+        assert stats.kstest(2.0 * each / 0.3, stats.chi2(1).cdf).pvalue > 1e-3
+    total = kinetic + stored
+    assert stats.kstest(total, stats.expon(scale=0.3).cdf).pvalue > 1e-3
+    for number in numbers.values():
+        assert abs(stats.spearmanr(total, number).statistic) < 0.06
+
+
 def test_one_energy_has_uniform_phases():
     """Of a single pendulum, by quasi-random points too, which are drawn in one dimension."""
     vary = {"upper.swing_state": tribo.Microcanonical(0.5), "lower.theta": stats.norm(3.0, 0.1)}
     numbers = {key: draw.dimensions for key, draw in draws_of(FORCED, vary).items()}
     assert numbers == {"upper.swing_state": 1, "lower.theta": 1}
     points = qmc.Sobol(2, rng=3)
-    for values in (rows(FORCED, vary), sources_of(FORCED, vary, points, 1024)):
+    sampled = Variation(FORCED, sources_of(FORCED, vary, points, 1024), seed=5)
+    for values in (rows(FORCED, vary), sampled.members(np.arange(1024)).values):
         np.testing.assert_allclose(energy(values, "upper"), 0.5, rtol=1e-13)
         phase = np.arctan2(
             np.sqrt(INERTIA) * values["upper.omega"], np.sqrt(KAPPA) * values["upper.swing"]
@@ -121,15 +145,15 @@ def test_an_ensemble_and_one_member_of_it():
         ),
         ({"*.swing_state": tribo.Canonical(0.1), "upper.omega": [0.1, 0.2]}, "upper.omega"),
         (
-            {"*.swing_state": tribo.Canonical(0.1), "lower.asperite.kappa": [1.0, 2.0]},
-            "lower.asperite.kappa",
+            {"*.swing_state": tribo.Canonical(0.1), "lower.asperite.kappa": [0.0, 2.0]},
+            "needs a finite lower.asperite.kappa > 0",
         ),
     ],
 )
 def test_refusals(vary, word):
     """One sentence names the key and what cannot be."""
     with pytest.raises(InputError, match=word):
-        Variation(FORCED, vary, seed=0)
+        Variation(FORCED, vary, seed=0).members(np.arange(2))
     for wrong in (lambda: tribo.Canonical(-1.0), lambda: tribo.EnergyBall(0.0)):
         with pytest.raises(InputError, match=r"^(temperature|energy): must"):
             wrong()

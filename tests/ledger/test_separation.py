@@ -1,6 +1,7 @@
 """Surfaces that pass through each other, part for good or never meet, and the time of contact."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from scipy import stats
 
 import tribo
 from tribo import Asperite, Free, Output, Scene, Surface
+from tribo.layout.layout import lay_out
+from tribo.ledger.separation import _any_within, nearest_images
 
 HEIGHT, LOAD, WIDTH = 0.6, 0.1, 0.2
 CUTOFF, DURATION = 0.8, 20.0
@@ -252,3 +255,27 @@ def test_ensembles_and_sweeps_show_the_time_without_contact():
     assert "part for good" in swept.attrs["notes"]
     means = tribo.ensemble(scene, 3, heights, **run)
     assert any("in 3 of 3 members surfaces part" in n for n in json.loads(means.attrs["notes"]))
+
+
+@pytest.mark.parametrize("period", [None, 12.0])
+@pytest.mark.parametrize("speed", [0.002, 0.05, 2.0])
+def test_contact_by_trees_is_that_of_all_pairs(period, speed):
+    """Of bobs that move little, by their distance, or far between two times."""
+    rng = np.random.default_rng(5)
+    count, times = 40, 200
+    path = np.cumsum(speed * rng.standard_normal((times, 1, 3)), axis=0)
+    mine = path + 0.3 * speed * rng.standard_normal((times, count, 3))
+    mine = mine + rng.uniform(0.0, 10.0, (count, 3)) * [1.0, 0.0, 0.0] + [0.0, 1.0, 0.0]
+    theirs = np.broadcast_to(rng.uniform(0.0, 10.0, (count, 3)) * [1.0, 0.0, 0.0], mine.shape)
+    row = tribo.Surface("row", shape=(count, 1), spacing=(0.1, 0.0))
+    box = {} if period is None else {"x": period}
+    contact = tribo.Coulomb(0.1).with_cutoff(1.0)
+    layout = lay_out(tribo.Scene([row, replace(row, name="other")], contact, 1.0, periodic=box))
+    between = nearest_images(layout, mine[:, :, None] - theirs[:, None])
+    closest = np.linalg.norm(between, axis=-1).min(axis=(1, 2))
+    some = 0
+    for distance in np.quantile(closest, [0.1, 0.5, 0.9]):
+        found = _any_within(layout, mine, theirs, distance)
+        np.testing.assert_array_equal(found, closest < distance)
+        some += found.sum()
+    assert 0 < some < 3 * times

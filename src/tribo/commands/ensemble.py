@@ -21,6 +21,7 @@ from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, 
 from tribo.files import strict_json
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part
 from tribo.kernels.status import Status
+from tribo.model.binding import bound, check_apart
 from tribo.model.scene import Scene
 from tribo.results.averages import interval, student
 from tribo.validation import InputError, inside, integer, must_be
@@ -40,7 +41,11 @@ FORM = (
 
 def _all_varied(texts: Sequence[str]) -> dict[str, Source]:
     """Sources by key, from texts as "upper.theta=normal(0,0.1)".  Raises InputError."""
-    sources = dict(map(_varied, texts))
+    sources: dict[str, Any] = {}
+    for key, source in map(_varied, texts):
+        if key in sources:
+            raise InputError(f"--vary {key}", "is given twice; give each key once")
+        sources[key] = source
     axes = {key: source for key, source in sources.items() if isinstance(source, np.ndarray)}
     if axes and len(axes) < len(sources):
         raise InputError("--vary", "cannot mix grid(...) with distributions")
@@ -123,6 +128,9 @@ def run_ensemble(options: argparse.Namespace) -> int:
         raise InputError("--figure", "needs the members, which --statistics does not keep")
     scene = shared.load_with_values(options)
     settings = settings_of(options, scene)
+    with inside("--vary"):
+        given = bound(scene, shared.by_key("--set", options.set))
+        check_apart(scene, bound(scene, settings["vary"]), given, "set")
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
     found = _summary(data, options.out)

@@ -124,12 +124,17 @@ def load(options: argparse.Namespace) -> Scene:
 
 
 def load_with_values(options: argparse.Namespace) -> Scene:
-    """The scene in the file with the values of --set.  Raises InputError."""
+    """The scene in the file with the values of --set, which no option replaces.
+
+    Raises InputError.
+    """
+    from tribo.model.binding import check_arguments
     from tribo.model.parameters import with_values
 
     values = {key: parsed(value) for key, value in by_key("--set", options.set).items()}
     scene = load(options)
     try:
+        check_arguments(values, vars(options))
         return with_values(scene, values) if values else scene
     except InputError as error:
         raise InputError(f"--set {error.field}", error.problem) from None

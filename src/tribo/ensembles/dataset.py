@@ -10,10 +10,10 @@ import numpy as np
 
 from tribo.ensembles.batches import Policy
 from tribo.ensembles.kept_values import Kept, KeptValues
-from tribo.ensembles.members import VELOCITY, Members
+from tribo.ensembles.members import VELOCITY, Members, is_start
 from tribo.ensembles.runner import Runs
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
-from tribo.model.initial import UNITS as UNITS_OF_START
+from tribo.model.initial import DISPLACEMENTS
 from tribo.model.scene import Scene
 from tribo.results.result_file import Variable
 
@@ -63,13 +63,22 @@ def member_coordinates(members: Members, seed: str = "seed") -> dict[str, Variab
             about = {"units": UNITS["velocity"], "long_name": "initial velocity of the surface"}
             coordinates[key] = (("member", "axis"), values, about)
             coordinates["axis"] = (("axis",), np.array(["x", "y"]), {"long_name": "axis"})
-        elif kind not in UNITS_OF_START:
+        elif not is_start(key):
             coordinates[key] = (("member",), values[:, 0], {"long_name": key})
         else:
-            quantity = EVERY_QUANTITY["theta" if kind == "swing" else kind]
-            about = {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
-            coordinates[key] = (("member", f"{surface}_asperite"), values, about)
+            coordinates[key] = (("member", f"{surface}_asperite"), values, about_start(key))
     return coordinates
+
+
+def about_start(key: str) -> dict[str, str]:
+    """The units and the meaning of an initial value."""
+    kind = key.rpartition(".")[2]
+    if kind in DISPLACEMENTS:
+        what = "velocity" if kind[0] == "v" else "displacement"
+        meaning = f"{what} of the centre of mass along {kind[-1]}, beyond the surface's"
+        return {"units": DISPLACEMENTS[kind], "long_name": f"initial {meaning}"}
+    quantity = EVERY_QUANTITY["theta" if kind == "swing" else kind]
+    return {"units": quantity.units, "long_name": f"initial {quantity.long_name}"}
 
 
 def times_of(kept: Kept, scene: Scene) -> dict[str, Variable]:

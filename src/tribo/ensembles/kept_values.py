@@ -38,6 +38,8 @@ FRICTION, SHARE = "friction_force", "time_without_contact"
 ERROR = "_error"
 # Counts beside those of statuses: run again, in need of it, and with works lost in rounding.
 CHECKED, REFINED, WEAK = "checked", "refined", "weak"
+# A count of members that have an average over time, but no interval of it.
+WITHOUT_INTERVAL = "without interval"
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
@@ -156,6 +158,11 @@ class Kept:
             "note": np.full(members, note),
         }
 
+    def of_others(self, found: KeptValues) -> KeptValues:
+        """The values of runs of another scene, which may lack a quantity or have others."""
+        mine = self.without_runs(found["status"].size)
+        return mine | {name: found[name] for name in mine.keys() & found.keys()}
+
     def fill_in(self, found: KeptValues, index: int, result: Result) -> None:
         """Set the values of one member.  Raises KeyboardInterrupt if its run was interrupted."""
         if result.status == Status.INTERRUPTED:
@@ -252,8 +259,21 @@ def _check_averaged(scene: Scene) -> None:
         )
 
 
+def without_interval(found: KeptValues) -> np.ndarray:
+    """Which runs completed with an average over time that has no interval, (runs,)."""
+    missing = [np.isnan(each) for name, each in found.items() if is_interval(name)]
+    return completed(found) & np.any([np.zeros(found["status"].size, bool), *missing], axis=0)
+
+
+def interval_note(number: int, total: int, what: str) -> str:
+    return (
+        f"averages over time of {number} of {total} {what} have no interval (NaN): their series "
+        "are too short for one; run for longer, or let the averages begin earlier (output.run_in)"
+    )
+
+
 class Tally(Counter[str]):
-    """Numbers of members by status, and of those that are CHECKED, REFINED and WEAK."""
+    """Numbers of members by status, and of those that are named above."""
 
     def take_in(self, found: KeptValues, common_level: float) -> None:
         """Count some members; `common_level` is that of most of them, NaN if there is none."""
@@ -265,10 +285,12 @@ class Tally(Counter[str]):
             self.update({REFINED: int((found["level"] != common_level).sum())})
         noted = found["note"][found["note"] != ""].tolist()
         self.update({WEAK: sum(LOST in note for note in noted)})
+        self.update({WITHOUT_INTERVAL: int(without_interval(found).sum())})
 
     @property
     def statuses(self) -> dict[str, int]:
-        return {name: n for name, n in self.items() if n and name not in (CHECKED, REFINED, WEAK)}
+        others = (CHECKED, REFINED, WEAK, WITHOUT_INTERVAL)
+        return {name: n for name, n in self.items() if n and name not in others}
 
     @property
     def notes(self) -> Iterator[str]:
@@ -285,3 +307,5 @@ class Tally(Counter[str]):
                 f"works of {self[WEAK]} members that were compared lie {LOST} that they change: "
                 "errors are relative to these, and these works have no digit that is known"
             )
+        if self[WITHOUT_INTERVAL]:
+            yield interval_note(self[WITHOUT_INTERVAL], total, "members")

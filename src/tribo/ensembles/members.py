@@ -15,10 +15,11 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tribo.ensembles.swing_states import JointStart, SwingStates, joint_starts
+from tribo.ensembles.swing_states import DrawnSwings, JointStart, SwingStates, joint_starts
 from tribo.integrators.methods import noisy
+from tribo.model.binding import bound, check_together
 from tribo.model.initial import DISPLACEMENTS, UNITS
-from tribo.model.parameters import FIELD, INTERACTION, is_parameter, of_each_surface, with_values
+from tribo.model.parameters import FIELD, INTERACTION, is_parameter, with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_be, short_repr
 
@@ -45,7 +46,9 @@ class Sampler(Protocol):
 
 
 # The values of a quantity: an array with a row for each member, or a distribution.
-Source = Distribution | SwingStates | ArrayLike
+Source = Distribution | SwingStates | DrawnSwings | ArrayLike
+# Those of all pendulums together.
+JOINT = (SwingStates, DrawnSwings)
 
 
 class Members(NamedTuple):
@@ -57,11 +60,11 @@ class Members(NamedTuple):
     values: dict[str, np.ndarray]
 
     def start(self, index: int) -> dict[str, float | np.ndarray]:
-        """Initial angles and rates of a member by its place, as ``Simulation.run`` takes them."""
+        """Initial values of a member by its place, as ``Simulation.run`` takes them."""
         return {key: _plain(rows[index]) for key, rows in values_at_start(self.values).items()}
 
     def scene(self, index: int, scene: Scene, with_start: bool = False) -> Scene:
-        """The scene with a member's seed and values, with or without initial angles and rates."""
+        """The scene with a member's seed and values, with or without initial values."""
         keys = [key for key in self.values if with_start or not is_start(key)]
         own = {key: _plain(self.values[key][index]) for key in keys}
         moved = replace(scene, seed=int(self.seeds[index]))
@@ -73,13 +76,13 @@ def _plain(row: np.ndarray) -> float | np.ndarray:
 
 
 def is_start(key: str) -> bool:
-    """Whether a key of members is that of an initial angle or its rate."""
+    """Whether a key of members is that of an initial angle, displacement or rate."""
     of, _, name = key.rpartition(".")
-    return name in UNITS and "." not in of and of not in (INTERACTION, FIELD)
+    return name in UNITS | DISPLACEMENTS and "." not in of and of not in (INTERACTION, FIELD)
 
 
 def values_at_start(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Initial angles and their rates alone."""
+    """Initial angles, displacements and their rates alone."""
     return {key: v for key, v in values.items() if is_start(key)}
 
 
@@ -137,29 +140,43 @@ def draws_of(scene: Scene, vary: Mapping[str, Source]) -> dict[str, Draw]:
 class Variation:
     """The differences between the members of an ensemble, as `vary` says.  Raises InputError.
 
-    The seeds of the members' scenes, (members,), are drawn if they are not given.  `sizes` has the
-    length of each quantity's rows, `own_numbers` the keys of what members differ in beside initial
-    angles and rates, and seeds.
+    The seeds of the members' scenes, (members,), are drawn if they are not given.  With numbers
+    that are `swept` beside, key -> (points,), each point has the members of `seeds`, whose values
+    are drawn alike, and the members of all points are numbered point by point.
+
+    `own_numbers` has the keys of what members differ in beside initial values and seeds.
     """
 
     def __init__(
-        self, scene: Scene, vary: Mapping[str, Source], seed: int, seeds: np.ndarray | None = None
+        self,
+        scene: Scene,
+        vary: Mapping[str, Source],
+        seed: int,
+        seeds: np.ndarray | None = None,
+        swept: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         self.vary, self.seed, self._seeds = vary, seed, seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
+        swept = swept or {}
         with inside("vary"):
-            draws = draws_of(scene, vary)
-            self._draws = {key: draw for draw in draws.values() for key in draw.keys}
-            plain = [key for key, source in vary.items() if not isinstance(source, SwingStates)]
-            keys = dict.fromkeys([*plain, *self._draws])
-            self.sizes = {key: size_of(scene, key) for key in keys}
-            self._arrays = {
+            check_together(scene, {**vary, **swept})
+            self._draws = draws_of(scene, vary)
+            self._joint = joint_starts(scene, dict.fromkeys(swept, 0.0) | dict(vary))
+            plain = [key for key, source in vary.items() if not isinstance(source, JOINT)]
+            self._sizes = {key: size_of(scene, key) for key in plain}
+            arrays = {
                 key: _rows(key, vary[key], size)
-                for key, size in self.sizes.items()
+                for key, size in self._sizes.items()
                 if key not in self._draws
             }
-        self._block = lru_cache(2 + 2 * len(draws))(self._new_block)
-        self.own_numbers = tuple(key for key in self.sizes if not is_start(key))
+        drawn = {
+            key: source.rows for key, source in vary.items() if isinstance(source, DrawnSwings)
+        }
+        self._arrays = arrays | drawn
+        self._swept = {key: np.asarray(each)[:, None] for key, each in swept.items()}
+        self._sizes |= {key: size_of(scene, key) for key in swept}
+        self._block = lru_cache(2 + 2 * len(self._draws))(self._new_block)
+        self.own_numbers = tuple(key for key in (*plain, *swept) if not is_start(key))
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -175,36 +192,54 @@ class Variation:
 
     def members(self, numbers: np.ndarray) -> Members:
         """The members with some numbers, ascending."""
+        drawn = self.drawn(numbers)
         values = {
-            key: np.broadcast_to(self.rows(key, numbers), (numbers.size, size))
-            for key, size in self.sizes.items()
+            key: np.broadcast_to(drawn.values[key], (numbers.size, size))
+            for key, size in self._sizes.items()
         }
+        with inside("vary"):
+            for name, joint in self._joint.items():
+                values |= joint.starts(drawn.values[name], values)
+        return drawn._replace(values=values)
+
+    def drawn(self, numbers: np.ndarray) -> Members:
+        """The members with rows of swing states as they are drawn, under the names of these."""
+        mine, back = numbers, np.arange(numbers.size)
+        rows: dict[str, np.ndarray] = {}
+        if self._swept and self._seeds is not None:
+            points, each = np.divmod(numbers, self._seeds.size)
+            rows = {key: self._with_y(key, table[points]) for key, table in self._swept.items()}
+            mine, back = np.unique(each, return_inverse=True)
+        rows |= {key: self.rows(key, mine)[back] for key in (*self._arrays, *self._draws)}
         given = self._seeds
-        seeds = self._drawn(SEEDS, "", numbers) if given is None else given[numbers]
-        return Members(numbers, seeds, values)
+        seeds = self._drawn(SEEDS, "", mine) if given is None else given[mine]
+        return Members(numbers, seeds[back], rows)
 
     def sample(self, count: int, size: int) -> Members:
         """Some of `count` members: the first, or with arrays, possibly in order, evenly spaced."""
         size = min(size, count)
         numbers = np.arange(size)
-        return self.members(numbers * count // size if self._arrays else numbers)
+        spaced = bool(self._arrays or self._swept)
+        return self.members(numbers * count // size if spaced else numbers)
 
     def identity(self) -> dict[str, str]:
         """What tells the values of each quantity from others: a digest of the first of them."""
         some = np.arange(min([BLOCK, *self.lengths.values()]))
-        first = {key: self._arrays.get(key, self.rows(key, some)) for key in self.sizes}
+        first = self._arrays | {key: self.rows(key, some) for key in self._draws}
         return {
             key: hashlib.blake2b(values.tobytes(), digest_size=8).hexdigest()
             for key, values in first.items()
         }
 
     def rows(self, key: str, numbers: np.ndarray) -> np.ndarray:
-        """The values of one quantity in some members, (members, 1) or (members, size)."""
+        """The values of one key of `vary` in some members, (members, 1) or (members, size)."""
         if key in self._arrays:
-            rows = self._arrays[key][numbers]
-        else:
-            rows = self._drawn(self._draws[key], key, numbers)
-        if key in self._velocity_y and rows.shape[1] == 1:  # its x component
+            return self._with_y(key, self._arrays[key][numbers])
+        return self._with_y(key, self._drawn(self._draws[key], key, numbers))
+
+    def _with_y(self, key: str, rows: np.ndarray) -> np.ndarray:
+        """Rows of a velocity of which its x component alone is given, with that of the scene."""
+        if key in self._velocity_y and rows.shape[1] == 1:
             return np.column_stack([rows, np.full(len(rows), self._velocity_y[key])])
         return rows
 
@@ -232,10 +267,9 @@ def sources_of(
     """
     if not isinstance(vary, Mapping | None):
         raise InputError("vary", f"must map names to values, got {short_repr(vary)}")
-    found: dict[str, Source] = {}
-    for key, source in (vary or {}).items():
-        joint = isinstance(source, SwingStates)
-        found |= {key: source} if joint else of_each_surface(scene, {key: source})
+    with inside("vary"):
+        found = bound(scene, vary or {})
+        check_together(scene, found)
     if sampler is None:
         return found
     if not (hasattr(sampler, "random") and hasattr(sampler, "d")):
@@ -273,11 +307,11 @@ def size_of(scene: Scene, key: str) -> int:
     if count is not None:
         if quantity == VELOCITY:
             return 2
-        if quantity in UNITS:
+        if quantity in UNITS | DISPLACEMENTS:
             return scene.initial_value(key)[0].count
-        if quantity in (*DISPLACEMENTS, "temperature"):  # these need a scene of their own
+        if quantity == "temperature":  # which needs a scene of its own
             with_values(scene, {key: 0.0})
-            return 1 if quantity == "temperature" else count
+            return 1
     if is_parameter(scene, key):
         return 1
     raise InputError(

@@ -13,6 +13,9 @@ as a fraction of the standard deviation near the centre, and as a fraction of th
 far away, and cover all numbers.  This is the idea of DDSketch (C. Masson, J. E. Rim, H. K. Lee,
 Proc. VLDB Endow. 12 (2019) 2195), whose bins are relative to zero.  Counts are integers, so their
 sums do not depend on any order.
+
+A value that some member lacks, as a force with white noise at t = 0, has no mean, covariance or
+quantile; bins count the members that have it.
 """
 
 from __future__ import annotations
@@ -61,13 +64,15 @@ class Moments:
         off = values - mean
         products = np.matmul(np.moveaxis(off, 0, 2), np.moveaxis(off, 0, 1))
         if like is None:
-            spread = np.std(values, axis=0)
-            centre, unit = mean, np.where(spread > 0.0, spread, np.where(mean, np.abs(mean), 1.0))
+            spread, centre = np.std(values, axis=0), np.where(np.isfinite(mean), mean, 0.0)
+            unit = np.where(spread > 0.0, spread, np.where(centre, np.abs(centre), 1.0))
         else:
             centre, unit = like.centre, like.unit
-        bins = np.floor(FINE * np.arcsinh((values - centre) / unit)).astype(np.int64) + BINS // 2
+        known = np.isfinite(values)
+        places = FINE * np.arcsinh(np.where(known, values - centre, 0.0) / unit)
+        bins = np.floor(places).astype(np.int64) + BINS // 2
         columns = BINS * np.arange(mean.size).reshape(mean.shape)
-        keys, counts = np.unique(bins + columns, return_counts=True)
+        keys, counts = np.unique((bins + columns)[known], return_counts=True)
         lowest, highest = values.min(axis=0), values.max(axis=0)
         count = np.array(len(values))
         return cls(count, mean, lowest, highest, products, centre, unit, keys, counts)
@@ -116,6 +121,9 @@ class Moments:
         ranks = PROBABILITIES * (self.count - 1)
         for column in range(self.mean.size):
             bins, counts = self.bins_of(column)
+            if not bins.size:
+                found[:, column] = np.nan
+                continue
             until = np.cumsum(counts)
             place = np.minimum(np.searchsorted(until, ranks, "right"), bins.size - 1)
             inside = (ranks - (until - counts)[place] + 0.5) / counts[place]
@@ -179,13 +187,21 @@ def variables_of(kept: Kept, moments: Moments) -> dict[str, Variable]:
 
 
 def _histogram(moments: Moments, columns: slice) -> tuple[np.ndarray, np.ndarray]:
-    """Counts and edges of some columns' bins, which are the same multiples of each one's unit."""
+    """Counts and edges of some columns' bins, which are the same multiples of each one's unit.
+
+    Edges are NaN where no member has a value.
+    """
     places = np.arange(moments.mean.size).reshape(moments.mean.shape)[:, columns].ravel().tolist()
     found = [moments.bins_of(place) for place in places]
-    first = min(int(bins[0]) for bins, _ in found) // COARSE
-    last = max(int(bins[-1]) for bins, _ in found) // COARSE
+    ends = [(int(bins[0]), int(bins[-1])) for bins, _ in found if bins.size] or [
+        (BINS // 2, BINS // 2)
+    ]
+    first = min(low for low, _ in ends) // COARSE
+    last = max(high for _, high in ends) // COARSE
     counts = np.zeros((len(places), last - first + 1), np.int64)
     for row, (bins, each) in zip(counts, found, strict=True):
         np.add.at(row, bins // COARSE - first, each)
     bounds = COARSE * np.arange(first, last + 2)
-    return counts, np.array([moments.edges(bounds, place) for place in places])
+    edges = np.array([moments.edges(bounds, place) for place in places])
+    edges[[not bins.size for bins, _ in found]] = np.nan
+    return counts, edges

@@ -122,9 +122,14 @@ class StatisticsStore(Store):
         super().__init__(frames, common_level)
 
     def _take(self, found: KeptValues) -> None:
-        complete = completed(found)
-        shape = (np.count_nonzero(complete), self._kept.times, -1)
-        parts = [found[name][complete].reshape(shape) for name in self._kept.names]
+        complete, kept = completed(found), self._kept
+        members = int(np.count_nonzero(complete))
+        if not members:
+            return
+        parts = [
+            found[name][complete].reshape(members, kept.times, kept.columns(name))
+            for name in kept.names
+        ]
         self._waiting.append(np.concatenate(parts, axis=2))
         if sum(map(len, self._waiting)) >= BLOCK:
             self._merged, self._waiting = self.moments(), []

@@ -15,18 +15,13 @@ from typing import Any
 import numpy as np
 
 from tribo import validation as check
+from tribo.layout.own_numbers import ASPERITE_PART, parameters_of_members
+from tribo.model.binding import EVERY, SWING_STATE
 from tribo.model.drives import DrivenBars
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError, short_repr
 
-SWING_STATE = "swing_state"
-EVERY = "*"
-# Keys of a surface that cannot differ between members whose starts are drawn in these energies.
-FIXED = (
-    *("swing", "theta", "phi", "omega", "temperature"),
-    *("asperite.kappa", "asperite.m1", "asperite.m2", "asperite.length"),
-)
 # Uniform numbers that are drawn at once, at least those of one member.
 BLOCK = 16_384
 
@@ -126,40 +121,75 @@ def _shares(uniforms: np.ndarray) -> np.ndarray:
     return after * np.pad(1.0 - left, ((0, 0), (0, 1)), constant_values=1.0)
 
 
-class JointStart:
-    """The starts of all pendulums of some surfaces, drawn together, for the key `name`."""
+@dataclass(frozen=True, eq=False)
+class DrawnSwings:
+    """Swings and rates of all members that were drawn before, as rows of :class:`JointStart`."""
 
-    def __init__(self, name: str, states: SwingStates, surfaces: list[Surface]) -> None:
+    rows: np.ndarray
+
+
+class JointStart:
+    """The starts of all pendulums of some surfaces, drawn together, for the key `name`.
+
+    What is drawn does not depend on the numbers of a pendulum: rows (members, 2 pendulums) have
+    sqrt(kappa) (theta - phi - rest) and sqrt(J) omega, of which energies are half the squares.
+    """
+
+    def __init__(
+        self, name: str, states: SwingStates | DrawnSwings, surfaces: list[Surface]
+    ) -> None:
         self.name = name
-        self._states = states
-        self._stops = np.cumsum([surface.count for surface in surfaces])
-        self._stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
-        self._inertia = np.concatenate([_swing_inertia(surface) for surface in surfaces])
-        self._phi = np.concatenate([s.initial.for_each(s.count)["phi"] for s in surfaces])
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
-        self.dimensions = states.uniforms(self._phi.size) + self._phi.size  # numbers of a member
-        self.block = max(1, BLOCK // self.dimensions)  # members that are drawn at once
+        stops = np.cumsum([surface.count for surface in surfaces])
+        self._surfaces, self._splits, self._count = surfaces, stops[:-1], int(stops[-1])
+        if isinstance(states, SwingStates):
+            self._states = states
+            self.dimensions = states.uniforms(self._count) + self._count  # numbers of a member
+            self.block = max(1, BLOCK // self.dimensions)  # members that are drawn at once
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
-        """Key -> (block, asperites), random."""
-        return self.at_points(rng.random((self.block, self.dimensions)))
+        """The name -> random rows of a block of members."""
+        return {self.name: self._rows(rng.random((self.block, self.dimensions)))}
 
-    def at_points(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Key -> (members, asperites), from points in the unit cube (members, dimensions)."""
-        count = self._phi.size
-        first = self.dimensions - count
-        energies = self._states.energies(points[:, :first], count)
+    def at_points(self, points: np.ndarray) -> dict[str, DrawnSwings]:
+        """The name -> rows from points in the unit cube (members, dimensions)."""
+        return {self.name: DrawnSwings(self._rows(points))}
+
+    def _rows(self, points: np.ndarray) -> np.ndarray:
+        first = self.dimensions - self._count
+        size = np.sqrt(2.0 * self._states.energies(points[:, :first], self._count))
         phases = 2.0 * np.pi * points[:, first:]
-        swing = self._phi + np.sqrt(2.0 * energies / self._stiffness) * np.cos(phases)
-        omega = np.sqrt(2.0 * energies / self._inertia) * np.sin(phases)
-        columns = [np.split(each, self._stops[:-1], axis=1) for each in (swing, omega)]
-        both = (each for pair in zip(*columns, strict=True) for each in pair)
-        return dict(zip(self.keys, both, strict=True))
+        return np.concatenate([size * np.cos(phases), size * np.sin(phases)], axis=1)
+
+    def starts(self, rows: np.ndarray, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Key -> (members, asperites), with the numbers of members in `values`.
+
+        Raises InputError if a pendulum has no energy that it keeps.
+        """
+        found: dict[str, np.ndarray] = {}
+        swings, rates = (np.split(each, self._splits, 1) for each in np.split(rows, 2, axis=1))
+        for surface, swing, rate in zip(self._surfaces, swings, rates, strict=True):
+            each = _numbers_of(surface, len(rows), values)
+            _check_stiffness(self.name, surface.name, each["kappa"])
+            phi = surface.initial.for_each(surface.count)["phi"]
+            phi = values.get(f"{surface.name}.phi", phi)
+            found[f"{surface.name}.swing"] = phi + swing / np.sqrt(each["kappa"])
+            found[f"{surface.name}.omega"] = rate / np.sqrt(_swing_inertia(surface, each))
+        return found
 
 
-def _swing_inertia(surface: Surface) -> np.ndarray:
+def _numbers_of(
+    surface: Surface, members: int, values: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The parameters of pendulums, (members, asperites), or (asperites,) where they are alike."""
+    if not any(key.startswith(f"{surface.name}.{ASPERITE_PART}.") for key in values):
+        return surface.each
+    own = parameters_of_members(surface, members, values)
+    return {name: each.reshape(members, -1) for name, each in own.items()}
+
+
+def _swing_inertia(surface: Surface, each: Mapping[str, np.ndarray]) -> np.ndarray:
     """The inertia J in the energy that belongs to the drive, of each asperite."""
-    each = surface.each
     if isinstance(surface.drive, DrivenBars):
         return np.asarray(each["m1"] * each["length"] ** 2)
     return each["inertia"]
@@ -169,13 +199,14 @@ def joint_starts(scene: Scene, vary: Mapping[str, Any]) -> dict[str, JointStart]
     """The starts that are drawn together, by their names.  Raises InputError."""
     found: dict[str, JointStart] = {}
     for name, source in vary.items():
-        if (name.rpartition(".")[2] == SWING_STATE) != isinstance(source, SwingStates):
+        drawn = isinstance(source, (SwingStates, DrawnSwings))
+        if (name.rpartition(".")[2] == SWING_STATE) != drawn:
             raise InputError(
                 name,
                 f'must be tribo.Canonical, Microcanonical or EnergyBall for "...{SWING_STATE}", '
                 f"and for this alone, got {short_repr(source)}",
             )
-        if isinstance(source, SwingStates):
+        if drawn:
             joint = JointStart(name, source, _swinging(scene, name, vary))
             for other in found.values():
                 if both := {*joint.keys} & {*other.keys}:
@@ -191,12 +222,13 @@ def _swinging(scene: Scene, key: str, vary: Mapping[str, Any]) -> list[Surface]:
     if not surfaces:
         raise InputError(key, f"must name a surface of the scene, got {name!r}")
     for surface in surfaces:
-        kappa = surface.each["kappa"]
-        if not np.all((kappa > 0.0) & np.isfinite(kappa)):
-            raise InputError(key, f"needs a finite {surface.name}.asperite.kappa > 0")
+        if f"{surface.name}.{ASPERITE_PART}.kappa" not in vary:
+            _check_stiffness(key, surface.name, surface.each["kappa"])
         if surface.initial.temperature:
             raise InputError(key, f"cannot go with {surface.name}.initial.temperature")
-        for own in FIXED:
-            if f"{surface.name}.{own}" in vary:
-                raise InputError(key, f"cannot go with {surface.name}.{own} in vary")
     return surfaces
+
+
+def _check_stiffness(key: str, surface: str, kappa: np.ndarray) -> None:
+    if not np.all((kappa > 0.0) & np.isfinite(kappa)):
+        raise InputError(key, f"needs a finite {surface}.{ASPERITE_PART}.kappa > 0")

@@ -8,10 +8,17 @@ from numpy.typing import ArrayLike
 
 from tribo.layout.layout import Layout
 from tribo.layout.start import draw_starts, start_baths
+from tribo.model.binding import bound, check_together
+from tribo.model.scene import Scene
 from tribo.validation import InputError, number_or_array
 
-# Initial values by name, "surface.theta" (or swing, phi, omega, nu): a number, or one per asperite.
+# Initial values by name, "surface.theta" (or swing, phi, omega, nu, and x, y, vx, vy of asperites
+# that can move): a number, or one per asperite.
 Start = Mapping[str, ArrayLike]
+# Coordinates of the quantities that have slots beside those of the swing.
+COORDINATES = {"phi": "dof_phi", "nu": "dof_phi"}
+COORDINATES |= {"x": "dof_x", "vx": "dof_x", "y": "dof_y", "vy": "dof_y"}
+RATES = ("omega", "nu", "vx", "vy")
 Values = dict[str, float | np.ndarray]  # the same: one number, or (members, 1 or asperites)
 
 
@@ -31,6 +38,7 @@ class InitialState:
         self._is_drawn = drawn and not continues
         self._scene = layout.asperites, layout.scene
         self._slots = cache(partial(_slots, layout))
+        self._bound = cache(partial(_bound, layout.scene))
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
         """The state (2 coordinates,) with these initial values.
@@ -42,9 +50,9 @@ class InitialState:
         if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
             raise InputError("start", f"must map names to values, got {start!r}")
         values: Values = {}
-        for key, value in start.items():
+        for key, given in self._bound(tuple(start)):
             slots, _ = self._slots(key)
-            values[key] = own = number_or_array(key, value)
+            values[key] = own = number_or_array(key, start[given])
             count = slots.stop - slots.start
             if isinstance(own, np.ndarray) and own.size != count:
                 raise InputError(key, f"has {own.size} values for {count} asperites")
@@ -74,8 +82,6 @@ class InitialState:
         for key in start:
             name, _, quantity = key.rpartition(".")
             given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
-            if quantity == "swing" and len(given) == 2:
-                raise InputError(given[1], f"cannot go with {given[0]}; give one or the other")
             if quantity == "phi" and not given:
                 surface, _ = self._layout.scene.initial_value(f"{name}.theta")
                 if surface.initial_swing is None and not self._continues:
@@ -83,12 +89,20 @@ class InitialState:
                     y[:, swing] = y[:, phi]
 
 
+def _bound(scene: Scene, keys: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Each key of one surface, and the one of some that gives its value.  Raises InputError."""
+    found = bound(scene, {key: key for key in keys})
+    check_together(scene, found)
+    return tuple(found.items())
+
+
 def _slots(layout: Layout, key: str) -> tuple[slice, float]:
     """Where a quantity of a surface stands in y, and its value at rest."""
     surface, quantity = layout.scene.initial_value(key)
     first: int = layout.parts[surface.name].start
-    if quantity in ("phi", "nu"):
-        first = int(layout.surfaces.dof_phi[layout.asperites.surface[first]])
-    if quantity in ("omega", "nu"):
+    if quantity in COORDINATES:
+        index = layout.asperites.surface[first]
+        first = int(layout.surfaces[COORDINATES[quantity]][index])
+    if quantity in RATES:
         first += layout.coordinates
     return slice(first, first + surface.count), surface.rest if quantity == "theta" else 0.0

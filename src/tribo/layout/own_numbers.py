@@ -89,7 +89,7 @@ def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumber
     velocity = np.empty((members, len(scene.surfaces), 2))
     for index, surface in enumerate(scene.surfaces):
         part, rows = layout.parts[surface.name], (members, surface.count)
-        each = _parameters(surface, members, values)
+        each = parameters_of_members(surface, members, values)
         bobs = np.tile(resting_bobs(scene, index), (members, 1))
         own = asperites[:, part].ravel()
         fill_parameters(own, surface, each, bobs)
@@ -130,7 +130,7 @@ def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
     return rows[:, 0]
 
 
-def _parameters(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
+def parameters_of_members(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
     """Every parameter of the asperites of a surface, (members x count,)."""
     before, count = f"{surface.name}.{ASPERITE_PART}.", surface.count
     own = {

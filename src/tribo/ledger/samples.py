@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -28,6 +29,11 @@ class Samples:
     baths: np.ndarray  # (times, rows, columns), or (times, 0, 0) where no series needs it
 
     runs = 1  # how many there are; all have the same times
+
+    @cached_property
+    def contacts(self) -> dict[Layout, dict[tuple[int, int], np.ndarray]]:
+        """Where :func:`tribo.ledger.separation.touching` keeps what it has found of these."""
+        return {}
 
     @classmethod
     def of_runs(cls, runs: int, *columns: np.ndarray) -> Samples:

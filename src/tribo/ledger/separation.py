@@ -35,6 +35,8 @@ LEAST_PART, LONGER = 0.1, 2.0
 PART = "part for good"
 # Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
 MOST_PAIRS = 400
+# Times after one with a tree that may be settled by it, at most.
+AHEAD = 64
 # Energy of two bobs in contact, at least, as a fraction of torsion by 1 rad and of k_B T.
 IN_CONTACT = 0.01
 # Distances at which a potential is looked at, in steps of 2 %: in units of its range, or without
@@ -141,11 +143,16 @@ def touching(
 
     Only surfaces that have a reach count.  With `repelling`, whether the bobs are in contact.
     """
-    pairs = [item for item in _reaches(layout.scene, repelling).items() if counts(item[0])]
+    reaches = _reaches(layout.scene, repelling)
+    pairs = {pair: reach for pair, reach in reaches.items() if counts(pair)}
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
-    places = bob_places(layout, samples)
-    return np.column_stack([_in_contact(layout, places, *each) for each in pairs])
+    # Notes and the series of both surfaces ask for the same pairs.
+    known = samples.contacts.setdefault((layout, repelling), {})
+    if missing := pairs.keys() - known.keys():
+        places = bob_places(layout, samples)
+        known |= {pair: _in_contact(layout, places, pair, pairs[pair]) for pair in missing}
+    return np.column_stack([known[pair] for pair in pairs])
 
 
 def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> Iterator[str]:
@@ -250,11 +257,38 @@ def _any_within(
         between = nearest_images(layout, mine[:, :, None] - theirs[:, None])
         found[near] = np.linalg.norm(between, axis=-1).min(axis=(1, 2)) < distance
         return found
-    (mine, box), (theirs, _) = in_box(layout, mine), in_box(layout, theirs)
-    for k, own, others in zip(np.flatnonzero(near), mine, theirs, strict=True):
-        nearest, _ = KDTree(others, boxsize=box).query(own, distance_upper_bound=distance)
-        found[k] = np.min(nearest) < distance
+    found[near] = _by_trees(layout, mine, theirs, distance)
     return found
+
+
+def _by_trees(layout: Layout, mine: np.ndarray, theirs: np.ndarray, distance: float) -> np.ndarray:
+    """The same of many bobs; a tree finds the closest pair at a time.
+
+    That pair settles all times at which it is in contact.  If it is not, neither is any pair at
+    later times until the bobs of the two surfaces have moved by what is missing.
+    """
+    found, open_times = np.zeros(len(mine), dtype=bool), np.ones(len(mine), dtype=bool)
+    (in_mine, box), (in_theirs, _) = in_box(layout, mine), in_box(layout, theirs)
+    while open_times.any():
+        k = int(np.argmax(open_times))
+        nearest, places = KDTree(in_theirs[k], boxsize=box).query(in_mine[k])
+        i = int(np.argmin(nearest))
+        open_times[k], found[k] = False, nearest[i] < distance
+        later = k + 1 + np.flatnonzero(open_times[k + 1 : k + 1 + AHEAD])
+        if found[k]:
+            between = nearest_images(layout, mine[later, i] - theirs[later, places[i]])
+            settled = np.linalg.norm(between, axis=1) < distance
+            found[later] = settled
+        else:
+            moved = sum(_largest_move(each[later], each[k]) for each in (mine, theirs))
+            settled = nearest[i] - moved >= distance
+        open_times[later[settled]] = False
+    return found
+
+
+def _largest_move(later: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """The largest distance that a bob has moved, (times,), from (times, n, 3) and (n, 3)."""
+    return np.sqrt(np.max(np.sum((later - before) ** 2, axis=2), axis=1, initial=0.0))
 
 
 def has_reach(interaction: Interaction) -> bool:

@@ -45,7 +45,8 @@ class Watched(NamedTuple):
     @classmethod
     def of(cls, layout: Layout, samples: Samples, first: int = 0, every: int | None = None) -> Self:
         """That of the samples from the place `first` on, with looks at each `every`-th of them."""
-        some = samples.rows(slice(first, None, every or look_interval(samples.t.size)))
+        every = every or look_interval(samples.t.size)
+        some = samples if (first, every) == (0, 1) else samples.rows(slice(first, None, every))
         if not may_pump(layout):
             return cls(some.t.copy(), touching(layout, some), np.empty(0), np.empty((0, 2)))
         return cls(some.t.copy(), touching(layout, some), samples.t.copy(), _works(layout, samples))

@@ -1,12 +1,15 @@
 """Interactions between the bobs of surfaces, and the periods of a scene."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from tribo import validation as check
+from tribo.potentials import tables
 from tribo.potentials.from_ase import Live
 from tribo.potentials.potential import as_potential
-from tribo.validation import InputError, is_list, must_be
+from tribo.validation import InputError, is_list, known_keys, must_be
 
 
 @dataclass(frozen=True)
@@ -70,3 +73,17 @@ class Interaction:
             if not is_list(names) or len(names) != 2 or not all(isinstance(n, str) for n in names):
                 raise must_be(key, f"the names of two {kind}", names)
             put(self, key, tuple(names))
+
+
+def as_interaction(value: object) -> Interaction:
+    """An interaction from its table in a scene file or from a potential, or the interaction."""
+    if isinstance(value, Mapping):
+        return from_table(value, Path())
+    return value if isinstance(value, Interaction) else Interaction(value)
+
+
+def from_table(table: Any, folder: Path) -> Interaction:
+    """The interaction that a table of a scene file describes."""
+    parameters = known_keys(table, table)
+    between, species = parameters.pop("between", None), parameters.pop("species", None)
+    return Interaction(tables.from_table(parameters, folder), between, species)

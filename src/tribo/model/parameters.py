@@ -7,51 +7,49 @@ The keys are those of scene files, with the name of a surface in place of its nu
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
+    interaction.first.KEY, interaction.of.KEY               of parts of sums, of scaled potentials
 
-A star in place of the name of a surface means all surfaces.
+The key of a part without a KEY, as SURFACE.asperite or output, takes the table of the whole part.
+A star in place of the name of a surface means all surfaces; `tribo.model.binding` has its rules.
 """
 
 import difflib
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import Any
 
+from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.bath import as_table as bath_table
+from tribo.model.binding import bound
 from tribo.model.drives import Custom, as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.fields import Field
 from tribo.model.initial import Initial
+from tribo.model.interaction import Periodic
 from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
+from tribo.model.settings import Numerics, Output
 from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
-from tribo.model.tables import changed, field_names, table_of
+from tribo.model.tables import changed, field_names, from_table, table_of
 from tribo.plugins.classes import instance
-from tribo.potentials.tables import (
-    CUTOFF_KEYS,
-    MADE,
-    class_named,
-    from_table,
-    with_settings,
-    without_cutoff,
-)
-from tribo.validation import POSITIVE, InputError, inside, is_list, known_keys, number
+from tribo.potentials import by_key
+from tribo.validation import InputError, inside, is_list, known_keys, number
 
 # The values of the scene itself that have keys.
 OF_SCENE = ("duration", "seed", "title")
 # The parts of the scene whose values have keys.
-PARTS_OF_SCENE = ("output", "numerics", "periodic")
+PARTS_OF_SCENE = {"output": Output, "numerics": Numerics, "periodic": Periodic}
 # The initial values of a surface, and the other values of its own that have keys.
 INITIAL = field_names(Initial)
-OWN = [name for name in field_names(Surface) if name not in ("name", "asperite", "initial")]
+OWN = [name for name in field_names(Surface) if name != "name"]
 OF_SURFACE = [*INITIAL, *OWN]
 # What reads a part of a surface from its table, or from a word.
 READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
 READ |= {"langevin": as_langevin, "springs": as_springs}
-# In place of the name of a surface: all surfaces.
-EVERY = "*"
+READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_table, Initial)}
 # Before the keys of the only interaction and of the only field of a scene.
 INTERACTION, FIELD = "interaction", "field"
 # The values of a field beside those of its potential.
@@ -60,11 +58,10 @@ OF_FIELD = ("on", "origin", "velocity")
 
 def is_parameter(scene: Scene, key: str) -> bool:
     """Whether a key names one number of a part of a surface, of the interaction or of the field."""
+    part, _, parameter = key.partition(".")
+    if part in (INTERACTION, FIELD):
+        return _is_number(_values_of_only(scene, part).get(parameter))
     name, _, parameter = key.rpartition(".")
-    if name == INTERACTION and len(scene.interactions) == 1:
-        return _is_number(_values_of(scene.interactions[0].potential).get(parameter))
-    if name == FIELD and len(scene.fields) == 1:
-        return _is_number(_values_of(scene.fields[0].potential).get(parameter))
     surface, _, part = name.partition(".")
     found = next((s for s in scene.surfaces if s.name == surface), None)
     if found is None or part not in parts_of(found):
@@ -77,25 +74,33 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with other values by keys; a number sets a velocity's x.  Raises InputError."""
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
-    for key, value in of_each_surface(scene, values).items():
+    for key, value in bound(scene, values).items():
         part, _, name = key.rpartition(".")
+        outer, _, inner = key.partition(".")
+        if outer in (INTERACTION, FIELD) and inner:
+            part, name = outer, inner
         if part not in known:
             raise _unknown(scene, key)
         of_parts.setdefault(part, {})[name] = value
-    own: dict[str, Any] = known_keys(of_parts.pop("", {}), OF_SCENE)
+    whole = known_keys(of_parts.pop("", {}), (*OF_SCENE, *PARTS_OF_SCENE, INTERACTION, FIELD))
+    own = {name: whole[name] for name in OF_SCENE if name in whole}
     for part in PARTS_OF_SCENE:
-        if part in of_parts:
-            own[part] = _changed_settings(scene, part, of_parts[part])
-    surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
-    interactions, fields = scene.interactions, scene.fields
+        if part in whole or part in of_parts:
+            own[part] = _changed_settings(scene, part, whole, of_parts.get(part, {}))
+    own["surfaces"] = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
+    for part, name in ((INTERACTION, "interactions"), (FIELD, "fields")):
+        if part in whole:
+            own[name] = whole[part]
+    scene = replace(scene, **own)
     if INTERACTION in of_parts:
+        (interaction,) = scene.interactions
         with inside(INTERACTION):
-            potential = _changed_potential(interactions[0].potential, of_parts[INTERACTION])
-        interactions = (replace(interactions[0], potential=potential),)
+            potential = by_key.with_values(interaction.potential, of_parts[INTERACTION])
+        scene = replace(scene, interactions=(replace(interaction, potential=potential),))
     if FIELD in of_parts:
         with inside(FIELD):
-            fields = (_changed_field(fields[0], of_parts[FIELD]),)
-    return replace(scene, surfaces=surfaces, interactions=interactions, fields=fields, **own)
+            scene = replace(scene, fields=(_changed_field(scene.fields[0], of_parts[FIELD]),))
+    return scene
 
 
 def reservoir_part(surface: Surface, on: str) -> str:
@@ -111,6 +116,9 @@ def parts_of(surface: Surface) -> tuple[str, ...]:
 
 def value_of(scene: Scene, key: str) -> object:
     """The value of a key as in a file, or None; of a velocity its x, of a drive its kind."""
+    outer, _, inner = key.partition(".")
+    if outer in (INTERACTION, FIELD) and "." in inner:
+        return _values_of_only(scene, outer).get(inner)
     part, _, name = key.rpartition(".")
     table = scene.to_table()
     if part in (INTERACTION, FIELD):
@@ -129,20 +137,14 @@ def value_of(scene: Scene, key: str) -> object:
     return value.get("kind") if name == "drive" and isinstance(value, dict) else value
 
 
-def of_each_surface(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values with a key of each surface in place of keys of all surfaces, as "*.theta"."""
-    found: dict[str, Any] = {}
-    for key, value in values.items():
-        name, _, rest = str(key).partition(".")
-        rest = rest.removeprefix("initial.")
-        names = [s.name for s in scene.surfaces] if name == EVERY else [name]
-        found |= {f"{each}.{rest}" if rest else each: value for each in names}
-    return found
-
-
-def _changed_settings(scene: Scene, part: str, own: dict[str, Any]) -> Any:
+def _changed_settings(
+    scene: Scene, part: str, whole: Mapping[str, Any], own: dict[str, Any]
+) -> Any:
     """The output, numerics or periods with other values; what one excludes is replaced."""
     present, own = getattr(scene, part), dict(own)
+    if part in whole:
+        with inside(part):
+            present = from_table(PARTS_OF_SCENE[part], whole[part])
     for one, other in (("accuracy", "step"), ("step", "accuracy"), ("samples", "times")):
         if part != "periodic" and one in own:
             own = {other: None} | own
@@ -162,9 +164,9 @@ def _parts_of(scene: Scene) -> list[str]:
 
 def _unknown(scene: Scene, key: str) -> InputError:
     """The error of a key whose part the scene does not have."""
-    part = key.rpartition(".")[0]
+    part, outer = key.rpartition(".")[0], key.partition(".")[0]
     for name, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
-        if part == name:
+        if outer == name:
             return InputError(key, f"needs one {name}, and the scene has {len(items)}")
     near = difflib.get_close_matches(part, _parts_of(scene), n=1)
     names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
@@ -177,10 +179,10 @@ def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _values_of(potential: Any) -> dict[str, Any]:
-    """The parameters of a potential or field, with those of its cutoff."""
-    inner, cutoff = without_cutoff(potential)
-    return inner._asdict() | cutoff if hasattr(inner, "_asdict") else {}
+def _values_of_only(scene: Scene, part: str) -> dict[str, Any]:
+    """The parameters of the only interaction or field by their keys; none of several."""
+    items: tuple[Any, ...] = scene.interactions if part == INTERACTION else scene.fields
+    return by_key.values_by_key(items[0].potential) if len(items) == 1 else {}
 
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
@@ -191,7 +193,7 @@ def _value_of_part(surface: Surface, part: str, name: str) -> object:
     elif isinstance(present, Bath):
         values = bath_table(present)
     elif isinstance(present, Custom):
-        values = _values_of(present.force)
+        values = by_key.values_by_key(present.force)
     return values.get(name, getattr(present, name, None))
 
 
@@ -210,7 +212,9 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
             initial = {"theta": None, "swing": None, **initial}
         changes: dict[str, Any] = own
         if initial:
-            changes["initial"] = replace(surface.initial, **initial)
+            with inside("initial"):
+                present = READ["initial"](own.get("initial", surface.initial))
+            changes["initial"] = replace(present, **initial)
     for part in parts_of(surface):
         own = of_parts.get(f"{surface.name}.{part}", {})
         if own:
@@ -238,28 +242,6 @@ def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
     if part == "langevin":
         return as_langevin(({} if present is None else table_of(present)) | own)
     return changed(present, own)
-
-
-def _changed_potential(potential: Any, own: Mapping[str, Any]) -> Any:
-    """A potential with other parameters or cutoff, reduced from the same fraction of it."""
-    if "potential" in own:  # another kind, which keeps the parameters that both kinds have
-        kind = None if own["potential"] in (*MADE, "ase") else class_named(own["potential"], Path())
-        known = (*getattr(kind, "_fields", ()), *CUTOFF_KEYS) if kind else ()
-        kept = {key: value for key, value in _values_of(potential).items() if key in known}
-        return from_table(kept | dict(own), Path())
-    if not hasattr(potential, "_asdict"):
-        raise InputError(next(iter(own)), "is not a known key; a calculator has none")
-    cutoff = {key: value for key, value in own.items() if key in CUTOFF_KEYS}
-    rest = {key: value for key, value in own.items() if key not in CUTOFF_KEYS}
-    potential, present = without_cutoff(potential)
-    if "cutoff" in cutoff and "switch_from" in present:
-        ratio = number("cutoff", cutoff["cutoff"], POSITIVE, "length") / present["cutoff"]
-        present["switch_from"] *= ratio
-    if "at_cutoff" in cutoff:
-        present.pop("switch_from", None)
-    if rest:
-        potential = instance(type(potential), potential._asdict() | rest)
-    return with_settings(potential, present | cutoff)
 
 
 def _changed_field(field: Field, own: Mapping[str, Any]) -> Field:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
 from tribo.model.initial import DISPLACEMENTS, UNITS
-from tribo.model.interaction import Interaction, Periodic
+from tribo.model.interaction import Interaction, Periodic, as_interaction
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
@@ -40,7 +41,7 @@ class Scene(ComparedByValue):
         At least one surface; each name once.
     interactions : list of Interaction
         Interactions between surfaces; also a single interaction or potential, or a list of
-        potentials.
+        potentials, or of tables as in scene files.
     duration : float
         End of the run, which starts at t = 0 [time].
     title : str
@@ -49,11 +50,11 @@ class Scene(ComparedByValue):
         Seed of all random numbers: heights, thermal starts and noise.
     periodic : Periodic or dict
         Periods along x and z.
-    fields : list of Field
+    fields : list of Field or dict
         External fields on bobs.
-    output : Output
+    output : Output or dict
         The times to record. Like `numerics`, it does not change the physics.
-    numerics : Numerics
+    numerics : Numerics or dict
         Accuracy, method or step, unless the arguments of :func:`tribo.simulate` give them.
 
     Raises
@@ -78,14 +79,15 @@ class Scene(ComparedByValue):
         def __init__(
             self,
             surfaces: Sequence[Surface],
-            interactions: Interaction | Potential | Live | Sequence[object],  # or any NamedTuple
+            # or any NamedTuple
+            interactions: Interaction | Potential | Live | Sequence[object] | Mapping[str, object],
             duration: float,
             title: str = ...,
             seed: int = ...,
             periodic: Periodic | Mapping[str, float] = ...,
-            fields: Sequence[Field] = ...,
-            output: Output = ...,
-            numerics: Numerics = ...,
+            fields: Field | Sequence[Field | Mapping[str, object]] | Mapping[str, object] = ...,
+            output: Output | Mapping[str, object] = ...,
+            numerics: Numerics | Mapping[str, object] = ...,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -95,7 +97,8 @@ class Scene(ComparedByValue):
             raise must_be("duration", f"at least {check.SHORTEST_DURATION:g} [time]", self.duration)
         if not isinstance(self.title, str):
             raise must_be("title", "text", self.title)
-        check.fields(self, output=check.instance(Output), numerics=check.instance(Numerics))
+        check.fields(self, output=part(partial(from_table, Output)))
+        check.fields(self, numerics=part(partial(from_table, Numerics)))
         put(self, "surfaces", self._checked_surfaces())
         put(self, "interactions", self._checked_interactions())
         put(self, "fields", self._checked_fields())
@@ -126,15 +129,13 @@ class Scene(ComparedByValue):
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
         value: object = self.interactions
-        if isinstance(value, (Interaction, Live)) or hasattr(value, "energy"):
-            value = [value]
-        if not isinstance(value, (list, tuple)):
+        one = isinstance(value, (Interaction, Live, Mapping)) or hasattr(value, "energy")
+        listed = [value] if one else value
+        if not isinstance(listed, (list, tuple)):
             raise must_be("interaction", "a potential or a list of potentials", value)
         interactions = tuple(
-            check.instance(Interaction)(f"interaction[{i}]", item)
-            if isinstance(item, Interaction)
-            else Interaction(item)
-            for i, item in enumerate(value)
+            check.instance(Interaction)(f"interaction[{i}]", as_interaction(item))
+            for i, item in enumerate(listed)
         )
         names = [s.name for s in self.surfaces]
         for i, interaction in enumerate(interactions):
@@ -145,11 +146,12 @@ class Scene(ComparedByValue):
         return interactions
 
     def _checked_fields(self) -> tuple[Field, ...]:
-        value = [self.fields] if isinstance(self.fields, Field) else self.fields
-        if not isinstance(value, (list, tuple)):
-            raise must_be("field", "a list of fields", value)
+        one = isinstance(self.fields, (Field, Mapping))
+        listed = [self.fields] if one else self.fields
+        if not isinstance(listed, (list, tuple)):
+            raise must_be("field", "a list of fields", listed)
         names = [s.name for s in self.surfaces]
-        found = tuple(check.instance(Field)(f"field[{i}]", item) for i, item in enumerate(value))
+        found = tuple(part(_as_field)(f"field[{i}]", item) for i, item in enumerate(listed))
         for i, item in enumerate(found):
             _check_names(f"field[{i}].on", item.on, "surfaces", names)
         return found
@@ -169,20 +171,24 @@ class Scene(ComparedByValue):
 
     def _check_initial(self, surface: Surface) -> None:
         """Refuse displacements of centres of mass that cannot move, and starts of nothing."""
-        can_move = {"x": self.slides_along_x(surface), "y": self.slides_along_y(surface)}
         for name in DISPLACEMENTS:
-            if getattr(surface.initial, name) is None:
-                continue
-            if not can_move[name[-1]]:
-                raise InputError(
-                    name,
-                    f"cannot be given, as the drive holds the asperites along {name[-1]}; "
-                    + ('drive = "free" lets them move' if name[-1] == "x" else "a load frees them"),
-                )
-            if name[-1] == "x" and surface.moves_as_one:
-                raise InputError(name, "cannot be given where drive.rigid = true: all move as one")
-        if surface.initial.temperature and surface.asperite.is_rigid and not any(can_move.values()):
+            held = self._held(surface, name)
+            if held and getattr(surface.initial, name) is not None:
+                raise InputError(name, f"cannot be given{held}")
+        can_move = self.slides_along_x(surface) or self.slides_along_y(surface)
+        if surface.initial.temperature and surface.asperite.is_rigid and not can_move:
             raise InputError("temperature", "draws nothing: the asperites are rigid and are held")
+
+    def _held(self, surface: Surface, name: str) -> str:
+        """Why centres of mass cannot be displaced along an axis, in a message; else empty."""
+        if name[-1] == "x":
+            can_move, instead = self.slides_along_x(surface), 'drive = "free" lets them move'
+        else:
+            can_move, instead = self.slides_along_y(surface), "a load frees them"
+        if not can_move:
+            return f", as the drive holds the asperites along {name[-1]}; {instead}"
+        alike = name[-1] == "x" and surface.moves_as_one
+        return " where drive.rigid = true: all move as one" if alike else ""
 
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
         seen: dict[tuple[int, int], list[set[str] | None]] = {}
@@ -209,18 +215,21 @@ class Scene(ComparedByValue):
     def initial_value(self, key: object) -> tuple[Surface, str]:
         """The surface and the initial value of a key such as "upper.theta".
 
-        Raises InputError if there is no such surface or quantity, or clamped bars fix it.
+        Raises InputError if there is no such surface or quantity, or it is held.
         """
         name, _, quantity = str(key).rpartition(".")
         surface = next((s for s in self.surfaces if s.name == name), None)
-        if surface is None or quantity not in UNITS:
-            problem = f'must name a surface and one of {", ".join(UNITS)}, as "upper.theta"'
+        if surface is None or quantity not in UNITS | DISPLACEMENTS:
+            known = ", ".join(UNITS | DISPLACEMENTS)
+            problem = f'must name a surface and one of {known}, as "upper.theta"'
         elif quantity == "omega" and surface.asperite.is_rigid:
             problem = "cannot be changed where asperite.kappa = inf"
-        elif surface.initial.temperature:
+        elif surface.initial.temperature and quantity not in ("x", "y"):
             problem = "cannot be changed where initial.temperature draws the start"
         elif quantity in ("phi", "nu") and surface.bars == "clamped":
             problem = "cannot be changed where bars are clamped; prepare another scene"
+        elif quantity in DISPLACEMENTS and (held := self._held(surface, quantity)):
+            problem = f"cannot be given{held}"
         else:
             return surface, quantity
         raise InputError(str(key), problem)
@@ -354,6 +363,12 @@ class Scene(ComparedByValue):
             "field": [fields.as_table(item) for item in self.fields],
             "surface": [surface_table(surface) for surface in self.surfaces],
         }
+
+
+def _as_field(value: object) -> Field:
+    """A field from its table in a scene file, or the field itself."""
+    found = fields.from_table(value, Path()) if isinstance(value, Mapping) else value
+    return check.instance(Field)("", found)  # type: ignore[return-value]
 
 
 def _check_names(field: str, given: Sequence[str] | None, kind: str, known: Sequence[str]) -> None:

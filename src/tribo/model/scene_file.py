@@ -14,13 +14,12 @@ from tribo.model import drives
 from tribo.model.asperite import Asperite
 from tribo.model.fields import from_table as field_of
 from tribo.model.initial import Initial
-from tribo.model.interaction import Interaction
+from tribo.model.interaction import from_table as interaction_of
 from tribo.model.scene import Scene
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.tables import field_names, from_table, part
 from tribo.model.topography import as_topography, is_topography
-from tribo.potentials import tables as potentials
 from tribo.validation import InputError, as_path, known_keys, must_be
 
 KEYS = (
@@ -62,7 +61,7 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
         table[key] = part(partial(from_table, kind))(key, table.get(key, {}))
     table["surfaces"] = _each("surface", table.pop("surface"), partial(_surface, folder=folder))
     table["fields"] = _each("field", table.pop("field", []), partial(field_of, folder=folder))
-    given, read = table.pop("interaction", []), partial(_interaction, folder=folder)
+    given, read = table.pop("interaction", []), partial(interaction_of, folder=folder)
     one = isinstance(given, dict)
     found = part(read)("interaction", given) if one else _each("interaction", given, read)
     return Scene(interactions=found, **table)
@@ -73,12 +72,6 @@ def _each(key: str, value: object, read: Callable[[Any], object]) -> tuple[Any, 
         several = f"[[{key}]] tables, one for each {key}"
         raise must_be(key, "a table" if key == "interaction" else several, value)
     return tuple(part(read)(f"{key}[{i}]", item) for i, item in enumerate(value))
-
-
-def _interaction(table: Any, folder: Path) -> Interaction:
-    parameters = known_keys(table, table)
-    between, species = parameters.pop("between", None), parameters.pop("species", None)
-    return Interaction(potentials.from_table(parameters, folder), between, species)
 
 
 def _surface(table: object, folder: Path) -> Surface:

@@ -69,9 +69,9 @@ class Surface(ComparedByValue):
         A thermal reservoir at every bar, or on every swing; or a list of one each.
     species : str or tuple of str
         Species of the bobs, one for all or one each, by which interactions distinguish bobs.
-    asperite : Asperite
+    asperite : Asperite or dict
         Masses, lengths, stiffness and charge of the asperites.
-    initial : Initial
+    initial : Initial or dict
         Initial angles, displacements and rates, or the temperature from which they are drawn.
 
     Raises
@@ -118,8 +118,8 @@ class Surface(ComparedByValue):
             bath: Bath | Settings = ...,
             langevin: Langevin | Settings | Sequence[Langevin | Settings] | None = ...,
             species: str | Sequence[str] = ...,
-            asperite: Asperite = ...,
-            initial: Initial = ...,
+            asperite: Asperite | Settings = ...,
+            initial: Initial | Settings = ...,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -136,8 +136,9 @@ class Surface(ComparedByValue):
             raise InputError("bath.torsional", 'cannot go with clamped bars; set bars = "free"')
         check.fields(self, langevin=part(as_langevin), species=self._checked_species)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
+            check.fields(self, **{key: part(partial(from_table, kind))})
             with inside(key):
-                check.instance(kind)("", getattr(self, key)).for_each(self.count)
+                getattr(self, key).for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
         if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):

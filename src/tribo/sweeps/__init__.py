@@ -17,15 +17,17 @@ from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target, in_file
 from tribo.layout.layout import lay_out
-from tribo.model.parameters import of_each_surface
+from tribo.model.binding import check_apart, check_arguments
+from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table
+from tribo.sweeps.effects import check_effects
 from tribo.sweeps.grid import Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
-from tribo.sweeps.point_sets import point_sets, runs_of
-from tribo.validation import InputError, boolean, choice, instance, integer
+from tribo.sweeps.point_sets import members_of, point_sets, runs_of
+from tribo.validation import InputError, boolean, choice, inside, instance, integer
 
 if TYPE_CHECKING:
     import xarray
@@ -98,21 +100,23 @@ def sweep(
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)
-    sources = sources_of(scene, vary, sampler, members)
-    variation = Variation(scene, sources, integer("seed", seed, 0))
-    if number is not None:
-        variation.check_lengths(number)
-    for key in of_each_surface(scene, dict.fromkeys(grid.keys)):
-        if key in sources:
-            raise InputError(f"vary.{key}", "is swept too; give it once")
-    keep = scene.output.keep if keep is None else keep
-    names = tuple(total_names(scene)) if keep is None else names_of_quantities("keep", keep)
     at = choice("at", at, (END, SAMPLES))
     settings: dict[str, Any] = {"at": at, "accuracy": accuracy, "method": method, "step": step}
     settings["allow_unresolved"] = allow_unresolved
+    with inside("values"):
+        check_arguments(grid.bound, settings)
+    first = with_values(scene, grid.point(0))
+    sources = sources_of(first, vary, sampler, members)
+    with inside("vary"):
+        check_apart(scene, sources, grid.bound)
+    variation = Variation(first, sources, integer("seed", seed, 0))
+    if number is not None:
+        variation.check_lengths(number)
+    keep = scene.output.keep if keep is None else keep
+    names = tuple(total_names(scene)) if keep is None else names_of_quantities("keep", keep)
     request = Request(names, with_errors=number is None, **settings)
-    if at != END and "duration" in grid.keys:
-        raise InputError("at", 'must be "end", as "duration" is swept and times differ')
+    one_run = number is None and half_width is None
+    check_effects(grid, names, at != END or half_width is not None, not one_run)
     how = Execution.checked(engine, threads)
     statistics = boolean("statistics", statistics)
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
@@ -127,13 +131,12 @@ def sweep(
             return point_by_point(grid, ensemble_at, target, progress)
         # All points by one engine, those that one plan serves side by side.
         kept = request.kept(lay_out(request.recorded(scene.with_heights())))
-        sets, order = point_sets(grid, request, variation, number)
+        sets, order = point_sets(grid, request, variation, number, kept)
         by, store = how, MemberStore(target.frames)
         if progress is not None:
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)
-        members_of_each = None if number is None else sets[0].members
-        table = Table(grid, order, kept, store.values(), members_of_each)
+        table = Table(grid, order, kept, store.values(), members_of(sets) if number else None)
         attributes = target.attributes(scene, interrupted, table.notes())
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))

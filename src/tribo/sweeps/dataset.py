@@ -6,8 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, member_coordinates, times_of
-from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
+from tribo.ensembles.dataset import COUNTS, about_start, member_coordinates, times_of
+from tribo.ensembles.kept_values import (
+    ERROR,
+    NOT_RUN,
+    REFUSED,
+    Kept,
+    KeptValues,
+    interval_note,
+    joined,
+    without_interval,
+)
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
@@ -32,14 +41,25 @@ class Table:
         if kept.at_samples:
             self.coordinates |= times_of(kept, grid.scene)
         if members is not None:
-            seed = "member_seed" if "seed" in grid.keys else "seed"
-            self.coordinates |= member_coordinates(members, seed)
+            self.coordinates |= self._members_and_starts(members)
         self.dimensions = (*grid.names, *("member",) * len(self._members))
         self.status = self.placed(found["status"])
         self.note = self.placed(found["note"])
         if np.all(self.status == REFUSED):
             with inside(grid.label(0)):
                 raise InputError("", str(self.note.flat[0]))
+
+    def _members_and_starts(self, members: Members) -> dict[str, Variable]:
+        """The coordinates of members; starts of each point are (points, members, asperites)."""
+        of_points = {key: each for key, each in members.values.items() if each.ndim == 3}
+        others = {key: each for key, each in members.values.items() if key not in of_points}
+        seed = "member_seed" if "seed" in self._grid.keys else "seed"
+        found = member_coordinates(members._replace(values=others), seed)
+        for key, each in of_points.items():
+            dimensions = *self._grid.names, "member", f"{key.rpartition('.')[0]}_asperite"
+            rows = self.placed(each.reshape(-1, each.shape[2]))
+            found[key] = dimensions, rows, about_start(key)
+        return found
 
     def placed(self, rows: np.ndarray) -> np.ndarray:
         """Values of all runs, (keys..., [members], ...)."""
@@ -78,8 +98,10 @@ class Table:
         return variables
 
     def notes(self) -> Iterator[str]:
-        """What to know of single points."""
+        """What to know of all runs, and of single points."""
         points = self._grid.size
+        if number := int(np.count_nonzero(without_interval(self._found))):
+            yield interval_note(number, self._found["status"].size, "runs")
         of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))

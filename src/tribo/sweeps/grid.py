@@ -6,6 +6,7 @@ from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 
+from tribo.model.binding import bound, check_together
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, scalar, short_repr
@@ -50,12 +51,20 @@ class Grid:
             for key in self.keys:
                 if self.keys.count(key) > 1:
                     raise InputError(key, "is swept twice; give each key once")
+            # Key of one surface -> the key that gives its value.
+            self.bound = bound(scene, {key: key for key in self.keys})
+            check_together(scene, self.bound)
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
             first = self.point(0)
             for axis in self.axes:
                 for place in range(len(axis.rows)):
                     with_values(scene, first | axis.at(place))
+
+    def bound_to(self, keys: Iterable[str]) -> list[str]:
+        """The keys, each of one surface, whose values some of the keys give."""
+        given = {*keys}
+        return [key for key, giver in self.bound.items() if giver in given]
 
     def point(self, index: int) -> dict[str, Value]:
         """The values of a point by their keys."""

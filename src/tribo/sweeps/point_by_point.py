@@ -57,6 +57,8 @@ def point_by_point(
         if "data" in arrays:
             found[index] = xarray.load_dataset(arrays["data"].tobytes(), engine="h5netcdf")
             statuses[index] = found[index].attrs["status"]
+            own = json.loads(found[index].attrs.get("notes", "[]"))
+            notes += [f"{grid.label(index)}: {note}" for note in own]
         else:
             statuses[index] = REFUSED
             notes.append(f"{grid.label(index)}: {arrays['note'].tobytes().decode()}")

@@ -5,21 +5,24 @@ automatic step's stiffness, takes a scene and a plan for each value, one after a
 engine at the same time.
 """
 
+from __future__ import annotations
+
 import pickle
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.ensembles.engines import run_tasks
-from tribo.ensembles.kept_values import REFUSED, KeptValues, joined
-from tribo.ensembles.members import Members, Variation, is_start, size_of
+from tribo.ensembles.kept_values import REFUSED, Kept, KeptValues, joined
+from tribo.ensembles.members import Members, Source, Variation, is_start, size_of
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
-from tribo.layout.layout import lay_out
+from tribo.ensembles.swing_states import DrawnSwings
 from tribo.layout.own_numbers import can_differ
+from tribo.model.binding import SWING_STATE
 from tribo.model.identity import as_sent, received
-from tribo.model.parameters import of_each_surface, with_values
+from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.sweeps.grid import Axis, Grid, values_at
@@ -31,9 +34,10 @@ class PointSet(NamedTuple):
 
     scene: Scene  # with the values that all of them share
     request: Request
+    kept: Kept  # of all points of the sweep
     swept: dict[str, np.ndarray]  # keys in which they differ -> (points,)
     points: int
-    members: Members  # of each point
+    members: Members  # of each point, as :meth:`Variation.drawn` gives them
     seed: int  # from which they are drawn
     simulation: Simulation | None = None  # of a point in the middle, if it is prepared; not pickled
 
@@ -44,10 +48,29 @@ class PointSet(NamedTuple):
     @property
     def variation(self) -> Variation:
         """The differences between all members of all points, point by point."""
-        _, seeds, values = self.members
-        swept = {key: np.repeat(each, seeds.size) for key, each in self.swept.items()}
-        vary = {key: np.tile(rows, (self.points, 1)) for key, rows in values.items()}
-        return Variation(self.scene, swept | vary, self.seed, np.tile(seeds, self.points))
+        vary: dict[str, Source] = {
+            key: DrawnSwings(rows) if key.endswith(f".{SWING_STATE}") else rows
+            for key, rows in self.members.values.items()
+        }
+        return Variation(self.scene, vary, self.seed, self.members.seeds, self.swept)
+
+    def point(self, place: int) -> PointSet:
+        """One of the points alone."""
+        scene = self.scene_at(place)
+        return self._replace(scene=scene, swept={}, points=1, simulation=None)
+
+    def values(self) -> list[dict[str, np.ndarray] | None]:
+        """What the members of each point differ in, (members, ...); None where it is refused."""
+        try:
+            runs = self.variation.members(np.arange(self.runs)).values
+        except InputError:
+            if self.points == 1:
+                return [None]
+            return [own for place in range(self.points) for own in self.point(place).values()]
+        own = {
+            key: np.split(each, self.points) for key, each in runs.items() if key not in self.swept
+        }
+        return [{key: each[k] for key, each in own.items()} for k in range(self.points)]
 
     def scene_at(self, point: int) -> Scene:
         own = {key: float(values[point]) for key, values in self.swept.items()}
@@ -63,7 +86,7 @@ def _unpickled(scene: Any, *rest: Any) -> PointSet:
 
 
 def point_sets(
-    grid: Grid, request: Request, variation: Variation, members: int | None
+    grid: Grid, request: Request, variation: Variation, members: int | None, kept: Kept
 ) -> tuple[list[PointSet], list[Axis]]:
     """The sets of a grid, and the axes in whose order their points are, the last fastest.
 
@@ -79,18 +102,18 @@ def point_sets(
         key: np.array([axis.rows[place[i]][k] for place in within], float)
         for i, axis in enumerate(inner)
         for k, name in enumerate(axis.keys)
-        for key in _of_surfaces(grid.scene, [name])
+        for key in grid.bound_to([name])
     }
+    drawn = variation.drawn(np.arange(members or 1))
     sets = []
     for place in outside:
         # Together with the first values of the others.
         own = values_at(outer, place) | values_at(inner, [0] * len(inner))
         scene = with_values(grid.scene, own).with_heights()
-        drawn = Variation(scene, variation.vary, variation.seed).members(np.arange(members or 1))
         if members is None:
             drawn = drawn._replace(seeds=np.array([scene.seed]))
         points = len(within), drawn, variation.seed, simulation
-        sets.append(PointSet(scene, request, swept, *points))
+        sets.append(PointSet(scene, request, kept, swept, *points))
     return sets, outer + inner
 
 
@@ -114,11 +137,11 @@ def _served_by_one_plan(
         return [], None
 
     def differ(axis: Axis) -> bool:
-        numbers = [k for k in _of_surfaces(scene, axis.keys) if not is_start(k)]
+        numbers = [key for key in grid.bound_to(axis.keys) if not is_start(key)]
         return not numbers or (not plan.automatic and can_differ(simulation.layout, numbers, pair))
 
     inner = [axis for axis in candidates if differ(axis)]
-    keys = _of_surfaces(scene, [key for axis in inner for key in axis.keys])
+    keys = grid.bound_to(key for axis in inner for key in axis.keys)
     numbers = [*variation.own_numbers, *(key for key in keys if not is_start(key))]
     if not inner or not in_batches(simulation, numbers):
         return [], None
@@ -130,14 +153,9 @@ def _has_numbers(grid: Grid, axis: Axis) -> bool:
     if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
         return False
     try:
-        return all(size_of(grid.scene, key) for key in _of_surfaces(grid.scene, axis.keys))
+        return all(size_of(grid.scene, key) for key in grid.bound_to(axis.keys))
     except InputError:
         return False
-
-
-def _of_surfaces(scene: Scene, keys: Iterable[str]) -> list[str]:
-    """Some keys, with one for each surface in place of "*"."""
-    return list(of_each_surface(scene, dict.fromkeys(keys)))
 
 
 def runs_of(sets: list[PointSet], done: int, how: Execution) -> Iterator[KeptValues]:
@@ -170,15 +188,26 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
         runs = planned(simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
-            yield found
+            yield points.kept.of_others(found)
     except InputError as error:
         if points.points == 1:
-            kept = request.kept(lay_out(request.recorded(points.scene)))
-            yield kept.without_runs(points.runs - done, REFUSED, str(error))
+            yield points.kept.without_runs(points.runs - done, REFUSED, str(error))
             return
-        for place in range(points.points):
-            scene = points.scene_at(place)
-            point = points._replace(scene=scene, swept={}, points=1, simulation=None)
+        for point in map(points.point, range(points.points)):
             if done < point.runs:
                 yield from _runs_of_set(point, max(0, done), how)
             done -= point.runs
+
+
+def members_of(sets: list[PointSet]) -> Members:
+    """The members of each point; values that follow the numbers of points are of all points.
+
+    Those have the shape (points, members, asperites), with NaN where a point is refused.
+    """
+    numbers, seeds, _ = sets[0].members
+    found = [own for each in sets for own in each.values()]
+    known = next((own for own in found if own is not None), {})
+    nothing = {key: np.full_like(rows, np.nan) for key, rows in known.items()}
+    values = {key: np.array([(own or nothing)[key] for own in found]) for key in known}
+    alike = {key: rows[0] for key, rows in values.items() if not np.ptp(rows, axis=0).any()}
+    return Members(numbers, seeds, values | alike)
