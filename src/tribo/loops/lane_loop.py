@@ -20,7 +20,7 @@ from tribo.lanes.steps import LOST, WATCHED, nystrom_members, splitting_members
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
-from tribo.loops.general import unit_setting
+from tribo.loops.general import is_damped, remembered, unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.threads.writable_memory import entry_point
@@ -68,7 +68,7 @@ class LaneLoop(RecordingLoop):
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
-        self._state = initial_state(start, accounts, method.remembers, method.splits)
+        self._state = initial_state(start, accounts, remembered(layout, method), method.splits)
         self._work = self.coefficients.workspace(eight.model, self._state)
         core = eight.q[0, : layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), eight.s

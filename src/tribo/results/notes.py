@@ -145,13 +145,19 @@ def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
         yield f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}"
 
 
-def halving_note(layout: Layout, run: Integration, step: float) -> str:
-    """A note on an automatic step that was too long for an encounter."""
+def repeat_note(layout: Layout, run: Integration, step: float, shorter: float) -> str:
+    """A note on an automatic step that was too long for the motion of a run."""
     t, near = _closest_at_end(layout, run)
-    return (
-        f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
-        f"repeated with steps of {0.5 * step:.3g}"
-    )
+    if run.status == Status.ENCOUNTER_JUMPED:
+        why = f"would have passed an encounter at t = {t:.4g}{near}"
+    elif run.status == Status.STEP_TOO_LONG and run.stiffness is not None:
+        why = (
+            f"do not resolve the stiffest motion up to t = {t:.4g}, at "
+            f"{float(run.stiffness.frequency):.3g} rad per unit of time"
+        )
+    else:
+        why = f"are too long for the motion, which runs away at t = {t:.4g}"
+    return f"steps of {step:.3g} {why}; the run was repeated with steps of {shorter:.3g}"
 
 
 def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:
