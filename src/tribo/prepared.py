@@ -14,6 +14,7 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
 from tribo.accuracy.search_runs import StopTimes
+from tribo.integrators.methods import noisy
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -187,10 +188,14 @@ class Simulation:
             assert isinstance(setting, float)
             tries -= 1
             shorter = 0.5 * setting if run.stiffness is None else run.stiffness.shorter(setting)
-            notes = (notes_on.repeat_note(layout, run, setting, shorter),)
-            setting = shorter
+            plan = self.plan.with_step(shorter)
+            notes = (notes_on.repeat_note(layout, run, setting, plan.setting),)
+            setting = plan.setting
             run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes = (*notes, *notes_on.passage_notes(layout, run))
+        if run.stiffness is not None and noisy(self.scene):
+            assert isinstance(setting, float)
+            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(setting)), setting))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:

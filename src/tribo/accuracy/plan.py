@@ -14,6 +14,7 @@ from tribo.accuracy.levels import setting_at, tolerance_scales, work
 from tribo.accuracy.noisy_step import resolving_step
 from tribo.accuracy.search import FoundSettings, find_settings
 from tribo.accuracy.search_runs import PARTS, Announce, StopTimes
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed
@@ -47,11 +48,19 @@ class Plan:
     # Of a run without an error estimate, at the scene's times alone; None if none is cheaper.
     single: Setting | None = None
     automatic: bool = False  # whether a step was chosen, and is shortened if it is too long
+    # Steps divide it: members that record no samples take the steps of those that do [time].
+    interval: float | None = None
 
     def without_runs(self, single: Setting | None) -> Plan:
         """The plan for other scenes: without the runs that found it, and with `single`."""
         tuned = None if self.tuned is None else replace(self.tuned, runs=(), errors=None)
         return replace(self, tuned=tuned, single=single)
+
+    def with_step(self, step: float) -> Plan:
+        """The plan with another step, or the next shorter one that divides its interval."""
+        if self.interval is not None:
+            step = float(self.interval / count_of_steps(self.interval, step))
+        return replace(self, setting=step)
 
     def at_half_step(self) -> Plan:
         assert isinstance(self.setting, float)

@@ -12,14 +12,14 @@ from tribo.compiler.jit import kernel
 EVERY = 8
 # The last rows of a method's memory where there are reservoirs: coordinates and accelerations at
 # the first kick of a pair, and sums over pairs of d^2, of -c d, and of c^2, for each coordinate.
-PLACE, ACCELERATION, MOVED, TOGETHER, CHANGED, WATCHED = range(6)
+PLACE, ACCELERATION, MOVED, TOGETHER, CHANGED, WATCH_ROWS = range(6)
 
 
 @kernel
 def watch_kick(model, steps, q, memory, acceleration):
     """Keep the first kick of a pair, or add up the changes to the second."""
     phase = steps % EVERY
-    first = memory.shape[0] - WATCHED
+    first = memory.shape[0] - WATCH_ROWS
     if phase == 0:
         for m in range(model.core):
             memory[first + PLACE, m] = q[m]

@@ -13,7 +13,7 @@ from tribo.compiler.team import CLOSED
 from tribo.integrators.methods import Method
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
-from tribo.integrators.stiffness import MOVED, WATCHED
+from tribo.integrators.stiffness import MOVED, WATCH_ROWS
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
@@ -123,7 +123,7 @@ class GeneralLoop(TimeLoop):
     @property
     def stiffness_sums(self) -> np.ndarray:
         """Sums over watched kicks, (3, core), see `tribo.integrators.stiffness`."""
-        rows = self.state.memory[MOVED - WATCHED :]
+        rows = self.state.memory[MOVED - WATCH_ROWS :]
         return np.asarray(rows[:, self.layout.places.q[: self.layout.core]])
 
     def memory(self) -> Memory:
@@ -175,7 +175,7 @@ def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
 
 def remembered(layout: Layout, method: Method) -> int:
     """Rows that a loop keeps from step to step, one number for each coordinate."""
-    return method.remembers + (WATCHED if method.splits and is_damped(layout) else 0)
+    return method.remembers + (WATCH_ROWS if method.splits and is_damped(layout) else 0)
 
 
 def is_damped(layout: Layout) -> bool:

@@ -6,6 +6,8 @@ of the curvature of the potential at the temperature, over the inertia of the co
 is what matters: no step resolves the hardest collision of a long run, and none has to.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +39,17 @@ class Stiffness(NamedTuple):
 
     pairs: int  # of kicks that were compared
     frequency: np.ndarray  # of the stiffest motion [rad / time]; NaN where it ran away
-    curvature: np.ndarray  # largest mean curvature of a coordinate over its inertia [1 / time^2]
+    # Largest mean curvature over the inertia, of the coordinates of one kind of a surface [1/time^2].
+    curvature: np.ndarray
+
+    def of_members(self, selected: np.ndarray) -> Stiffness:
+        """That of some members, by their indices or a mask."""
+        return Stiffness(self.pairs, self.frequency[selected], self.curvature[selected])
+
+    def together(self) -> Stiffness:
+        """That of members as one."""
+        frequency = np.sqrt(np.mean(self.frequency**2))
+        return Stiffness(self.pairs * self.frequency.size, frequency, np.mean(self.curvature))
 
     def exceeds(self, step: float) -> np.ndarray:
         """Whether a step does not resolve the stiffest motion."""
@@ -45,7 +57,7 @@ class Stiffness(NamedTuple):
         return ~(np.asarray(self.frequency) * step <= MOST_TURN * chance)
 
     def excess(self, step: float) -> np.ndarray:
-        """The part by which the kinetic temperature of a coordinate is too high, infinite at 1."""
+        """The part by which the kinetic temperature is too high; infinite where it has no bound."""
         part = 0.25 * step * step * np.asarray(self.curvature)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(part < 1.0, part / (1.0 - part), np.inf)
@@ -68,19 +80,46 @@ def stiffness_of(
     """
     pairs = (steps + EVERY - 2) // EVERY
     moved, together, changed = np.moveaxis(sums, -2, 0)
-    thermal = pairs * step * step * _thermal_squares(layout, numbers)
+    kinds = _kinds(layout)
+    thermal = np.zeros(moved.shape)
+    inertias = np.zeros(moved.shape)
+    temperature, constants = _of_members(layout, numbers)
+    for slots, present, inertia in kinds:
+        inertias[..., slots] = constants[inertia][..., present]
+        thermal[..., slots] = temperature[..., present] / inertias[..., slots]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        floor = np.maximum(moved, thermal)
+        floor = np.maximum(moved, pairs * step * step * thermal)
         squares = np.where(floor > 0.0, np.sqrt(changed / floor), 0.0)
         own = np.where(moved > 0.0, together / moved, 0.0)
-        squares = np.where(together > CORRELATED * np.sqrt(changed * moved), np.maximum(own, squares), squares)
-        curvature = np.where(floor > 0.0, np.abs(together) / floor, 0.0)
+        is_own = together > CORRELATED * np.sqrt(changed * moved)
+        squares = np.where(is_own, np.maximum(own, squares), squares)
         frequency = np.sqrt(np.max(squares, axis=-1, initial=0.0))
-    return Stiffness(pairs, frequency, np.max(curvature, axis=-1, initial=0.0))
+        curvature = np.zeros(frequency.shape)
+        for slots, present, _ in kinds:
+            owners = layout.asperites.surface[present]
+            for surface in np.unique(owners):
+                mine = slots[owners == surface]
+                weights = np.where(np.isfinite(inertias[..., mine]), inertias[..., mine], 0.0)
+                total = np.sum(weights * floor[..., mine], axis=-1)
+                mean = np.sum(weights * together[..., mine], axis=-1) / total
+                curvature = np.maximum(curvature, np.where(total > 0.0, mean, 0.0))
+    return Stiffness(pairs, frequency, curvature)
 
 
-def _thermal_squares(layout: Layout, numbers: MemberNumbers | None) -> np.ndarray:
-    """Mean squares of velocities at the temperatures of reservoirs, ([members,] core).
+def _kinds(layout: Layout) -> list[tuple[np.ndarray, np.ndarray, int]]:
+    """Slots of coordinates of one kind, the asperites that have them, and rows of their inertia."""
+    a = layout.asperites
+    each = (
+        (np.arange(a.size), row.INERTIA),
+        (a.dof_phi, row.I2),
+        (a.dof_x, row.MASS),
+        (a.dof_y, row.MASS),
+    )
+    return [(slots[slots >= 0], np.flatnonzero(slots >= 0), inertia) for slots, inertia in each]
+
+
+def _of_members(layout: Layout, numbers: MemberNumbers | None) -> tuple[np.ndarray, np.ndarray]:
+    """Temperature of the reservoir and constants of asperites, ([rows,] [members,] asperites).
 
     Surfaces without a reservoir have the highest temperature of the others.
     """
@@ -94,16 +133,4 @@ def _thermal_squares(layout: Layout, numbers: MemberNumbers | None) -> np.ndarra
     swings = np.where(own["swing_gamma"] > 0.0, own["swing_temperature"], 0.0)
     warmest = np.maximum(bars, swings)
     highest = np.max(warmest, axis=-1, keepdims=True)
-    a = layout.asperites
-    temperature = np.where(warmest > 0.0, warmest, highest)[..., a.surface]
-    found = np.zeros((*temperature.shape[:-1], layout.core))
-    swing = np.arange(a.size)
-    for slots, inertia in (
-        (swing, row.INERTIA),
-        (a.dof_phi, row.I2),
-        (a.dof_x, row.MASS),
-        (a.dof_y, row.MASS),
-    ):
-        present = slots >= 0
-        found[..., slots[present]] = temperature[..., present] / constants[inertia][..., present]
-    return found
+    return np.where(warmest > 0.0, warmest, highest)[..., layout.asperites.surface], constants

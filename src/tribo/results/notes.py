@@ -32,6 +32,10 @@ NOTED_TURN = 0.5
 NOTED_CUT = 0.95
 # Noted part of the other drives' work: below it, that is the dissipated energy to one digit.
 NOTED_WORK = 0.1
+# Noted excess of the kinetic temperature, relative: the rule of chosen steps.
+NOTED_EXCESS = 0.01
+# What a note on a step that heats says.
+HEATS = "heat: by the stiffness of the forces that the motion met"
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
@@ -158,6 +162,18 @@ def repeat_note(layout: Layout, run: Integration, step: float, shorter: float) -
     else:
         why = f"are too long for the motion, which runs away at t = {t:.4g}"
     return f"steps of {step:.3g} {why}; the run was repeated with steps of {shorter:.3g}"
+
+
+def excess_note(excess: float, step: float) -> Iterator[str]:
+    """A note on steps that heat a scene with noise, by the excess of the kinetic temperature."""
+    if not excess > NOTED_EXCESS:
+        return
+    part = excess / (1.0 + excess) if math.isfinite(excess) else 1.0
+    times = f"{1.0 + excess:.3g} times" if math.isfinite(excess) else "beyond any multiple of"
+    yield (
+        f"steps of {step:.3g} {HEATS}, the kinetic temperature is {times} that of the "
+        f"reservoir; steps of {step * math.sqrt(NOTED_EXCESS / part):.2g} keep this below 1 %"
+    )
 
 
 def _closest_at_end(layout: Layout, run: Integration) -> tuple[float, str]:

@@ -133,8 +133,9 @@ def sweep(
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)
         members_of_each = None if number is None else sets[0].members
+        given = request.recorded(scene).numerics.step
         table = Table(grid, order, kept, store.values(), members_of_each)
-        attributes = target.attributes(scene, interrupted, table.notes())
+        attributes = target.attributes(scene, interrupted, table.notes(given))
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 

@@ -1,13 +1,14 @@
 """A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, member_coordinates, times_of
-from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined
+from tribo.ensembles.dataset import counts_of, member_coordinates, times_of
+from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined, step_notes
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
@@ -53,7 +54,7 @@ class Table:
         variables: dict[str, Variable] = {"status": (self.dimensions, self.status, about)}
         for name in self._kept.names:
             variables |= self._quantity(name)
-        for name, meaning in COUNTS.items():
+        for name, meaning in counts_of(self._grid.scene).items():
             values = self.placed(self._found[name].astype(float))
             variables[name] = self.dimensions, values, {"long_name": meaning}
         return variables
@@ -77,17 +78,20 @@ class Table:
             variables[f"{name}{ERROR}"] = self.dimensions, self.placed(bounds), what
         return variables
 
-    def notes(self) -> Iterator[str]:
-        """What to know of single points."""
+    def notes(self, step: float | None) -> Iterator[str]:
+        """What to know of single points, also of what a given step does."""
+        excesses = self.placed(self._found["excess"]).reshape(self._grid.size, -1)
         points = self._grid.size
         of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
             note = str(own[0]).replace("\n", "; ")
-            if self._members and without:
-                note = f"{without} of {statuses.size} members have no values"
-            elif self._members:
-                continue
+            if self._members:
+                own_notes = [f"{without} of {statuses.size} members have no values"] * bool(without)
+                known = excesses[index][~np.isnan(excesses[index])]
+                excess = float(np.mean(known)) if known.size else 0.0
+                own_notes += step_notes(Counter(statuses.tolist()), excess, step)
+                note = "; ".join(own_notes)
             if note:
                 yield f"{self._grid.label(index)}: {note}"
 
