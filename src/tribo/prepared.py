@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -212,6 +213,8 @@ class Simulation:
         One whose steps have to be `resolved` stops where they are too long.
         """
         layout = self.layout
+        if noisy(self.scene) and isinstance(setting, float):
+            layout = replace(layout, noisy_step=setting)
         if not self._streams:
             run = self.integrator(setting, times, y, resolved=resolved)
             run = up_to_passing(layout, run)
