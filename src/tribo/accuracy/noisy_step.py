@@ -22,7 +22,9 @@ FIRST = 1.0 / 64.0
 TRIES = 10
 
 
-def resolving_step(integrator: Integrator, longest: float, start: np.ndarray | None = None) -> float:
+def resolving_step(
+    integrator: Integrator, longest: float, start: np.ndarray | None = None
+) -> float:
     """A step of at most `longest` that resolves the stiffest motion after the start of a run."""
     layout = integrator.layout
     most = int(max(FIRST_LOOK, min(TRIED_STEPS, TRIED_WORK / layout.asperites.size)))

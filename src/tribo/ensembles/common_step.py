@@ -21,8 +21,9 @@ from tribo.prepared import MOST_REPEATS, Simulation
 FIRST_MEMBERS = 8
 # The same of members that are run one by one, of which the first steps alone are run.
 FIRST_STARTS = 4
-# Members with numbers of their own by which the step is bounded at once.
-BOUNDED = 4096
+# Members with numbers of their own by which the step is bounded at once, and the most of members
+# that are run one by one: their scenes take some milliseconds each.
+BOUNDED, BOUNDED_ALONE = 4096, 256
 
 
 def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy:
@@ -40,8 +41,10 @@ def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy
             policy = _with_step(policy, shorter)
         return policy
     assert isinstance(policy, SingleRuns)
-    members = variation.sample(count, FIRST_STARTS)
-    return _with_step(policy, min(plan.setting, _of_starts(policy, members)))
+    step = min(plan.setting, _of_starts(policy, variation.sample(count, FIRST_STARTS)))
+    if variation.own_numbers:
+        step = min(step, _of_scenes(policy, variation.sample(count, BOUNDED_ALONE)))
+    return _with_step(policy, step)
 
 
 def _with_step(policy: Policy, step: float) -> Policy:
@@ -59,6 +62,14 @@ def _bound(policy: Policy, variation: Variation, count: int) -> float:
         members = variation.members(np.arange(first, min(count, first + BOUNDED)))
         numbers = member_numbers(layout, members.numbers.size, members.values)
         found = min(found, bounded_step(layout, numbers))
+    return float(found)
+
+
+def _of_scenes(policy: Policy, members: Members) -> float:
+    """The same of members that are run one by one, by their scenes."""
+    base, found = policy.simulation.scene, np.inf
+    for index in range(members.numbers.size):
+        found = min(found, bounded_step(lay_out(members.scene(index, base))))
     return float(found)
 
 

@@ -44,9 +44,7 @@ EXCESS, EXCESSES = "excess", "excesses"
 # And members with runs of their own in which the step heats.
 HEATED = "heated"
 # Ends of runs whose step is too long: other members completed with it, perhaps by chance.
-RUN_AWAY = frozenset(
-    map(str, (Status.ENERGY_RUNAWAY, Status.NOT_FINITE, Status.ENCOUNTER_JUMPED))
-)
+RUN_AWAY = frozenset(map(str, (Status.ENERGY_RUNAWAY, Status.NOT_FINITE, Status.ENCOUNTER_JUMPED)))
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 

@@ -205,7 +205,9 @@ class _Means:
         if step is not None and not simulation.plan.automatic:
             statuses = Counter(status.tolist())
             known = self.found["excess"][~np.isnan(self.found["excess"])]
-            yield from kept_values.step_notes(statuses, float(np.mean(known)) if known.size else 0.0, step)
+            yield from kept_values.step_notes(
+                statuses, float(np.mean(known)) if known.size else 0.0, step
+            )
         if parted := sum(PART in line for line in note[complete].tolist()):
             yield (
                 f"in {parted} of {total} members surfaces {PART}; means include them, and the "

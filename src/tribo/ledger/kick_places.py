@@ -42,7 +42,9 @@ def _turned(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A harmonic oscillator after some times, and its rate."""
     angle = frequency * lags
-    over = np.where(frequency > 0.0, np.sin(angle) / np.where(frequency > 0.0, frequency, 1.0), lags)
+    over = np.where(
+        frequency > 0.0, np.sin(angle) / np.where(frequency > 0.0, frequency, 1.0), lags
+    )
     cos = np.cos(angle)
     return cos * twist + over * rate, cos * rate - frequency * np.sin(angle) * twist
 

@@ -172,7 +172,7 @@ def excess_note(excess: float, step: float) -> Iterator[str]:
     times = f"{1.0 + excess:.3g} times" if math.isfinite(excess) else "beyond any multiple of"
     yield (
         f"steps of {step:.3g} {HEATS}, the kinetic temperature is {times} that of the "
-        f"reservoir; steps of {step * math.sqrt(NOTED_EXCESS / part):.2g} keep this below 1 %"
+        f"reservoir; steps of {0.9 * step * math.sqrt(NOTED_EXCESS / part):.2g} keep this below 1 %"
     )
 
 

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 
 from tribo.ensembles.dataset import counts_of, member_coordinates, times_of
-from tribo.ensembles.kept_values import ERROR, NOT_RUN, REFUSED, Kept, KeptValues, joined, step_notes
+from tribo.ensembles.kept_values import (
+    ERROR,
+    NOT_RUN,
+    REFUSED,
+    Kept,
+    KeptValues,
+    joined,
+    step_notes,
+)
 from tribo.ensembles.members import Members
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
