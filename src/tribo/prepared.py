@@ -189,9 +189,9 @@ class Simulation:
             assert isinstance(setting, float)
             tries -= 1
             shorter = 0.5 * setting if run.stiffness is None else run.stiffness.shorter(setting)
-            plan = self.plan.with_step(shorter)
-            notes = (notes_on.repeat_note(layout, run, setting, plan.setting),)
-            setting = plan.setting
+            shorter = self.plan.divided(shorter)
+            notes = (notes_on.repeat_note(layout, run, setting, shorter),)
+            setting = shorter
             run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes = (*notes, *notes_on.passage_notes(layout, run))
         if run.stiffness is not None and noisy(self.scene):

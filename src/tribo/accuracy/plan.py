@@ -58,9 +58,13 @@ class Plan:
 
     def with_step(self, step: float) -> Plan:
         """The plan with another step, or the next shorter one that divides its interval."""
-        if self.interval is not None:
-            step = float(self.interval / count_of_steps(self.interval, step))
-        return replace(self, setting=step)
+        return replace(self, setting=self.divided(step))
+
+    def divided(self, step: float) -> float:
+        """A step, or the next shorter one that divides the plan's interval."""
+        if self.interval is None:
+            return step
+        return float(self.interval / count_of_steps(self.interval, step))
 
     def at_half_step(self) -> Plan:
         assert isinstance(self.setting, float)

@@ -35,6 +35,7 @@ def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy
             policy = _with_step(policy, min(plan.setting, _bound(policy, variation, count)))
         members = variation.sample(count, FIRST_MEMBERS)
         for _ in range(MOST_REPEATS):
+            assert isinstance(policy, StepRuns)
             shorter = policy.shorter_step(members)
             if shorter is None:
                 break

@@ -93,6 +93,7 @@ class Search(Integrator):
         streamed: StreamedLedger | None = None,
         most: float | None = None,
         rounded: bool = False,
+        resolved: bool = False,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError or KeyboardInterrupt."""
         rest, most = self._budget - self.evaluations, most or most_evaluations(self.layout.scene)

@@ -1,9 +1,9 @@
 """The stiffness of the forces in kicks, from two kicks that follow each other.
 
 With noise, a run watches the curvature that its motion meets: between two kicks a coordinate moves
-by d, and its acceleration changes by c.  A harmonic force of frequency w has c = -w^2 d at any step,
-and a thermal motion in any potential has mean(-c d) / mean(d^2) = w^2 with the mean curvature.
-The accelerations are at hand, so this takes no evaluation of forces.
+by d, and its acceleration changes by c.  A harmonic force of frequency w has c = -w^2 d for any
+step, and a thermal motion in any potential has mean(-c d) / mean(d^2) = w^2 with the mean
+curvature.  The accelerations are known, so this takes no evaluation of forces.
 """
 
 from tribo.compiler.jit import kernel

@@ -1,7 +1,8 @@
 """The forces on asperites as series, from the raw samples of a run.
 
-The kernels compute them again in each sampled state, with noise in that of the next kick.  A force that has white noise has no value at
-one time; its series is the mean over the interval that ends at the sample, from its impulse.
+The kernels compute them again in each sampled state, with noise in that of the next kick.  A force
+that has white noise has no value at one time; its series is the mean over the interval that ends at
+the sample, from its impulse.
 """
 
 from collections.abc import Callable

@@ -120,9 +120,10 @@ class StiffnessGuard:
             look *= 2
         return min(budget, look - steps)
 
-    def is_due(self) -> bool:
+    def is_due_and_exceeded(self) -> bool:
+        """Whether it is time to look, and the steps do not resolve the motion."""
         looks, rest = divmod(self._steps, FIRST_LOOK)
-        return rest == 0 and looks.bit_count() == 1
+        return rest == 0 and looks.bit_count() == 1 and self.is_exceeded()
 
     def is_exceeded(self) -> bool:
         stiffness = self._loop.stiffness(self._step)
@@ -368,9 +369,8 @@ def run_in_chunks(
                     raise KeyboardInterrupt
             if loop.adaptive and code == PAUSED and guard.is_hopeless():
                 return Status.NO_PROGRESS
-            if resolved is not None and code == PAUSED and resolved.is_due():
-                if resolved.is_exceeded():
-                    return Status.STEP_TOO_LONG
+            if resolved is not None and code == PAUSED and resolved.is_due_and_exceeded():
+                return Status.STEP_TOO_LONG
             wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
             budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:

@@ -39,7 +39,7 @@ class Stiffness(NamedTuple):
 
     pairs: int  # of kicks that were compared
     frequency: np.ndarray  # of the stiffest motion [rad / time]; NaN where it ran away
-    # Largest mean curvature over the inertia, of the coordinates of one kind of a surface [1/time^2].
+    # Largest mean curvature over the inertia, of one kind of coordinates of a surface [1 / time^2].
     curvature: np.ndarray
 
     def of_members(self, selected: np.ndarray) -> Stiffness:
