@@ -10,7 +10,7 @@ from tribo.compiler.jit import undisturbed
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
-from tribo.integrators.methods import Method
+from tribo.integrators.methods import Method, noisy
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.integrators.stiffness import MOVED, WATCH_ROWS
@@ -116,7 +116,7 @@ class GeneralLoop(TimeLoop):
         return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
     def stiffness(self, step: float) -> Stiffness | None:
-        if not (self._noise and is_damped(self.layout)):
+        if not (self._noise and noisy(self.layout.scene)):
             return None
         return stiffness_of(self.layout, self.stiffness_sums, int(self.clocks["steps"][0]), step)
 

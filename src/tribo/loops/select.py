@@ -112,8 +112,8 @@ class Integrator:
 
         `streamed` takes the samples in, of which only the first and the last two are kept then.
         Adaptive steps may take `most` force evaluations; those of the scene without it.  `rounded`
-        gives the bobs' places other roundings, and rough forces other steps.  If equal steps have to
-        be `resolved`, the run stops where they are too long for the stiffest motion that it meets.
+        gives the bobs' places other roundings, and rough forces other steps.  If equal steps have
+        to be `resolved`, the run stops where they are too long for the stiffest motion it meets.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
         if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
