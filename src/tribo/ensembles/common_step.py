@@ -30,24 +30,22 @@ BOUNDED, BOUNDED_ALONE = 4096, 256
 
 def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy:
     """The same policy, whose step resolves the motion of the first members of `count`."""
-    plan = policy.simulation.plan
-    assert isinstance(plan.setting, float)
+    step = policy.simulation.plan.setting
+    assert isinstance(step, float)
+    before = count // FEWEST
     if isinstance(policy, StepRuns):
         if variation.own_numbers:
-            policy = _with_step(policy, min(plan.setting, _bound(policy, variation, count)))
-        members = variation.sample(count, min(FIRST_MEMBERS, count // FEWEST))
-        if members.numbers.size == 0:
-            return policy
-        for _ in range(MOST_REPEATS):
+            policy = _with_step(policy, min(step, _bound(policy, variation, count)))
+        for _ in range(MOST_REPEATS if before else 0):
             assert isinstance(policy, StepRuns)
-            shorter = policy.shorter_step(members)
+            shorter = policy.shorter_step(variation.sample(count, min(FIRST_MEMBERS, before)))
             if shorter is None:
                 break
             policy = _with_step(policy, shorter)
         return policy
     assert isinstance(policy, SingleRuns)
-    starts = variation.sample(count, min(FIRST_STARTS, count // FEWEST))
-    step = min(plan.setting, _of_starts(policy, starts))
+    if before:
+        step = min(step, _of_starts(policy, variation.sample(count, min(FIRST_STARTS, before))))
     if variation.own_numbers:
         step = min(step, _of_scenes(policy, variation.sample(count, BOUNDED_ALONE)))
     return _with_step(policy, step)
