@@ -20,8 +20,8 @@ INERTIA = ASPERITE.m1 * ASPERITE.m2 / MASS * ASPERITE.length**2
 # Step [time], a tenth of a radian of the pendulum.
 STEP = 0.1 / math.sqrt(ASPERITE.kappa / INERTIA)
 # Damping of a step and temperature in units of kappa, at the limits of `tribo.loops.resolution`:
-# 0.25 of z at any temperature, and 0.2 of z^2 T / kappa.
-LIMITS = ((0.249, 3.0), (0.249, 10.0), (0.44, 1.0), (0.98, 0.205), (1.98, 0.05), (4.4, 0.01))
+# 0.25 of z at any temperature, and 0.1 of z^2 T / kappa.
+LIMITS = ((0.249, 3.0), (0.249, 10.0), (0.44, 0.5), (0.98, 0.104), (1.98, 0.025), (4.4, 0.005))
 # Length of a run in units of the slowest time of its twist, of which the first tenth is left out.
 TIMES, SAMPLES = 100, 401
 

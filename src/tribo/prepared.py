@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
 from tribo.accuracy.search_runs import StopTimes
+from tribo.integrators.methods import noisy
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -32,8 +34,16 @@ from tribo.results import notes as notes_on
 from tribo.results.run_result import Cost, itself
 from tribo.validation import InputError, TriboWarning
 
-# A step that was chosen is halved so often at most: a thousandth of it resolves no other scenes.
-MOST_HALVINGS = 10
+# A run whose step was chosen is repeated so often at most, each time with half the step or less: a
+# thousandth of it resolves no other scenes.
+MOST_REPEATS = 10
+# Ends of runs whose step is too long.
+REPEATED = (
+    Status.ENCOUNTER_JUMPED,
+    Status.NOT_FINITE,
+    Status.ENERGY_RUNAWAY,
+    Status.STEP_TOO_LONG,
+)
 # Of a streamed ledger of all quantities.
 ENDS_ALONE = ("of the asperites' series only the first and the last sample are kept",)
 # Of a run whose errors are not estimated.
@@ -177,21 +187,26 @@ class Simulation:
         return single_setting(self.plan, self.integrator)
 
     def _single_run(self, y: np.ndarray) -> Result:
-        """A run without an error estimate; where steps were chosen, they pass no encounter."""
+        """A run without an error estimate; where steps were chosen, they resolve its motion."""
         layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
         setting, times = self.plan.setting, self.plan.times
         if not self._streams and self._single_setting is not None:
             setting, times = self._single_setting, layout.times
-        run, ledger, watched = self._deliver(setting, times, y)
+        tries = MOST_REPEATS if self.plan.automatic else 0
+        run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes: tuple[str, ...] = ()
-        for _ in range(MOST_HALVINGS if self.plan.automatic else 0):
-            if run.status != Status.ENCOUNTER_JUMPED:
-                break
+        while tries > 0 and run.status in REPEATED:
             assert isinstance(setting, float)
-            notes = (notes_on.halving_note(layout, run, setting),)
-            setting = 0.5 * setting
-            run, ledger, watched = self._deliver(setting, times, y)
+            tries -= 1
+            shorter = 0.5 * setting if run.stiffness is None else run.stiffness.shorter(setting)
+            shorter = self.plan.divided(shorter)
+            notes = (notes_on.repeat_note(layout, run, setting, shorter),)
+            setting = shorter
+            run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes = (*notes, *notes_on.passage_notes(layout, run))
+        if run.stiffness is not None and noisy(self.scene):
+            assert isinstance(setting, float)
+            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(setting)), setting))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -201,15 +216,21 @@ class Simulation:
         return self._result(run, ledger, cost, notes, setting=setting)
 
     def _deliver(
-        self, setting: Setting, times: np.ndarray, y: np.ndarray
+        self, setting: Setting, times: np.ndarray, y: np.ndarray, resolved: bool = False
     ) -> tuple[Integration, Callable[[], Ledger], Watched | None]:
-        """A run, its ledger, and what notes need of samples that memory does not hold."""
+        """A run, its ledger, and what notes need of samples that memory does not hold.
+
+        One whose steps have to be `resolved` stops where they are too long.
+        """
         layout = self.layout
+        if noisy(self.scene) and isinstance(setting, float):
+            layout = replace(layout, noisy_step=setting)
         if not self._streams:
-            run = up_to_passing(layout, self.integrator(setting, times, y))
+            run = self.integrator(setting, times, y, resolved=resolved)
+            run = up_to_passing(layout, run)
             return run, lambda: _reported(layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
-        run = self.integrator(setting, layout.times, y, streamed)
+        run = self.integrator(setting, layout.times, y, streamed, resolved=resolved)
         return run, partial(itself, streamed.whole(run.samples)), streamed.watched
 
     def _estimated_result(

@@ -118,14 +118,23 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
     method = methods.METHODS["verlet"]
     if step is not None:
         return Choice(method, None, _checked_step(layout, method, step))
-    springs, user = resolution.spring_frequency(layout), resolution.user_frequency(layout)
+    return Choice(method, None, bounded_step(layout), automatic=True)
+
+
+def bounded_step(layout: Layout, members: MemberNumbers | None = None) -> float:
+    """The longest step with noise, by the frequencies that a scene states, or any of its members.
+
+    Contacts and fields depend on the motion: see `accuracy.noisy_step`.
+    """
+    springs = resolution.spring_frequency(layout, members)
+    user = resolution.user_frequency(layout)
     fastest = max(springs, resolution.corrugation_frequency(layout), user)
     step = min(
-        NOISY_STEP * resolution.first_step(layout),
-        resolution.longest_damped_step(layout),
+        NOISY_STEP * resolution.first_step(layout, members),
+        resolution.longest_damped_step(layout, members),
         NOISY_PHASE / fastest if fastest > 0.0 else np.inf,
     )
-    return Choice(method, None, resolution.longest_step(layout, step), automatic=True)
+    return resolution.longest_step(layout, step)
 
 
 def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:

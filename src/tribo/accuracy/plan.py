@@ -11,8 +11,10 @@ from tribo.accuracy.comparison import Accuracy, error_bounds
 from tribo.accuracy.cost_model import counted, evaluation_time
 from tribo.accuracy.decision import LONG_RUN
 from tribo.accuracy.levels import setting_at, tolerance_scales, work
+from tribo.accuracy.noisy_step import resolving_step
 from tribo.accuracy.search import FoundSettings, find_settings
 from tribo.accuracy.search_runs import PARTS, Announce, StopTimes
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed
@@ -45,12 +47,24 @@ class Plan:
     tuned: FoundSettings | None = None
     # Of a run without an error estimate, at the scene's times alone; None if none is cheaper.
     single: Setting | None = None
-    automatic: bool = False  # whether a step was chosen, and is halved if it passes an encounter
+    automatic: bool = False  # whether a step was chosen, and is shortened if it is too long
+    # Steps divide it: members that record no samples take the steps of those that do [time].
+    interval: float | None = None
 
     def without_runs(self, single: Setting | None) -> Plan:
         """The plan for other scenes: without the runs that found it, and with `single`."""
         tuned = None if self.tuned is None else replace(self.tuned, runs=(), errors=None)
         return replace(self, tuned=tuned, single=single)
+
+    def with_step(self, step: float) -> Plan:
+        """The plan with another step, or the next shorter one that divides its interval."""
+        return replace(self, setting=self.divided(step))
+
+    def divided(self, step: float) -> float:
+        """A step, or the next shorter one that divides the plan's interval."""
+        if self.interval is None:
+            return step
+        return float(self.interval / count_of_steps(self.interval, step))
 
     def at_half_step(self) -> Plan:
         assert isinstance(self.setting, float)
@@ -63,10 +77,11 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
     name, times = choice.method.name, layout.times
     if accuracy is None:
         assert choice.step is not None
+        step = resolving_step(integrator, choice.step) if choice.automatic else choice.step
         if announce is not None:
             each = 1e-9 * evaluation_time(layout, choice.method)
-            announce(1, 1, each * counted(layout, choice.method, choice.step, times))
-        return Plan(name, choice.why, choice.step, times, automatic=choice.automatic)
+            announce(1, 1, each * counted(layout, choice.method, step, times))
+        return Plan(name, choice.why, step, times, automatic=choice.automatic)
     stops = StopTimes.for_samples(_compared(layout))
     tuned = find_settings(integrator, accuracy, stops, announce)
     tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)

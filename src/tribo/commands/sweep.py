@@ -123,12 +123,12 @@ def _summary(data: xarray.Dataset, out: Path | None) -> str:
 
 def _table(data: xarray.Dataset) -> list[str]:
     """A line for each point, with the keys and some quantities; lines about the rest."""
-    from tribo.ensembles.dataset import COUNTS
+    from tribo.ensembles.dataset import COUNTS, EXCESS
     from tribo.ensembles.kept_values import INTERVAL
     from tribo.sweeps.figure import ends
 
     dimensions, keys, scalars = _layout(data)
-    hidden = (*COUNTS, "status", "point_status")
+    hidden = (*COUNTS, *EXCESS, "status", "point_status")
     names = [n for n in scalars if n not in hidden and not n.endswith(("_error", "_half_width"))]
     # A mean of the members' intervals over time is no interval of their mean.
     names = [name for name in names if INTERVAL not in name]

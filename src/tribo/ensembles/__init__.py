@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.checked_runs import CheckedPlan
 from tribo.ensembles.dataset import kept_attributes, members_dataset, times_of
 from tribo.ensembles.engines import Engine
-from tribo.ensembles.kept_values import Kept, KeptValues
+from tribo.ensembles.kept_values import Kept, KeptValues, doubtful
 from tribo.ensembles.means import check_series, checked_half_width, mean_dataset
 from tribo.ensembles.members import Members, Sampler, Source, Variation, is_random, sources_of
 from tribo.ensembles.request import END, SAMPLES, Request
@@ -29,6 +30,7 @@ from tribo.layout.layout import lay_out
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.settings import names_of_quantities
+from tribo.prepared import Simulation
 from tribo.progress import Shown
 from tribo.simulation import prepare
 from tribo.validation import InputError, boolean, choice, instance, integer, short_repr
@@ -199,7 +201,10 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     )
     interrupted = runs.fill(store, count)
     attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
-    attributes |= target.attributes(scene, interrupted, store.tally.notes)
+    plan = runs.policy.simulation.plan
+    step = plan.setting if isinstance(plan.setting, float) and not plan.automatic else None
+    attributes |= {"doubtful": doubtful(store.tally.statuses) if step is not None else 0}
+    attributes |= target.attributes(scene, interrupted, store.tally.notes(step))
     if isinstance(store, StatisticsStore):
         store.flush()
         if (moments := store.moments()) is None:
@@ -256,6 +261,10 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
     simulation = prepare(
         scene, method=attributes["method_alone"], step=step, progress=False, threads=1
     )
+    if attributes.get("automatic", False):  # a member may have needed a shorter step
+        interval = json.loads(attributes["interval"])
+        given = replace(simulation.plan, automatic=True, interval=interval)
+        simulation = Simulation(given, simulation.integrator)
     kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]

@@ -10,6 +10,7 @@ import numpy as np
 from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, is_random, values_at_start
+from tribo.integrators.methods import noisy
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.guards import grows, passed_through
@@ -148,13 +149,17 @@ def kept_series(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
     return found
 
 
-def delivered(kept: Kept, runs: MemberRuns, level: float, guarded: bool = False) -> KeptValues:
-    """What is kept of some runs; those that stop, or, if `guarded`, grow in energy, are UNKNOWN."""
-    members = len(runs.counts)
+def complete_members(runs: MemberRuns, guarded: bool = False) -> np.ndarray:
+    """Which members completed; not those that passed, or, if `guarded`, grow in energy."""
     stopped = passed_through(runs.layout, runs.samples)
     if guarded:
         stopped = stopped | grows(runs.layout, runs.samples)
-    complete = runs.complete & ~stopped.reshape(-1, members).any(axis=0)
+    return np.asarray(runs.complete & ~stopped.reshape(-1, len(runs.counts)).any(axis=0))
+
+
+def delivered(kept: Kept, runs: MemberRuns, level: float, complete: np.ndarray) -> KeptValues:
+    """What is kept of some runs; all that are not `complete` are UNKNOWN."""
+    members = len(runs.counts)
     found = kept.without_runs(members) | kept_series(kept, runs)
     found["status"][complete] = str(Status.COMPLETED)
     found["steps"] = runs.counts[:, STEPS].copy()
@@ -178,9 +183,33 @@ class StepRuns(Policy):
     def compute(self, members: Members) -> KeptValues:
         """Run some members; those that do not complete have UNKNOWN.  Raises InputError."""
         starts = self.begin(members)
+        runs = self._run(starts)
+        found = delivered(self.kept, runs, math.nan, self._resolved(runs))
+        if runs.stiffness is not None and noisy(self.simulation.scene):
+            found["excess"] = runs.stiffness.excess(self._step)
+        return found
+
+    def shorter_step(self, members: Members) -> float | None:
+        """A shorter step, if that of the plan does not resolve the motion of some members."""
+        runs = self._run(self.begin(members))
+        stiffness = runs.stiffness
+        assert stiffness is not None
+        if not np.all(self._resolved(runs)):
+            return stiffness.shorter(self._step)
+        together = stiffness.together()
+        return together.shorter(self._step) if together.exceeds(self._step) else None
+
+    def _run(self, starts: MemberStarts) -> MemberRuns:
+        """Run some members with the step of the plan."""
         simulation, own = self.simulation, starts.numbers
         if own is not None and simulation.method.splits:  # refuse a step too long for some member
             check_damped_step(longest_damped_step(simulation.layout, own), self._step)
             check_resolved(simulation.layout, simulation.method, self._step, own)
-        runs = self._batch.run(self._step, starts)
-        return delivered(self.kept, runs, math.nan, guarded=True)
+        return self._batch.run(self._step, starts)
+
+    def _resolved(self, runs: MemberRuns) -> np.ndarray:
+        """Which members completed, with a step that resolves their motion if it was chosen."""
+        complete = complete_members(runs, guarded=True)
+        if self.simulation.plan.automatic and runs.stiffness is not None:
+            complete &= ~runs.stiffness.exceeds(self._step)
+        return complete

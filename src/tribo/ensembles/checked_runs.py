@@ -21,7 +21,7 @@ from tribo.accuracy.comparison import compare_members, strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
 from tribo.accuracy.plan import NEAR_ALONE
 from tribo.accuracy.scales import EPSILON, Scales
-from tribo.ensembles.batches import Policy, chunk_of, delivered, kept_series
+from tribo.ensembles.batches import Policy, chunk_of, complete_members, delivered, kept_series
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
@@ -132,7 +132,7 @@ class CheckedRuns(Policy):
         """Run members, check and refine them; those that need a search of their own are UNKNOWN."""
         starts = self.begin(members)
         runs = self.run(self.plan, starts)
-        found = delivered(self.kept, runs, self.plan.level)
+        found = delivered(self.kept, runs, self.plan.level, complete_members(runs))
         complete = found["status"] != UNKNOWN
         some = (members.numbers < SAMPLE) | (members.numbers % CHECKED == 0)
         checked = complete & (self.kept.with_errors or self._doubtful(runs, starts) | some)

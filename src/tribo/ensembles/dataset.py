@@ -12,6 +12,7 @@ from tribo.ensembles.batches import Policy
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import VELOCITY, Members, is_start
 from tribo.ensembles.runner import Runs
+from tribo.integrators.methods import noisy
 from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
 from tribo.model.initial import DISPLACEMENTS
 from tribo.model.scene import Scene
@@ -27,6 +28,16 @@ COUNTS = {
     "level": "level of the tolerances; NaN where settings were searched for",
     "error": "difference from a finer run, relative; NaN where not checked",
 }
+# The same of runs with noise.
+EXCESS = {
+    "excess": "part by which the step makes the kinetic temperature too high, by the stiffness of "
+    "the forces; NaN of runs of their own",
+}
+
+
+def counts_of(scene: Scene) -> dict[str, str]:
+    """What each run of a scene has beside its values, with the meaning."""
+    return COUNTS | (EXCESS if noisy(scene) else {})
 
 
 def members_dataset(
@@ -41,7 +52,7 @@ def members_dataset(
         # The name of a start that is varied is taken.
         own = f"{name}_end" if name in members.values else name
         variables[own] = ("member", *kept.dimensions(name)), found[name], kept.about(name)
-    for name, meaning in COUNTS.items():
+    for name, meaning in counts_of(policy.simulation.scene).items():
         variables[name] = ("member",), found[name], {"long_name": meaning}
     coordinates: dict[str, Variable] = {
         **member_coordinates(members),
@@ -94,6 +105,7 @@ def settings_attributes(runs: Runs) -> dict[str, str | float]:
         "method": plan.method,
         "method_alone": plan.method,
         "step": json.dumps(plan.setting if plan.tuned is None else None),
+        **({"automatic": 1, "interval": json.dumps(plan.interval)} if plan.automatic else {}),
         "accuracy": json.dumps(plan.accuracy),
         "seed": str(runs.variation.seed),
     }

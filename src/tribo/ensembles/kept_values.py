@@ -18,6 +18,7 @@ from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.results.force_averages import force_average
+from tribo.results.notes import HEATS, excess_note
 from tribo.validation import InputError
 
 # The status of a member whose accuracy is out of reach.
@@ -40,6 +41,12 @@ ERROR = "_error"
 CHECKED, REFINED, WEAK = "checked", "refined", "weak"
 # A count of members that have an average over time, but no interval of it.
 WITHOUT_INTERVAL = "without interval"
+# Beside them: the sum of excesses, and the number of its terms.
+EXCESS, EXCESSES = "excess", "excesses"
+# And members with runs of their own in which the step heats.
+HEATED = "heated"
+# Ends of runs whose step is too long: other members completed with it, perhaps by chance.
+RUN_AWAY = frozenset(map(str, (Status.ENERGY_RUNAWAY, Status.NOT_FINITE, Status.ENCOUNTER_JUMPED)))
 # Of an array of names of statuses.
 STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 
@@ -48,7 +55,9 @@ STATUS_TYPE = f"U{max(map(len, [MISSED, REFUSED, *Status]))}"
 # bounds on their errors, as "upper.w1_error", NaN where unknown, if Kept.with_errors; and how the
 # runs went, (members,): status, steps, force_evaluations, the level of the tolerances (NaN of a
 # run of its own, or with a given step), the error, which is the largest difference from a finer run
-# in scales (NaN of members not checked), and a note with limitations, a line each.
+# in scales (NaN of members not checked), the excess, by which a step with noise makes the kinetic
+# temperature too high, relative (NaN of runs of their own), and a note with limitations, a line
+# each.
 KeptValues = dict[str, np.ndarray]
 
 
@@ -65,6 +74,25 @@ def completed(found: KeptValues) -> np.ndarray:
 def set_notes(found: KeptValues, places: int | np.ndarray, notes: str | list[str]) -> None:
     found["note"] = found["note"].astype(np.result_type(found["note"], np.array(notes)))
     found["note"][places] = notes
+
+
+def doubtful(statuses: Mapping[str, int]) -> int:
+    """Members that completed, if others ran away with the same step."""
+    return statuses.get(str(Status.COMPLETED), 0) if RUN_AWAY & statuses.keys() else 0
+
+
+def step_notes(statuses: Mapping[str, int], excess: float, step: float | None) -> Iterator[str]:
+    """Notes on a given step with which members ran away beside others, or that heats."""
+    if step is None:
+        return
+    if number := doubtful(statuses):
+        away = sorted(RUN_AWAY & statuses.keys())
+        others = sum(statuses[name] for name in away)
+        yield (
+            f"the {number} members that completed are doubtful: with the same steps of {step:.3g}, "
+            f"{others} others ran away ({', '.join(away)}); give a shorter step, or none"
+        )
+    yield from excess_note(excess, step)
 
 
 @dataclass(frozen=True)
@@ -150,7 +178,7 @@ class Kept:
     def without_runs(self, members: int, status: str = UNKNOWN, note: str = "") -> KeptValues:
         """The values of members that have not been run."""
         bounds = [f"{name}{ERROR}" for name in self.names if self.with_errors]
-        shapes = {**self.shapes, **dict.fromkeys([*bounds, "level", "error"], ())}
+        shapes = {**self.shapes, **dict.fromkeys([*bounds, "level", "error", "excess"], ())}
         return {
             **{name: np.full((members, *shape), np.nan) for name, shape in shapes.items()},
             **{name: np.zeros(members, np.int64) for name in ("steps", "force_evaluations")},
@@ -286,19 +314,33 @@ class Tally(Counter[str]):
         noted = found["note"][found["note"] != ""].tolist()
         self.update({WEAK: sum(LOST in note for note in noted)})
         self.update({WITHOUT_INTERVAL: int(without_interval(found).sum())})
+        self.update({HEATED: sum(HEATS in note for note in noted)})
+        excess = found["excess"][~np.isnan(found["excess"])]
+        self.update({EXCESS: float(np.sum(excess)), EXCESSES: excess.size})  # type: ignore[dict-item]
 
     @property
     def statuses(self) -> dict[str, int]:
-        others = (CHECKED, REFINED, WEAK, WITHOUT_INTERVAL)
+        others = (CHECKED, REFINED, WEAK, WITHOUT_INTERVAL, EXCESS, EXCESSES, HEATED)
         return {name: n for name, n in self.items() if n and name not in others}
 
     @property
-    def notes(self) -> Iterator[str]:
-        """How many members were refined, and how many have no values."""
+    def excess(self) -> float:
+        """The mean excess of the kinetic temperature; 0 where none was measured."""
+        return self[EXCESS] / max(1, self[EXCESSES])
+
+    def notes(self, step: float | None) -> Iterator[str]:
+        """How many members were refined, and how many have no values; what a given step does."""
         total = sum(self.statuses.values())
         if stopped := sorted(self.statuses.keys() - {str(Status.COMPLETED)}):
             number = total - self[str(Status.COMPLETED)]
             yield f"{number} of {total} members have no values ({', '.join(stopped)})"
+        of_step = [*step_notes(self.statuses, self.excess, step)]
+        yield from of_step
+        if self[HEATED] and not any(HEATS in note for note in of_step):
+            yield (
+                f"in {self[HEATED]} of {total} members the step makes the kinetic temperature more "
+                "than 1 % too high; give a shorter step, or none"
+            )
         if self[CHECKED]:
             again = f"{self[CHECKED]} members were run again with finer settings"
             yield f"{again}; {self[REFINED]} needed them"

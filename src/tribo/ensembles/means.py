@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -57,6 +58,7 @@ def mean_dataset(
     attributes |= settings_attributes(runs) | {
         "confidence": CONFIDENCE,
         "half_width": json.dumps(half_width),
+        "doubtful": means.doubtful,
     }
     members = runs.variation.members(np.arange(found["status"].size))
     return target.saved(means.added_to(members_dataset(runs.policy, members, found, attributes)))
@@ -179,6 +181,14 @@ class _Means:
         """The members that reached their end with other settings."""
         return 0 if self.check is None else int(np.count_nonzero(kept_values.completed(self.check)))
 
+    @property
+    def doubtful(self) -> int:
+        """Members that completed, if others ran away with the same given step."""
+        plan = self.runs.policy.simulation.plan
+        if plan.accuracy is not None or plan.automatic:
+            return 0
+        return kept_values.doubtful(Counter(self.found["status"].tolist()))
+
     def notes(self) -> Iterator[str]:
         simulation, status = self.runs.policy.simulation, self.found["status"]
         complete, note = kept_values.completed(self.found), self.found["note"]
@@ -192,6 +202,12 @@ class _Means:
             stopped = ", ".join(sorted({*status[~complete].tolist()}))
             early = f"{total - number} of {total} members stopped early ({stopped})"
             yield f"{early}; means are over the others"
+        if step is not None and not simulation.plan.automatic:
+            statuses = Counter(status.tolist())
+            known = self.found["excess"][~np.isnan(self.found["excess"])]
+            yield from kept_values.step_notes(
+                statuses, float(np.mean(known)) if known.size else 0.0, step
+            )
         if parted := sum(PART in line for line in note[complete].tolist()):
             yield (
                 f"in {parted} of {total} members surfaces {PART}; means include them, and the "

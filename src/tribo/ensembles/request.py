@@ -6,21 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.choose_method import choose
 from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
 from tribo.integrators.methods import noisy
-from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout, lay_out
+from tribo.layout.layout import Layout
 from tribo.ledger.quantities import FURTHER, needs_accounts
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
 from tribo.simulation import prepare
-from tribo.validation import POSITIVE, InputError, inside, number
+from tribo.validation import InputError
 
 # When quantities are kept.
 END, SAMPLES = "end", "samples"
@@ -62,8 +60,9 @@ class Request(NamedTuple):
     def prepare(self, scene: Scene) -> Simulation:
         """The scene with all members' settings.  Raises InputError if these miss the accuracy."""
         simulation = prepare(
-            self.recorded(scene), self.accuracy, self.method, self._step(scene), False, threads=1
+            self.recorded(scene), self.accuracy, self.method, self.step, False, threads=1
         )
+        simulation = self._in_steps_of_samples(scene, simulation)
         if simulation.accuracy is None or self.with_errors:
             return simulation
         result = simulation.compute_first()
@@ -99,15 +98,15 @@ class Request(NamedTuple):
         }
         return identity_of(self.recorded(scene), settings, version())
 
-    def _step(self, scene: Scene) -> float | None:
-        """The step; with noise it divides the times between samples, as paths depend on steps."""
-        intervals, given = np.diff(scene.times), scene.numerics
-        equal, step = np.ptp(intervals) <= 1e-9 * intervals[0], self.step
+    def _in_steps_of_samples(self, scene: Scene, simulation: Simulation) -> Simulation:
+        """The same, whose steps, with noise, divide the times between samples.
+
+        Paths depend on the steps, and members that keep their ends alone record no samples.
+        """
+        intervals = np.diff(scene.times)
+        equal = np.ptp(intervals) <= 1e-9 * intervals[0]
         if self.keep is None or self.at != END or not (noisy(scene) and equal):
-            return step
-        if step is None:
-            with inside("numerics"):
-                method = self.method or given.method
-                step = choose(lay_out(scene), given.accuracy, method, given.step).step
-        step = number("step", step, POSITIVE)  # there is one wherever there is noise
-        return float(intervals[0] / count_of_steps(intervals[0], step))
+            return simulation
+        plan = replace(simulation.plan, interval=float(intervals[0]))
+        assert isinstance(plan.setting, float)
+        return Simulation(plan.with_step(plan.setting), simulation.integrator)

@@ -18,6 +18,7 @@ from tribo import interrupts
 from tribo.accuracy.levels import work
 from tribo.ensembles.batches import Policy, SingleRuns, StepRuns
 from tribo.ensembles.checked_runs import CheckedPlan, CheckedRuns, checked_plan
+from tribo.ensembles.common_step import with_common_step
 from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
@@ -99,6 +100,8 @@ def planned(
 ) -> Runs:
     """The runs of an ensemble of `count` members, by the policy that suits it."""
     policy = policy_of(simulation, kept, variation.own_numbers)
+    if simulation.plan.automatic:
+        policy = with_common_step(policy, variation, count)
     if isinstance(policy, CheckedRuns):
         policy.plan = checked_plan(policy, variation, count, how.threads)
     return Runs(policy, variation, how)

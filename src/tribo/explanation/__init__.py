@@ -248,7 +248,7 @@ def explain(scene: Scene) -> Explanation:
         compiled=not compiled.buffer,
         predicted=predicted,
         evaluations_used=search.evaluations,
-        slow=slow_motion(layout, choice.step) if predicted.seconds >= LONG else "",
+        slow=slow_motion(layout, step) if predicted.seconds >= LONG else "",
     )
 
 

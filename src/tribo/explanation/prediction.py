@@ -93,6 +93,7 @@ class Search(Integrator):
         streamed: StreamedLedger | None = None,
         most: float | None = None,
         rounded: bool = False,
+        resolved: bool = False,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError or KeyboardInterrupt."""
         rest, most = self._budget - self.evaluations, most or most_evaluations(self.layout.scene)
@@ -127,10 +128,12 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         basis, evaluations = "extrapolated", _extrapolated(choice, search)
         samples = 2 * sum(times.size for times in StopTimes.for_samples(layout.times))
     seconds = time.perf_counter() - began
-    each = seconds / search.evaluations if search.evaluations else _measured(search, choice.step)
+    step = setting if isinstance(setting, float) else choice.step
+    each = seconds / search.evaluations if search.evaluations else _measured(search, step)
     if choice.step is not None:
+        assert isinstance(step, float)
         basis, samples = "counted", layout.times.size
-        evaluations = counted(layout, method, choice.step, layout.times)
+        evaluations = counted(layout, method, step, layout.times)
     predicted = Predicted(
         force_evaluations=round(evaluations),
         seconds=each * evaluations,
@@ -139,7 +142,7 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         met=None if tuned is None else tuned.met,
         stop=_stop(search, tuned),
     )
-    return predicted, setting if isinstance(setting, float) else None
+    return predicted, step
 
 
 def _measured(search: Search, step: float | None) -> float:

@@ -38,6 +38,7 @@ from tribo.integrators.kicks import (
     settle_custom_forces,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
+from tribo.integrators.stiffness import watch_kick
 from tribo.kernels import blocks
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
@@ -157,7 +158,7 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
 
 
 @inlined
-def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, noise):
+def kick_and_substep(model, substep, twice, neighbours, clock, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
     if substep is None:
         kick(model, twice, neighbours, model.team, t, tau, state, work)
@@ -172,6 +173,9 @@ def kick_and_substep(model, substep, twice, neighbours, t, tau, state, work, m, 
             kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         else:
             repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
+        if reservoirs is not None:
+            if m == 0:
+                watch_kick(model, clock.steps, q, state.memory, work.acceleration)
         jump(model, reservoirs, q)
 
 
@@ -262,7 +266,9 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
-        kick_and_substep(model, work.substep, work.twice, neighbours, t, tau, state, work, m, noise)
+        kick_and_substep(
+            model, work.substep, work.twice, neighbours, clock, t, tau, state, work, m, noise
+        )
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

@@ -21,6 +21,7 @@ class Status(StrEnum):
     NOT_CONVERGED = "NotConverged"
     NO_PROGRESS = "NoProgress"
     ENERGY_RUNAWAY = "EnergyRunaway"
+    STEP_TOO_LONG = "StepTooLong"
     PASSED_THROUGH = "PassedThrough"
     CALCULATOR_FAILED = "CalculatorFailed"
     INTERRUPTED = "Interrupted"
@@ -50,6 +51,8 @@ MEANINGS = {
     "a step",
     Status.ENERGY_RUNAWAY: "the energy grows without work, as the step is too long for the "
     "motion; give a smaller one, or an accuracy",
+    Status.STEP_TOO_LONG: "the step does not resolve the stiffest motion at the temperature; "
+    "give a smaller one, or none",
     Status.PASSED_THROUGH: "surfaces passed through each other: most bars of one are beyond all "
     "bobs of the other; give a smaller load, stronger contact, or denser asperites",
     Status.CALCULATOR_FAILED: "an ASE calculator raised an error, which the notes quote",

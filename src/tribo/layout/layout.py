@@ -65,6 +65,8 @@ class Layout:
     beginning: float = 0.0  # time at which the run starts
     numbers: MemberNumbers | None = None
     member_times: int = 1  # at which samples have rows of all members
+    # Of a run with noise, half of which lies between a sample and the next kick; 0 elsewhere.
+    noisy_step: float = 0.0
 
     @property
     def parts(self) -> dict[str, slice]:

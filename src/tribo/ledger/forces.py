@@ -1,7 +1,8 @@
 """The forces on asperites as series, from the raw samples of a run.
 
-The kernels compute them again in each sampled state.  A force that has white noise has no value at
-one time; its series is the mean over the interval that ends at the sample, from its impulse.
+The kernels compute them again in each sampled state, with noise in that of the next kick.  A force
+that has white noise has no value at one time; its series is the mean over the interval that ends at
+the sample, from its impulse.
 """
 
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from tribo.kernels.records import BARS
 from tribo.layout.layout import Layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import Accounts
+from tribo.ledger.kick_places import at_next_kicks
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.model.scene import Scene
@@ -83,6 +85,9 @@ class Forces:
     def __init__(self, layout: Layout, samples: Samples) -> None:
         self.layout = layout
         self._samples = samples
+        self._states = samples  # in which forces are computed
+        if layout.noisy_step > 0.0:
+            self._states = at_next_kicks(layout, samples, layout.noisy_step)
 
     def of(self, motion: Motion, index: int, name: str, axis: int) -> np.ndarray:
         """The series of a force along x or y, axis 0 or 1, on a span, (times, asperites)."""
@@ -107,6 +112,7 @@ class Forces:
 
     def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
+        motion = Motion(self.layout, motion.span, self._states)
         a, (tx, ty) = motion.span.asperites, motion.direction
         turning, inward = self._found(motion.span, probe.SWING), motion.omega**2
         acceleration = a.pivot * (
@@ -118,7 +124,7 @@ class Forces:
     @cached_property
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, TABLES, 2, columns)."""
-        layout, samples = self.layout, self._samples
+        layout, samples = self.layout, self._states
         found = room((samples.t.size, probe.TABLES, 2, layout.model.each.shape[1]))
         scratch = [room((layout.room[0],)) for _ in range(3)]
         places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)

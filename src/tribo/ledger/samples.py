@@ -31,7 +31,7 @@ class Samples:
     runs = 1  # how many there are; all have the same times
 
     @cached_property
-    def contacts(self) -> dict[Layout, dict[tuple[int, int], np.ndarray]]:
+    def contacts(self) -> dict[tuple[Layout, bool], dict[tuple[int, int], np.ndarray]]:
         """Where :func:`tribo.ledger.separation.touching` keeps what it has found of these."""
         return {}
 

@@ -21,8 +21,9 @@ from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
-from tribo.loops.general import GeneralLoop, in_blocks, unit_setting
+from tribo.loops.general import GeneralLoop, in_blocks, is_damped, unit_setting
 from tribo.loops.integrate import Columns, Setting
+from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.threads.writable_memory import arrays_in, together
 
 T = TypeVar("T")
@@ -53,6 +54,7 @@ class MemberRuns(NamedTuple):
     samples: Samples  # without a meaning for members that did not complete
     # (members, COUNTS); the code is PAUSED where a member needs a run of its own.
     counts: np.ndarray
+    stiffness: Stiffness | None = None  # that each has met; None without reservoirs
 
     @property
     def complete(self) -> np.ndarray:
@@ -60,18 +62,26 @@ class MemberRuns(NamedTuple):
         return np.asarray(self.counts[:, CODE] == COMPLETED)
 
     @classmethod
-    def of(cls, layout: Layout, samples: Samples, counts: np.ndarray) -> MemberRuns:
+    def of(
+        cls,
+        layout: Layout,
+        samples: Samples,
+        counts: np.ndarray,
+        stiffness: Stiffness | None = None,
+    ) -> MemberRuns:
         """The runs with these samples, to which the reactions on driven bars are added."""
         if layout.model.pivots is not None:
             add_reactions(layout, samples.y, samples.s, samples.at_start(samples.y))
-        return cls(layout, samples, counts)
+        return cls(layout, samples, counts, stiffness)
 
     def of_members(self, selected: np.ndarray) -> MemberRuns:
         """The runs of some members, by their indices or a mask."""
         layout = self.layout
         if layout.numbers is not None:
             layout = replace(layout, numbers=layout.numbers.of_members(selected))
-        return MemberRuns(layout, self.samples.of_members(selected), self.counts[selected])
+        stiffness = self.stiffness and self.stiffness.of_members(selected)
+        samples = self.samples.of_members(selected)
+        return MemberRuns(layout, samples, self.counts[selected], stiffness)
 
 
 class MemberLoop(Protocol):
@@ -100,18 +110,29 @@ class RecordingLoop(ABC):
             array[...] = fresh
 
     @abstractmethod
-    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
-        """Run members, fill in their samples (members, times, ...), and return their counts."""
+    def fill(
+        self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
+    ) -> np.ndarray:
+        """Run members, fill in their samples (members, times, ...), and return their counts.
+
+        With reservoirs, `sums` (members, 3, core) over their kicks are filled in, too.
+        """
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         layout, times, members = self.layout, self.layout.times, len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
-        counts = self.fill(setting, starts, columns)
+        watched = is_damped(layout) and isinstance(setting, float)
+        sums = np.zeros((members if watched else 0, 3, layout.core))
+        counts = self.fill(setting, starts, columns, sums)
+        stiffness = None
+        if isinstance(setting, float) and watched:
+            steps = int(np.max(counts[:, STEPS]))
+            stiffness = stiffness_of(layout, sums, steps, setting, starts.numbers)
         each_time = (np.concatenate(np.swapaxes(each[:members], 0, 1)) for each in columns)
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
             layout = replace(layout, numbers=starts.numbers, member_times=times.size)
-        return MemberRuns.of(layout, samples, counts)
+        return MemberRuns.of(layout, samples, counts, stiffness)
 
 
 def padded(members: int) -> int:
@@ -171,7 +192,9 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (self.model,), examples)
 
-    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
+    def fill(
+        self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
+    ) -> np.ndarray:
         """Run members from their seeds; the samples of those that did not complete are zeros."""
         self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
@@ -188,6 +211,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
             if self._noise:
                 self._noise = (np.random.default_rng([int(starts.seeds[m]), 2]),)
             count[CODE] = self._to_end(own)
+            if sums.size:
+                sums[m] = self.stiffness_sums
             count[STEPS], count[EVALUATIONS] = clock["steps"], clock["evaluations"]
             if count[CODE] != COMPLETED:
                 for each in own:

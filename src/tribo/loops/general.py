@@ -11,15 +11,17 @@ from tribo.compiler.jit import undisturbed
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
-from tribo.integrators.methods import Method
+from tribo.integrators.methods import Method, noisy
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
+from tribo.integrators.stiffness import MOVED, WATCH_ROWS
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.shared_run import assisted
@@ -60,7 +62,7 @@ class GeneralLoop(TimeLoop):
         places, n = layout.places, layout.coordinates
         y = np.zeros(2 * coordinates)
         y[places.q], y[coordinates + places.q] = start[:n], start[n:]
-        self.state = initial_state(y, accounts, method.remembers, method.splits)
+        self.state = initial_state(y, accounts, remembered(layout, method), method.splits)
         core = places.q[: layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._neighbours = layout.neighbours(method.splits)
@@ -115,6 +117,17 @@ class GeneralLoop(TimeLoop):
         own = tuple(vars(self).values()), self.layout.asperites, self.layout.surfaces
         return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
+    def stiffness(self, step: float) -> Stiffness | None:
+        if not (self._noise and noisy(self.layout.scene)):
+            return None
+        return stiffness_of(self.layout, self.stiffness_sums, int(self.clocks["steps"][0]), step)
+
+    @property
+    def stiffness_sums(self) -> np.ndarray:
+        """Sums over watched kicks, (3, core), see `tribo.integrators.stiffness`."""
+        rows = self.state.memory[MOVED - WATCH_ROWS :]
+        return np.asarray(rows[:, self.layout.places.q[: self.layout.core]])
+
     def memory(self) -> Memory:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
@@ -160,6 +173,16 @@ def compile_loop(layout: Layout, method: Method, threads: int = 1) -> float:
             loop.assist()
         loop.advance(np.ones(1), loop.room(1), 0)
     return time.perf_counter() - began
+
+
+def remembered(layout: Layout, method: Method) -> int:
+    """Rows that a loop keeps from step to step, one number for each coordinate."""
+    return method.remembers + (WATCH_ROWS if method.splits and is_damped(layout) else 0)
+
+
+def is_damped(layout: Layout) -> bool:
+    """Whether reservoirs act, so that a splitting method watches the stiffness of forces."""
+    return layout.model.friction is not None or layout.model.swing_friction is not None
 
 
 def unit_setting(layout: Layout, method: Method) -> Setting:

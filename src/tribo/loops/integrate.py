@@ -18,6 +18,7 @@ from tribo.layout.layout import Layout
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger, portion_size
+from tribo.loops.stiffness import FIRST_LOOK, Stiffness
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call
 
@@ -109,6 +110,37 @@ class ProgressGuard:
         return int(self._clock["steps"] + self._clock["rejected"])
 
 
+class StiffnessGuard:
+    """Looks whether equal steps resolve the stiffest motion that a run has met.
+
+    It looks after numbers of steps that double, which do not depend on chunks, and at the end.
+    """
+
+    def __init__(self, loop: TimeLoop, step: float) -> None:
+        self._loop, self._step = loop, step
+
+    def within(self, budget: int) -> int:
+        """At most so many steps, and no more than until the next look."""
+        steps = self._steps
+        look = FIRST_LOOK
+        while look <= steps:
+            look *= 2
+        return min(budget, look - steps)
+
+    def is_due_and_exceeded(self) -> bool:
+        """Whether it is time to look, and the steps do not resolve the motion."""
+        looks, rest = divmod(self._steps, FIRST_LOOK)
+        return rest == 0 and looks.bit_count() == 1 and self.is_exceeded()
+
+    def is_exceeded(self) -> bool:
+        stiffness = self._loop.stiffness(self._step)
+        return stiffness is not None and bool(stiffness.exceeds(self._step))
+
+    @property
+    def _steps(self) -> int:
+        return int(self._loop.clocks["steps"][0])
+
+
 class TimeLoop(ABC):
     """A compiled time loop, and the state of its run."""
 
@@ -135,6 +167,10 @@ class TimeLoop(ABC):
     @abstractmethod
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
+
+    def stiffness(self, step: float) -> Stiffness | None:
+        """What the run has met of the stiffness of forces; None without reservoirs."""
+        return None
 
     @abstractmethod
     def samples(self, times: np.ndarray, columns: Columns) -> Samples:
@@ -177,6 +213,7 @@ class Integration:
     passages: tuple[int, ...] = (0, 0, 0)
     failures: tuple[str, ...] = ()  # errors that ASE calculators raised
     cut: bool = False  # whether the samples end before the memory
+    stiffness: Stiffness | None = None  # that it has met; None without reservoirs
 
     @cached_property
     def memory(self) -> Memory:
@@ -218,13 +255,18 @@ def integrate(
     columns: Columns | None = None,
     before: Samples | None = None,
     most: float | None = None,
+    step: float | None = None,
+    resolved: bool = False,
 ) -> Integration:
     """Integrate through `times`; where something stops it, the state reached is the last sample.
 
     `streamed` takes in the samples, of which only the first and the last two are kept then.
     `columns` are those of a loop that has begun, `before` is the first sample of a run that is
     continued, and adaptive steps may take `most` force evaluations, those of the scene without it.
+    Equal steps have the length `step`; if they have to be `resolved`, the run stops where they do
+    not resolve the stiffest motion.
     """
+    guard = StiffnessGuard(loop, step) if resolved and step is not None else None
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
     columns = columns or loop.room(min(rows, times.size) + 1)
@@ -239,7 +281,7 @@ def integrate(
 
     for first in range(rows * reached.portions, times.size, rows):
         portion, held = times[first : first + rows], reached.held
-        status = reached.status or run_in_chunks(loop, portion, columns, between, most)
+        status = reached.status or run_in_chunks(loop, portion, columns, between, most, guard)
         ended = status != Status.COMPLETED or first + rows >= times.size
         if ended and checkpoints is not None and reached.status is None:
             # An interrupt ends the program, not the integration, which can be continued.
@@ -261,6 +303,8 @@ def integrate(
                 status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
             held = held.last_interval(loop.layout.beginning)
         reached = Reached(reached.portions + 1, held)
+        if status == Status.COMPLETED and ended and guard is not None and guard.is_exceeded():
+            status = Status.STEP_TOO_LONG
         if status != Status.COMPLETED:
             break
         if not ended:
@@ -268,7 +312,10 @@ def integrate(
     assert held is not None
     seconds = time.perf_counter() - began
     failures = tuple(call.failure for call in loop.calls if call.error is not None)
-    return Integration(held, status, counts, seconds, lambda: memory, passages, failures, cut)
+    stiffness = None if step is None else loop.stiffness(step)
+    return Integration(
+        held, status, counts, seconds, lambda: memory, passages, failures, cut, stiffness
+    )
 
 
 def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[int, ...]]:
@@ -302,10 +349,12 @@ def run_in_chunks(
     columns: Columns,
     progress: Progress | None = None,
     most: float | None = None,
+    resolved: StiffnessGuard | None = None,
 ) -> Status:
     """Run through the times in chunks, and check for an interrupt and for progress between them.
 
     The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
+    `resolved` stops a run whose steps are too long.
     """
     budget, code, layout = FIRST_CHUNK, PAUSED, loop.layout
     most = most_evaluations(layout.scene) if most is None else most
@@ -315,7 +364,10 @@ def run_in_chunks(
     try:
         while code == PAUSED:
             began = time.perf_counter()
-            code = loop.advance(times, columns, guard.within(budget))
+            chunk = guard.within(budget)
+            if resolved is not None:
+                chunk = resolved.within(chunk)
+            code = loop.advance(times, columns, chunk)
             taken = max(time.perf_counter() - began, LEAST_SECONDS)
             for item in loop.calls:
                 if item.error is not None:
@@ -324,6 +376,8 @@ def run_in_chunks(
                     raise KeyboardInterrupt
             if loop.adaptive and code == PAUSED and guard.is_hopeless():
                 return Status.NO_PROGRESS
+            if resolved is not None and code == PAUSED and resolved.is_due_and_exceeded():
+                return Status.STEP_TOO_LONG
             wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
             budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
             if progress is not None:

@@ -11,6 +11,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.integrators.methods import Method
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import LARGEST, Tolerance, count_of_steps
+from tribo.integrators.stiffness import MOVED, WATCH_ROWS
 from tribo.kernels.langevin import Deviates
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, empty_state, initial_state
@@ -20,7 +21,7 @@ from tribo.lanes.steps import LOST, WATCHED, nystrom_members, splitting_members
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
-from tribo.loops.general import unit_setting
+from tribo.loops.general import remembered, unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.threads.writable_memory import entry_point
@@ -68,9 +69,10 @@ class LaneLoop(RecordingLoop):
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
-        self._state = initial_state(start, accounts, method.remembers, method.splits)
+        self._state = initial_state(start, accounts, remembered(layout, method), method.splits)
         self._work = self.coefficients.workspace(eight.model, self._state)
         core = eight.q[0, : layout.core]
+        self._watched_places = eight.q[:, : layout.core]  # (8, core)
         self._recorded = np.concatenate([core, coordinates + core]), eight.s
         self._places = np.concatenate([eight.q, coordinates + eight.q], axis=1)
         self.prepare(unit_setting(layout, method))
@@ -81,21 +83,28 @@ class LaneLoop(RecordingLoop):
 
     @abstractmethod
     def run_in_lanes(
-        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
+        self,
+        setting: Setting,
+        starts: MemberStarts,
+        numbers: np.ndarray,
+        columns: Columns,
+        sums: np.ndarray,
     ) -> np.ndarray:
         """Run members side by side, and record (members x times, ...).
 
         Returns their counts, with PAUSED of those that need a loop of their own.
         """
 
-    def fill(self, setting: Setting, starts: MemberStarts, columns: Columns) -> np.ndarray:
+    def fill(
+        self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
+    ) -> np.ndarray:
         members = len(starts.y)
         numbers = np.empty((members, 0))
         assert starts.numbers is not None or self.eight.memory.size == 0
         if starts.numbers is not None:
             numbers = rows_of_numbers(self.layout.scene, starts.numbers)
         rows = tuple(each.reshape(math.prod(each.shape[:2]), *each.shape[2:]) for each in columns)
-        counts = self.run_in_lanes(setting, starts, numbers, rows)
+        counts = self.run_in_lanes(setting, starts, numbers, rows, sums)
         whole = counts[:, CODE] == COMPLETED
         for each in columns:
             whole &= np.all(np.abs(each[:members]) <= LARGEST, axis=tuple(range(1, each.ndim)))
@@ -107,7 +116,10 @@ class LaneLoop(RecordingLoop):
         elif alone.size:
             loop = self._alone.take()
             theirs = tuple(each[alone] for each in columns)
-            counts[alone] = loop.fill(setting, starts.of_members(alone), theirs)
+            sums_alone = sums[alone] if sums.size else sums
+            counts[alone] = loop.fill(setting, starts.of_members(alone), theirs, sums_alone)
+            if sums.size:
+                sums[alone] = sums_alone
             self._alone.give_back(loop)
             for each, own in zip(columns, theirs, strict=True):
                 each[alone] = own
@@ -133,7 +145,12 @@ class NystromLanes(LaneLoop):
         self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
 
     def run_in_lanes(
-        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
+        self,
+        setting: Setting,
+        starts: MemberStarts,
+        numbers: np.ndarray,
+        columns: Columns,
+        sums: np.ndarray,
     ) -> np.ndarray:
         """Run members side by side; their motion has no noise, and takes no seeds."""
         assert isinstance(setting, Tolerance)
@@ -179,7 +196,12 @@ class SplittingLanes(LaneLoop):
         self._entry = entry_point(self.layout, splitting_members, (self.eight.model,), examples)
 
     def run_in_lanes(
-        self, setting: Setting, starts: MemberStarts, numbers: np.ndarray, columns: Columns
+        self,
+        setting: Setting,
+        starts: MemberStarts,
+        numbers: np.ndarray,
+        columns: Columns,
+        sums: np.ndarray,
     ) -> np.ndarray:
         """Run members eight by eight: with equal steps, all of them end together."""
         assert isinstance(setting, float)
@@ -195,6 +217,9 @@ class SplittingLanes(LaneLoop):
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
             counts[own, STEPS], counts[own, EVALUATIONS] = clock.steps, clock.evaluations
+            if sums.size:
+                found = self._state.memory[MOVED - WATCH_ROWS :, self._watched_places]
+                sums[own] = np.moveaxis(found, 1, 0)
         return counts
 
     def _run_eight(

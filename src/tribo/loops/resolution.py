@@ -24,9 +24,9 @@ DIFFERENCE = 0.01
 # strong friction undoes the drifts leave an error that heats it.  With z = gamma h / mass:
 # <twist^2> of harmonic swings is too large by about 0.12 z (w h / 2)^4, from the covariance of a
 # step, and that of wide swings on damped bars by about 0.1 z^2 T / kappa (less for z > 6), but by
-# less than 1 % for z < 0.25 at any T; benchmarks/damped_swings.py.  Both stay below 2.5 %.
-MOST_DAMPED_PHASE = 0.2  # of z (w h / 2)^4
-MOST_DAMPED_SWING = 0.2  # of z^2 T / kappa
+# less than 1 % for z < 0.25 at any T; benchmarks/damped_swings.py.  Both stay below 1 %.
+MOST_DAMPED_PHASE = 0.08  # of z (w h / 2)^4
+MOST_DAMPED_SWING = 0.1  # of z^2 T / kappa
 MOST_DAMPING = 0.25  # of z, where T / kappa is large
 
 
@@ -77,10 +77,12 @@ def contact_frequency(layout: Layout) -> float:
     return math.sqrt(max(0.0, 0.0, *curvatures) * mobility)
 
 
-def first_step(layout: Layout) -> float:
+def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    a = layout.together.asperites
-    pendulum = float(np.max(np.sqrt(a.kappa * np.maximum(1.0 / a.inertia, 1.0 / a.i2))))
+    own = layout.asperites if members is None else members.asperites
+    a = {name: np.asarray(own[name]) for name in ("kappa", "inertia", "i2")}
+    mobility = np.maximum(1.0 / a["inertia"], 1.0 / a["i2"])
+    pendulum = float(np.max(np.sqrt(a["kappa"] * mobility)))
     fastest = max(pendulum, bath_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 

@@ -89,6 +89,17 @@ class Integrator:
         kind = SplittingLanes if method.splits else NystromLanes
         return Batch(lambda: kind(layout, method, first_step, own_numbers, alone))
 
+    def loop(self, layout: Layout, setting: Setting, start: np.ndarray) -> GeneralLoop:
+        """The general loop before a run from `start`, or from the origin if there is one."""
+        first = self.first_step
+        if isinstance(setting, Tolerance):
+            first = first_step_at(setting, first, self.method.order)
+        loop = GeneralLoop(layout, self.method, setting, start, first, self.threads)
+        if self.origin is not None:
+            exactly = np.array_equal(start, self.layout.start)
+            self.origin.place(loop, self.method.name, exactly)
+        return loop
+
     def __call__(
         self,
         setting: Setting,
@@ -97,12 +108,14 @@ class Integrator:
         streamed: StreamedLedger | None = None,
         most: float | None = None,
         rounded: bool = False,
+        resolved: bool = False,
     ) -> Integration:
         """Integrate through `times` from `start`, y at t = 0; the scene's without it.
 
         `streamed` takes the samples in, of which only the first and the last two are kept then.
         Adaptive steps may take `most` force evaluations; those of the scene without it.  `rounded`
-        gives the bobs' places other roundings, and rough forces other steps.
+        gives the bobs' places other roundings, and rough forces other steps.  If equal steps have
+        to be `resolved`, the run stops where they are too long for the stiffest motion it meets.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
         if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
@@ -113,16 +126,14 @@ class Integrator:
         if pair is not None:
             assert isinstance(setting, Tolerance)
             return pair.integrate(setting, start, times, self._progress, entry, most)
-        first = self.first_step
-        if isinstance(setting, Tolerance):
-            first = first_step_at(setting, first, self.method.order)
-        loop = GeneralLoop(layout, self.method, setting, start, first, self.threads)
+        loop = self.loop(layout, setting, start)
         before = None
         if self.origin is not None:
-            exactly = np.array_equal(start, self.layout.start)
-            self.origin.place(loop, self.method.name, exactly)
             before, times = self.origin.first, times[times >= self.layout.beginning]
-        run = integrate(loop, times, self._progress, streamed, entry, before=before, most=most)
+        step = setting if isinstance(setting, float) else None
+        run = integrate(
+            loop, times, self._progress, streamed, entry, None, before, most, step, resolved
+        )
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run

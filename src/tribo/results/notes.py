@@ -36,6 +36,10 @@ NOTED_WORK = 0.1
 # A seam of n neighbours is noted where their r.m.s. step is larger than elsewhere by this over
 # sqrt(n): three standard deviations.
 SEAM = 2.1
+# Noted excess of the kinetic temperature, relative: the rule of chosen steps.
+NOTED_EXCESS = 0.01
+# What a note on a step that heats says.
+HEATS = "heat: by the stiffness of the forces that the motion met"
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
@@ -175,12 +179,30 @@ def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
         yield f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}"
 
 
-def halving_note(layout: Layout, run: Integration, step: float) -> str:
-    """A note on an automatic step that was too long for an encounter."""
+def repeat_note(layout: Layout, run: Integration, step: float, shorter: float) -> str:
+    """A note on an automatic step that was too long for the motion of a run."""
     t, near = _closest_at_end(layout, run)
-    return (
-        f"steps of {step:.3g} would have passed an encounter at t = {t:.4g}{near}; the run was "
-        f"repeated with steps of {0.5 * step:.3g}"
+    if run.status == Status.ENCOUNTER_JUMPED:
+        why = f"would have passed an encounter at t = {t:.4g}{near}"
+    elif run.status == Status.STEP_TOO_LONG and run.stiffness is not None:
+        why = (
+            f"do not resolve the stiffest motion up to t = {t:.4g}, at "
+            f"{float(run.stiffness.frequency):.3g} rad per unit of time"
+        )
+    else:
+        why = f"are too long for the motion, which runs away at t = {t:.4g}"
+    return f"steps of {step:.3g} {why}; the run was repeated with steps of {shorter:.3g}"
+
+
+def excess_note(excess: float, step: float) -> Iterator[str]:
+    """A note on steps that heat a scene with noise, by the excess of the kinetic temperature."""
+    if not excess > NOTED_EXCESS:
+        return
+    part = excess / (1.0 + excess) if math.isfinite(excess) else 1.0
+    times = f"{1.0 + excess:.3g} times" if math.isfinite(excess) else "beyond any multiple of"
+    yield (
+        f"steps of {step:.3g} {HEATS}, the kinetic temperature is {times} that of the "
+        f"reservoir; steps of {0.9 * step * math.sqrt(NOTED_EXCESS / part):.2g} keep this below 1 %"
     )
 
 

@@ -137,7 +137,8 @@ def sweep(
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)
         table = Table(grid, order, kept, store.values(), members_of(sets) if number else None)
-        attributes = target.attributes(scene, interrupted, table.notes())
+        given = request.recorded(scene).numerics.step
+        attributes = target.attributes(scene, interrupted, table.notes(given))
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 

@@ -1,12 +1,13 @@
 """A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from tribo.ensembles.dataset import COUNTS, about_start, member_coordinates, times_of
+from tribo.ensembles.dataset import about_start, counts_of, member_coordinates, times_of
 from tribo.ensembles.kept_values import (
     ERROR,
     NOT_RUN,
@@ -15,6 +16,7 @@ from tribo.ensembles.kept_values import (
     KeptValues,
     interval_note,
     joined,
+    step_notes,
     without_interval,
 )
 from tribo.ensembles.members import Members
@@ -73,7 +75,7 @@ class Table:
         variables: dict[str, Variable] = {"status": (self.dimensions, self.status, about)}
         for name in self._kept.names:
             variables |= self._quantity(name)
-        for name, meaning in COUNTS.items():
+        for name, meaning in counts_of(self._grid.scene).items():
             values = self.placed(self._found[name].astype(float))
             variables[name] = self.dimensions, values, {"long_name": meaning}
         return variables
@@ -97,8 +99,9 @@ class Table:
             variables[f"{name}{ERROR}"] = self.dimensions, self.placed(bounds), what
         return variables
 
-    def notes(self) -> Iterator[str]:
-        """What to know of all runs, and of single points."""
+    def notes(self, step: float | None) -> Iterator[str]:
+        """What to know of all runs, and of single points, also of what a given step does."""
+        excesses = self.placed(self._found["excess"]).reshape(self._grid.size, -1)
         points = self._grid.size
         if number := int(np.count_nonzero(without_interval(self._found))):
             yield interval_note(number, self._found["status"].size, "runs")
@@ -106,10 +109,12 @@ class Table:
         for index, (statuses, own) in enumerate(of_points):
             without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
             note = str(own[0]).replace("\n", "; ")
-            if self._members and without:
-                note = f"{without} of {statuses.size} members have no values"
-            elif self._members:
-                continue
+            if self._members:
+                own_notes = [f"{without} of {statuses.size} members have no values"] * bool(without)
+                known = excesses[index][~np.isnan(excesses[index])]
+                excess = float(np.mean(known)) if known.size else 0.0
+                own_notes += step_notes(Counter(statuses.tolist()), excess, step)
+                note = "; ".join(own_notes)
             if note:
                 yield f"{self._grid.label(index)}: {note}"
 

@@ -1,0 +1,82 @@
+"""Where kicks act after the samples of a run with noise.
+
+A splitting samples positions and velocities between two kicks, and with noise the positions at its
+kicks have another distribution.  Momentum balance holds for the forces in the kicks: their mean on
+a loaded surface is the load, at any step, while that of forces in the samples differs by O(step^2).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tribo.integrators.step_control import count_of_steps
+from tribo.kernels import records as row
+from tribo.layout.layout import Layout
+from tribo.ledger.samples import Samples
+
+
+def at_next_kicks(layout: Layout, samples: Samples, step: float) -> Samples:
+    """The samples, moved by the drift of half a step to the kick that follows each."""
+    intervals = np.diff(samples.t)
+    if intervals.size == 0:
+        return samples
+    steps = intervals / count_of_steps(intervals, step)
+    lags = 0.5 * np.append(steps, steps[-1])[:, None]
+    y = samples.y.copy()
+    q, v = y[:, : layout.core], y[:, layout.core :]
+    a, constants = layout.asperites, layout.constants
+    for slots in (a.dof_x, a.dof_y):
+        mine = slots[slots >= 0]
+        q[:, mine] += lags * v[:, mine]
+    swings = np.flatnonzero(np.isfinite(constants[row.INERTIA]))
+    free = swings[a.dof_phi[swings] >= 0]
+    clamped = swings[a.dof_phi[swings] < 0]
+    _rotate_clamped(q, v, clamped, constants[:, clamped], samples.t[:, None], lags)
+    if free.size:
+        _rotate_free(q, v, free, a.dof_phi[free], constants[:, free], lags)
+    return replace(samples, t=samples.t + lags[:, 0], y=y)
+
+
+def _turned(
+    twist: np.ndarray, rate: np.ndarray, frequency: np.ndarray, lags: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """A harmonic oscillator after some times, and its rate."""
+    angle = frequency * lags
+    over = np.where(
+        frequency > 0.0, np.sin(angle) / np.where(frequency > 0.0, frequency, 1.0), lags
+    )
+    cos = np.cos(angle)
+    return cos * twist + over * rate, cos * rate - frequency * np.sin(angle) * twist
+
+
+def _rotate_clamped(
+    q: np.ndarray,
+    v: np.ndarray,
+    swings: np.ndarray,
+    constants: np.ndarray,
+    t: np.ndarray,
+    lags: np.ndarray,
+) -> None:
+    """Rotate swings on bars that rest or turn uniformly."""
+    start, nu = constants[row.PHI_START], constants[row.NU_START]
+    twist, rate = q[:, swings] - (start + nu * t), v[:, swings] - nu
+    twist, rate = _turned(twist, rate, constants[row.FREQUENCY], lags)
+    q[:, swings], v[:, swings] = twist + (start + nu * (t + lags)), rate + nu
+
+
+def _rotate_free(
+    q: np.ndarray,
+    v: np.ndarray,
+    swings: np.ndarray,
+    bars: np.ndarray,
+    constants: np.ndarray,
+    lags: np.ndarray,
+) -> None:
+    """Rotate swings and bars that turn freely, about their common mean."""
+    share = constants[row.I2] / (constants[row.INERTIA] + constants[row.I2])
+    mean_rate = (1.0 - share) * v[:, swings] + share * v[:, bars]
+    mean = (1.0 - share) * q[:, swings] + share * q[:, bars] + mean_rate * lags
+    twist, rate = q[:, swings] - q[:, bars], v[:, swings] - v[:, bars]
+    twist, rate = _turned(twist, rate, constants[row.FREQUENCY], lags)
+    q[:, swings], q[:, bars] = mean + share * twist, mean - (1.0 - share) * twist
+    v[:, swings], v[:, bars] = mean_rate + share * rate, mean_rate - (1.0 - share) * rate

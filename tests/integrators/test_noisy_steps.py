@@ -1,0 +1,197 @@
+"""The automatic step with noise resolves the stiffest motion that occurs, in any force."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tribo
+
+T, MASS = 0.1, 3.0
+
+
+class Trap(NamedTuple):
+    """A harmonic field along x."""
+
+    stiffness: float
+
+    def energy_at(self, x, y):
+        return 0.5 * self.stiffness * x * x
+
+
+def trap(stiffness, duration=2000.0, samples=4001):
+    """A rigid asperite in a trap, with a reservoir."""
+    tip = tribo.Surface(
+        "tip",
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive="free",
+        langevin=tribo.Langevin(2.0, T),
+        initial=tribo.Initial(temperature=T),
+    )
+    field = tribo.Field(Trap(stiffness), on=["tip"])
+    output = tribo.Output(samples=samples)
+    return tribo.Scene([tip], [], duration, fields=[field], output=output)
+
+
+def bond(depth, temperature=1e-3, duration=50.0, samples=2):
+    """Two pendulums on bars at rest, whose bobs a Morse bond joins at its minimum."""
+
+    def surface(name, x):
+        return tribo.Surface(
+            name,
+            bob=(x, 0.0),
+            asperite=tribo.Asperite(kappa=1.2),
+            drive="bars",
+            langevin=tribo.Langevin(1.0, temperature, on="swing"),
+            initial=tribo.Initial(temperature=temperature),
+        )
+
+    surfaces = [surface("one", 0.0), surface("other", 5.0)]
+    output = tribo.Output(samples=samples)
+    return tribo.Scene(surfaces, tribo.Morse(depth, 1.0, 5.0), duration, output=output)
+
+
+ROW = tribo.Surface(
+    "row",
+    facing="up",
+    bob=(-3.0, 0.0),
+    shape=(7, 1),
+    spacing=(1.0, 0.0),
+    drive="bars",
+    asperite=tribo.Asperite(kappa=np.inf),
+)
+
+
+def pressed(kappa, duration=4.0, samples=81):
+    """A tip with a reservoir, pressed on a row."""
+    upper = tribo.Surface(
+        "tip",
+        bob=(0.0, 1.13),
+        asperite=tribo.Asperite(kappa=kappa),
+        drive=tribo.Pulled(stiffness=1.0, speed=0.0, load=0.5),
+        langevin=tribo.Langevin(0.5, T),
+        initial=tribo.Initial(temperature=T),
+    )
+    output = tribo.Output(samples=samples, series=["forces"])
+    potential = tribo.LennardJones(1.0, 1.0).with_cutoff(2.5)
+    return tribo.Scene([upper, ROW], potential, duration, output=output)
+
+
+def approaching():
+    """A pendulum that moves towards a row, and reaches it at the end."""
+    upper = tribo.Surface(
+        "tip",
+        bob=(0.3, 8.0),
+        velocity=(0.0, -0.02),
+        asperite=tribo.Asperite(kappa=1.2),
+        drive="bars",
+        langevin=tribo.Langevin(1.0, 1e-3, on="swing"),
+        initial=tribo.Initial(temperature=1e-3),
+    )
+    potential = tribo.LennardJones(10.0, 1.0).with_cutoff(2.5)
+    return tribo.Scene([upper, ROW], potential, 345.0, output=tribo.Output(samples=70))
+
+
+def step_of(result):
+    return result.t[-1] / result.cost.steps
+
+
+@pytest.mark.parametrize("stiffness", [5.0, 45.0])
+def test_a_trap_of_ones_own_has_its_temperature(stiffness):
+    """Steps were 0.5, and M <v^2> was 1.15 and 21 times the temperature."""
+    result = tribo.simulate(trap(stiffness))
+    assert np.sqrt(stiffness / MASS) * step_of(result) <= 0.2
+    kinetic = tribo.time_average(result.t, MASS * result["tip"].vx_cm[:, 0] ** 2 / T)
+    stored = tribo.time_average(result.t, stiffness * result["tip"].x_bob[:, 0] ** 2 / T)
+    for average in (kinetic, stored):
+        assert abs(average.mean - 1.0) <= 0.01 + average.half_width
+    assert result.notes == ()
+
+
+def test_a_trap_that_the_bound_resolves_keeps_the_bound():
+    """A weak trap does not shorten the step, which samples bound."""
+    result = tribo.simulate(trap(1e-3, duration=100.0, samples=1001))
+    assert step_of(result) == pytest.approx(0.1)
+
+
+def test_explain_predicts_the_step():
+    scene = trap(45.0)
+    assert tribo.explain(scene).step == pytest.approx(step_of(tribo.simulate(scene)), rel=1e-9)
+
+
+def test_a_given_step_that_heats_is_noted_with_its_excess():
+    """Positions at kicks are too wide by 1 / (1 - (w h / 2)^2), and so is <v^2> after them."""
+    step, frequency = 0.5, np.sqrt(12.0 / MASS)
+    result = tribo.simulate(trap(12.0), step=step)
+    exact = 1.0 / (1.0 - (0.5 * frequency * step) ** 2)
+    (note,) = (each for each in result.notes if "heat" in each)
+    assert float(re.search(r"is ([\d.]+) times", note)[1]) == pytest.approx(exact, rel=0.02)
+    kinetic = tribo.time_average(result.t, MASS * result["tip"].vx_cm[:, 0] ** 2 / T)
+    assert abs(kinetic.mean - exact) <= 0.02 * exact + kinetic.half_width
+    shorter = float(re.search(r"steps of ([\d.]+) keep", note)[1])
+    assert not any("heat" in each for each in tribo.simulate(trap(12.0), step=shorter).notes)
+
+
+def test_members_at_a_stiff_bond_have_one_step_and_their_temperature():
+    """193 of 200 ran away, and the variance of the others was 4.5e6 times too large."""
+    data = tribo.ensemble(bond(20.0), 256, keep=["one.omega", "other.omega"])
+    assert set(data["status"].values) == {"completed"}
+    assert np.unique(data["steps"]).size == 1
+    inertia = 4.0
+    for name in ("one.omega", "other.omega"):
+        ratio = inertia * data[name].values[:, 0] ** 2 / 1e-3
+        half_width = 2.0 * np.std(ratio) / np.sqrt(ratio.size)
+        assert abs(np.mean(ratio) - 1.0) <= 0.01 + half_width
+    assert float(data["excess"].mean()) < 0.01
+    again = tribo.ensemble_member(data, 5)
+    assert again["one.omega"].values[0, 0] == data["one.omega"].values[5, 0]
+
+
+def test_members_beside_others_that_ran_away_are_doubtful():
+    data = tribo.ensemble(bond(20.0), 64, keep=["one.omega"], step=0.19)
+    statuses = data["status"].values.tolist()
+    completed = statuses.count("completed")
+    assert 0 < completed < len(statuses)
+    assert data.attrs["doubtful"] == completed
+    assert f"the {completed} members that completed are doubtful" in data.attrs["notes"]
+
+
+def test_members_that_differ_share_the_step_of_the_stiffest():
+    """Steps followed the scene's own numbers alone."""
+    soft = tribo.ensemble(bond(0.5), 16, keep=["one.omega"])
+    kappa = np.full(16, 1.2)
+    kappa[11] = 120.0
+    data = tribo.ensemble(bond(0.5), 16, {"one.asperite.kappa": kappa}, keep=["one.omega"])
+    assert set(data["status"].values) == {"completed"}
+    assert np.unique(data["steps"]).size == 1
+    assert data["steps"].values[0] > 5 * soft["steps"].values[0]
+
+
+def test_a_run_that_meets_a_stiffer_contact_is_repeated_from_its_start():
+    """Short runs from the start, before the contact, do not show it."""
+    scene = approaching()
+    result = tribo.simulate(scene)
+    assert result.status == "completed"
+    (note,) = (each for each in result.notes if "repeated" in each)
+    assert "do not resolve the stiffest motion" in note
+    step = float(re.search(r"repeated with steps of ([\d.]+)", note)[1])
+    assert step_of(result) <= step * 1.01
+    same = tribo.simulate(scene, step=result.settings["step"], method="verlet")
+    assert np.array_equal(same["tip"].theta, result["tip"].theta)
+
+
+@pytest.mark.parametrize("kappa", [np.inf, 2.0])
+def test_forces_of_runs_with_noise_are_those_of_the_kicks(kappa):
+    """With a sample at each step, they give the change of momentum to round-off.
+
+    Forces in the samples themselves had a mean of 0.33 under a load of 0.5.
+    """
+    step = 0.05
+    result = tribo.simulate(pressed(kappa), step=step, method="verlet")
+    found = result["tip"]
+    for axis, v in (("x", found.vx_cm), ("y", found.vy_cm)):
+        change = MASS * np.diff(v[:, 0]) / step
+        kicks = getattr(found, f"f1_{axis}")[:-1, 0] + getattr(found, f"f2_{axis}")[:-1, 0]
+        reservoir = getattr(found, f"f_T_{axis}")[1:, 0]
+        assert np.max(np.abs(change - kicks - reservoir)) < 1e-12 * np.max(np.abs(change)) + 1e-12
