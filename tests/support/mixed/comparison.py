@@ -141,7 +141,7 @@ def compare(
 
 
 # Words of notes that say that numbers may be off.
-DOUBTS = ("jump", "exceed", "accuracy", "does not close", "continuous", "differ", "halv", "doubt")
+DOUBTS = ("exceed", "out of reach", "does not close", "doubt")
 
 
 def _is_about_numbers(notes: tuple[str, ...]) -> bool:

@@ -236,6 +236,9 @@ def check_drawn_starts(findings: Findings, scene: Scene, draw: Draw) -> None:
         at="samples",
         **how,
     )
+    if set(data["status"].values.ravel()) != {"completed"}:
+        findings.add("stopped", check, "some members")
+        return
     n = table["surface"][0]["shape"][0]
     total = sum(each["shape"][0] for each in table["surface"]) if where == "*" else n
     found = value_at(data, "upper.swing_energy", {"time": 0})

@@ -64,7 +64,9 @@ class Start:
 
 def vectors(x: Any, y: Any) -> np.ndarray:
     """(n, 2) of two components."""
-    return np.stack(np.broadcast_arrays(x, y), axis=-1)
+    found = np.empty((max(np.size(x), np.size(y)), 2))
+    found[:, 0], found[:, 1] = x, y
+    return found
 
 
 class Surface:
@@ -150,6 +152,7 @@ class Model:
         self.held = np.concatenate([np.full(s.n, s.held) for s in self.surfaces])
         self.rigid = np.concatenate([np.full(s.n, s.rigid) for s in self.surfaces])
         self.turns = np.concatenate([np.full(s.n, s.turns) for s in self.surfaces])
+        self.soft, self.any_held = np.where(self.rigid, 0.0, self.kappa), bool(np.any(self.held))
         self.periodic = table.get("periodic", {})
         self._pairs()
         self._links()
@@ -218,7 +221,7 @@ class Model:
                 given = self.start.surfaces[s.name]
                 keys = ("x_cm", "y_cm", "vx_cm", "vy_cm", "theta", "omega", "phi", "nu")
                 rows[:, s.part] = [given[key] for key in keys]
-        elif np.any(self.held):
+        elif self.any_held:
             self._hang(0.0, rows)
         place = self._places(rows)
         for s in self.surfaces:
@@ -348,27 +351,20 @@ class Model:
             f2[part] = vectors(x, y)
         return f2
 
-    def evaluate(self, t: float, rows: np.ndarray, baths: np.ndarray) -> dict[str, Any]:
-        """All forces, powers and energies."""
-        if np.any(self.held):
-            self._hang(t, rows)
-        place = self._places(rows)
-        theta, omega, phi, nu = rows[4:]
-        f1, within, contact, inner = self._contact(place)
-        field, in_fields, moving = self._field(t, place)
-        f2 = self._drive(t, place, f1)
-        twist = np.where(self.rigid, 0.0, theta - phi - self.rest)
-        torsion = np.where(self.rigid, 0.0, self.kappa) * twist
-        u = place["bar"] - self.resting_bars - self.v0 * t
-        link = -self.stiffness[:, None] * (u[self.one] - u[self.other])
-        spring = np.zeros((self.n, 2))
-        np.add.at(spring, self.one, link)
-        np.add.at(spring, self.other, -link)
-        stored = np.zeros(self.n)
-        positive = np.where(self.stiffness, self.stiffness, 1.0)
-        np.add.at(stored, self.one, 0.5 * np.sum(link**2, axis=1) / positive)
-        bath, pulls, in_bath = np.zeros((self.n, 2)), [], {s.name: 0.0 for s in self.surfaces}
-        first = 0
+    def _inside(
+        self, t: float, place: dict[str, np.ndarray], baths: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, float]]:
+        """Forces of springs and baths on bars, rates of oscillators, stored energies."""
+        spring, bath = np.zeros((2, self.n, 2))
+        stored, rates, first = {s.name: 0.0 for s in self.surfaces}, [], 0
+        if self.one.size:
+            u = place["bar"] - self.resting_bars - self.v0 * t
+            pull = -self.stiffness[:, None] * (u[self.one] - u[self.other])
+            np.add.at(spring, self.one, pull)
+            np.add.at(spring, self.other, -pull)
+            for one, each, k in zip(self.one, pull, self.stiffness, strict=True):
+                owner = next(s for s in self.surfaces if s.part.start <= one < s.part.stop)
+                stored[owner.name] += 0.5 * float(each @ each) / k if k else 0.0
         for s in self.surfaces:
             if len(s.bath):
                 size = s.n * len(s.bath) * 4
@@ -377,70 +373,79 @@ class Model:
                 m, w = s.bath[:, 0], s.bath[:, 1]
                 pull = (m * w * w)[None, :, None] * (q[:, :, :2] - place["bar"][s.part][:, None])
                 bath[s.part] = pull.sum(axis=1)
-                pulls.append(np.concatenate([q[:, :, 2:], -pull / m[None, :, None]], axis=2))
-                kinetic = 0.5 * np.sum(m[None, :, None] * q[:, :, 2:] ** 2)
-                in_bath[s.name] = kinetic + 0.5 * np.sum(pull**2 / (m * w * w)[None, :, None])
-        f_T, torque, slip = np.zeros((self.n, 2)), np.zeros(self.n), np.zeros((self.n, 2))
+                rates.append(np.concatenate([q[:, :, 2:], -pull / m[None, :, None]], axis=2))
+                stored[s.name] += 0.5 * np.sum(m[None, :, None] * q[:, :, 2:] ** 2)
+                stored[s.name] += 0.5 * np.sum(pull**2 / (m * w * w)[None, :, None])
+        joined = np.concatenate([each.ravel() for each in rates]) if rates else np.zeros(0)
+        return spring, bath, joined, stored
+
+    def _reservoirs(
+        self, omega: np.ndarray, v_bar: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Forces on bars, torques on pendulums, and velocities of the reservoirs."""
+        force, flow, torque = np.zeros((self.n, 2)), np.zeros((self.n, 2)), np.zeros(self.n)
         for s in self.surfaces:
             for each in s.reservoirs:
                 if each.get("on", "bar") == "bar":
-                    reservoir = np.array(each.get("velocity", s.velocity), float)
-                    slip[s.part] = reservoir
-                    f_T[s.part] = -each["gamma"] * (place["v_bar"][s.part] - reservoir)
+                    flow[s.part] = each.get("velocity", s.velocity)
+                    force[s.part] = -each["gamma"] * (v_bar[s.part] - flow[s.part])
                 else:
                     torque[s.part] = -each["gamma"] * omega[s.part]
+        return force, torque, flow
+
+    def evaluate(self, t: float, rows: np.ndarray, baths: np.ndarray) -> dict[str, Any]:
+        """All forces, powers and energies."""
+        if self.any_held:
+            self._hang(t, rows)
+        place = self._places(rows)
+        theta, omega, phi, nu = rows[4:]
+        turn, v_bar = place["turn"], place["v_bar"]
+        f1, within, contact, inner = self._contact(place)
+        field, in_fields, moving = self._field(t, place)
+        f2 = self._drive(t, place, f1)
+        spring, bath, rates, stored = self._inside(t, place, baths)
+        f_T, torque, flow = self._reservoirs(omega, v_bar)
+        twist = np.where(self.rigid, 0.0, theta - phi - self.rest)
+        torsion = self.soft * twist
         on_bob, on_bar = f1 + within + field, f2 + spring + bath + f_T
-        pull = torsion / self.bar_length
-        pull = np.where(self.turns, 0.0, pull)
-        cross = self.l1 * _dot(place["turn"], on_bob) - self.l2 * _dot(place["turn"], on_bar)
-        pull = np.where(self.rigid, cross / self.bar_length, pull)
-        fL = pull[:, None] * place["normal"]
-        # Free bars: alpha is zero for rigid ones, and that of a pendulum about its pivot for held.
-        a = (on_bob + on_bar) / self.m[:, None]
+        # The torque about the centre of mass; without `on_bar` that about the bar.
+        cross = self.l1 * _dot(turn, on_bob) - self.l2 * _dot(turn, on_bar)
         alpha = (cross - torsion + torque) / self.inertia
-        about = self.length * _dot(place["turn"], on_bob) - torsion + torque
-        alpha = np.where(self.held, about / (self.m1 * self.length**2), alpha)
+        a = (on_bob + on_bar) / self.m[:, None]
+        if self.any_held:
+            about = self.length * _dot(turn, on_bob) - torsion + torque
+            alpha = np.where(self.held, about / (self.m1 * self.length**2), alpha)
+            swung = alpha[:, None] * turn - (omega**2)[:, None] * place["out"]
+            h = self.held[:, None]
+            a = np.where(h, self.l2[:, None] * swung, a)
+            f2 = np.where(h, f2 + self.m[:, None] * a - on_bob - on_bar, f2)
         alpha = np.where(self.rigid, 0.0, alpha)
-        swung = alpha[:, None] * place["turn"] - (omega**2)[:, None] * place["out"]
-        a = np.where(self.held[:, None], self.l2[:, None] * swung, a)
-        reaction = self.m[:, None] * a - on_bob - on_bar
-        f2 = np.where(self.held[:, None], f2 + reaction, f2)
+        pull = np.where(self.rigid, cross, np.where(self.turns, 0.0, torsion)) / self.bar_length
+        f_L = pull[:, None] * place["normal"]
+        forces = np.stack([f1, f2, f_L, -f_L, spring + bath + within, field, f_T])
+        bob, bar = place["v_bob"], v_bar
+        points = np.stack([bob, bar, place["v_L"], place["v_R"], bar, bob, bar])
+        powers = _dot(forces, points)
+        powers[WORKS.index("w_int")] += _dot(within, bob - bar)
+        powers[WORKS.index("w_T")] += torque * omega
         turning = np.where(self.turns, torsion / self.i2, 0.0)
-        points = {
-            "w1": (f1, place["v_bob"]),
-            "w2": (f2, place["v_bar"]),
-            "wL": (fL, place["v_L"]),
-            "wR": (-fL, place["v_R"]),
-            "w_field": (field, place["v_bob"]),
-            "w_T": (f_T, place["v_bar"]),
-        }
-        powers = {name: _dot(f, v) for name, (f, v) in points.items()}
-        pseudo = {name: _dot(f, place["v"]) for name, (f, _) in points.items()}
-        powers["w_int"] = _dot(spring + bath, place["v_bar"]) + _dot(within, place["v_bob"])
-        pseudo["w_int"] = _dot(spring + bath + within, place["v"])
-        powers["w_T"] = powers["w_T"] + torque * omega
-        external = sum(f for f, _ in points.values())
-        e_int = 0.5 * self.inertia * omega**2 + 0.5 * self.i2 * nu**2 + 0.5 * torsion * twist
-        energies = {"contact": contact, "field": in_fields}
-        forces = {"f1": f1, "f2": f2, "fL": fL, "fR": -fL, "f_within": within, "f_field": field}
-        forces |= {"f_spring": spring, "f_bath": bath, "f_T": f_T}
+        names = ("f1", "f2", "fL", "fR", "f_within", "f_field", "f_spring", "f_bath", "f_T")
+        each = (f1, f2, f_L, -f_L, within, field, spring, bath, f_T)
+        kinetic = self.inertia * omega**2 + self.i2 * nu**2
         return {
             "rates": np.stack([*rows[2:4], *a.T, omega, alpha, nu, turning]),
-            "baths": np.concatenate([p.ravel() for p in pulls]) if pulls else np.zeros(0),
+            "baths": rates,
             "powers": powers,
-            "pseudo": pseudo,
-            "heat": -_dot(f_T, place["v_bar"] - slip) - torque * omega,
-            "external": external,
+            "pseudo": _dot(forces, place["v"]),
+            "heat": -_dot(f_T, v_bar - flow) - torque * omega,
+            "external": forces.sum(axis=0) - forces[WORKS.index("w_int")],
             "moving": moving,
             "place": place,
-            "e_int": e_int,
-            "k": 0.5 * self.m * np.sum(place["v"] ** 2, axis=1),
-            "energies": energies,
-            "inside": {
-                s.name: in_bath[s.name] + float(stored[s.part].sum() + inner[s.part].sum())
-                for s in self.surfaces
-            },
-            "forces": forces,
+            "e_int": 0.5 * (kinetic + torsion * twist),
+            "k": 0.5 * self.m * _dot(place["v"], place["v"]),
+            "energies": {"contact": contact, "field": in_fields},
+            "inside": {s.name: stored[s.name] + inner[s.part].sum() for s in self.surfaces},
+            "forces": dict(zip(names, each, strict=True)),
         }
 
     def masses(self) -> dict[str, float]:
@@ -470,14 +475,13 @@ class Model:
         for s in self.surfaces:
             mean = self.mean_velocity(s, found["place"]["v"], baths)
             total.append(found["external"][s.part].sum(axis=0) @ mean)
-        accounts = [found["powers"][name] for name in WORKS]
-        accounts += [found["pseudo"][name] for name in WORKS]
-        accounts += [found["heat"], np.array(total), np.array([found["moving"]])]
+        accounts = [found["powers"].ravel(), found["pseudo"].ravel(), found["heat"]]
+        accounts += [np.array(total), np.array([found["moving"]])]
         return np.concatenate([found["rates"].ravel(), found["baths"], *accounts])
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.sum(a * b, axis=-1)
+    return np.einsum("...i,...i->...", a, b)
 
 
 def solve(

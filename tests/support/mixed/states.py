@@ -45,7 +45,15 @@ def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
     other = tribo.simulate(scene_from(copy.deepcopy(second)), **how, start=state)
     if change == "same" and other.status == "completed":
         works_continue(findings, check, one, other)
-    compare(findings, check, other, second, named_start(one, first, second))
+    start = named_start(one, first, second)
+    stood, now = first["surface"][0]["drive"], second["surface"][0]["drive"]
+    new_pull = change == "drive" and isinstance(now, dict) and now["kind"] == "pulled"
+    if new_pull and not (isinstance(stood, dict) and stood["kind"] == "pulled"):
+        # A new stage stands where the bars were at rest, at t = 0 or in their uniform motion.
+        trial = Findings(findings.seed, findings.kind)
+        if not compare(trial, check, other, second, start) and trial.verdict == "silent":
+            start.stages["upper"] = float(first["surface"][0]["velocity"][0]) * start.t
+    compare(findings, check, other, second, start)
 
 
 def works_continue(findings: Findings, check: str, one: tribo.Result, other: tribo.Result) -> None:
