@@ -29,6 +29,7 @@ from tribo.loops.integrate import (
     Integration,
     Memory,
     Progress,
+    Setting,
     TimeLoop,
     first_step_at,
     integrate,
@@ -184,7 +185,7 @@ class Pair:
 
     def integrate(
         self,
-        tolerance: Tolerance,
+        tolerance: Setting,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
@@ -237,7 +238,7 @@ class PairLoop(TimeLoop):
     def __init__(self, pair: Pair) -> None:
         self.layout = layout = pair.layout
         self._pair = pair
-        self._tolerance: Tolerance | None = None  # from which the limits in the rows were made
+        self._tolerance: Setting | None = None  # from which the limits in the rows were made
         self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._start = layout.start
@@ -245,9 +246,10 @@ class PairLoop(TimeLoop):
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         self._loop = entry_point(layout, pair_collocation, fixed, examples)
 
-    def begin(self, tolerance: Tolerance, start: np.ndarray) -> None:
+    def begin(self, tolerance: Setting, start: np.ndarray) -> None:
         """Begin a run from `start`, y of the scene's layout."""
         if self._tolerance is not tolerance:
+            assert isinstance(tolerance, Tolerance)
             self._tolerance = tolerance
             self._rows[step_rows.LIMITS : step_rows.STATE] = self._pair.limits(tolerance)
             self.clocks["encounter_fraction"] = tolerance.encounter_fraction

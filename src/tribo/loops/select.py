@@ -109,7 +109,6 @@ class Integrator:
         journal = self._journal
         entry = None if journal is None else journal.integration(key_of(setting, times, start))
         if pair is not None:
-            assert isinstance(setting, Tolerance)
             return pair.integrate(setting, start, times, self._progress, entry, most)
         first = self.first_step
         if isinstance(setting, Tolerance):
