@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
+from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.motion import motions
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
@@ -28,8 +28,6 @@ from tribo.model.surface import Surface
 LEAST_PART, LONGER = 0.1, 2.0
 # What notes on such surfaces say.
 PART = "part for good"
-# Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
-MOST_PAIRS = 400
 # Energy of two bobs in contact, at least, as a fraction of torsion by 1 rad and of k_B T.
 IN_CONTACT = 0.01
 # Distances at which a decaying potential is looked at, in units of that beyond which it is weak:
@@ -60,15 +58,15 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
             own = places[mine.start : mine.stop]
-            tree = KDTree(places[theirs.start : theirs.stop], boxsize=box)
             # Within a surface, the nearest bob to each is that bob itself.
             rank = 2 if one == other else 1
-            distances, indices = tree.query(own, k=[rank])
-            i = int(np.argmin(distances[:, 0]))
-            near = int(indices[i, 0])
-            if near < tree.n:  # a surface of one bob has no other
+            candidates = places[theirs.start : theirs.stop]
+            distances, indices = nearest(own, candidates, box, rank)
+            i = int(np.argmin(distances))
+            near = int(indices[i])
+            if near < len(candidates):  # a surface of one bob has no other
                 pair = int(mine.start) + i, int(theirs.start) + near
-                yield Closest(float(distances[i, 0]), *pair), contact
+                yield Closest(float(distances[i]), *pair), contact
 
 
 def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -225,8 +223,7 @@ def _any_within(
         return found
     (mine, box), (theirs, _) = in_box(layout, mine), in_box(layout, theirs)
     for k, own, others in zip(np.flatnonzero(near), mine, theirs, strict=True):
-        nearest, _ = KDTree(others, boxsize=box).query(own, distance_upper_bound=distance)
-        found[k] = np.min(nearest) < distance
+        found[k] = np.min(nearest(own, others, box)[0]) < distance
     return found
 
 

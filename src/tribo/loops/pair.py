@@ -171,7 +171,11 @@ class Pair:
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
-        self._coefficients = method.coefficients
+        self._rows = np.zeros((step_rows.ROWS, LANES))
+        self._rows[: step_rows.LIMITS] = table(method.coefficients)
+        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
+        fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
+        self.entry = entry_point(layout, pair_collocation, fixed, examples)
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
@@ -204,9 +208,7 @@ class Pair:
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
-        rows = np.zeros((step_rows.ROWS, LANES))
-        rows[: step_rows.LIMITS] = table(self._coefficients)
-        return rows
+        return self._rows.copy()
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
@@ -242,9 +244,7 @@ class PairLoop(TimeLoop):
         self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._start = layout.start
-        fixed = (*pair.scene_arguments, self._rows, self.clocks)
-        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        self._loop = entry_point(layout, pair_collocation, fixed, examples)
+        self._loop = pair.entry.with_fixed(*pair.scene_arguments, self._rows, self.clocks)
 
     def begin(self, tolerance: Setting, start: np.ndarray) -> None:
         """Begin a run from `start`, y of the scene's layout."""
