@@ -20,7 +20,7 @@ from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
-from tribo.ledger.guards import passing_notes
+from tribo.ledger.guards import facing, passing_notes
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
@@ -76,6 +76,8 @@ class Simulation:
         taken = () if integrator.origin is None else integrator.origin.notes
         self._notes = (*taken, *notes_on.run_notes(self.layout, self.method, step))
         self._streams = is_streamed(self.layout, self.layout.times.size)
+        self._may_pass = bool(facing(self.layout))
+        self._noisy = noisy(self.scene)
         self.initial_state = InitialState(self.layout, integrator.origin is not None)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -203,8 +205,9 @@ class Simulation:
             notes = (notes_on.repeat_note(layout, run, setting, shorter),)
             setting = shorter
             run, ledger, watched = self._deliver(setting, times, y, tries > 0)
-        notes = (*notes, *notes_on.passage_notes(layout, run))
-        if run.stiffness is not None and noisy(self.scene):
+        if run.passages[0] > 0:
+            notes = (*notes, *notes_on.passage_notes(layout, run))
+        if self._noisy and run.stiffness is not None:
             assert isinstance(setting, float)
             notes += tuple(notes_on.excess_note(float(run.stiffness.excess(setting)), setting))
         if self._streams or self.plan.tuned is None:
@@ -212,7 +215,7 @@ class Simulation:
         if self._streams:
             notes += () if ledger().kept else ENDS_ALONE
         # The ledger and the cost are left for later: a run of a pair takes ten microseconds.
-        cost = partial(cost_of, run.steps, [run], seconds, ratio)
+        cost = partial(cost_of, run, [run], seconds, ratio)
         return self._result(run, ledger, cost, notes, setting=setting)
 
     def _deliver(
@@ -223,12 +226,13 @@ class Simulation:
         One whose steps have to be `resolved` stops where they are too long.
         """
         layout = self.layout
-        if noisy(self.scene) and isinstance(setting, float):
+        if self._noisy and isinstance(setting, float):
             layout = replace(layout, noisy_step=setting)
         if not self._streams:
             run = self.integrator(setting, times, y, resolved=resolved)
-            run = up_to_passing(layout, run)
-            return run, lambda: _reported(layout, run), None
+            if self._may_pass:
+                run = up_to_passing(layout, run)
+            return run, partial(_reported, layout, run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed, resolved=resolved)
         return run, partial(itself, streamed.whole(run.samples)), streamed.watched
@@ -264,9 +268,9 @@ class Simulation:
             notes += (f"errors are estimated at {self.plan.times.size} times",)
             notes += () if streamed().kept else ENDS_ALONE
             known = known if run.status == Status.COMPLETED else False
-            cost = partial(cost_of, run.steps, [*spent, run], seconds, ratio)
+            cost = partial(cost_of, run, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
-        cost = partial(cost_of, runs[-1].steps, spent, seconds, ratio)
+        cost = partial(cost_of, runs[-1], spent, seconds, ratio)
         return self._result(fine, partial(_reported, layout, fine), cost, notes, known, bounds)
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
@@ -331,8 +335,8 @@ class Simulation:
         settings = self._settings
         if self.plan.automatic and setting is not None:
             settings = {**settings, "step": setting}
-        raised = tuple(f"the calculator raised {failure}" for failure in run.failures)
-        notes = (*raised, *notes_on.stop_notes(layout, run), *notes)
+        if run.status != Status.COMPLETED:
+            notes = (*notes_on.stop_notes(layout, run), *notes)
         if keep is not None:
             run = run.without_samples()
         return Result(
@@ -367,15 +371,15 @@ class Simulation:
 
 
 def cost_of(
-    steps: int,
+    run: Integration,
     spent: Sequence[Integration | FoundSettings],
     compile_seconds: float,
     ratio: float | None,
 ) -> Cost:
-    """What runs and searches cost, and what a digit more or less would cost, by `ratio`."""
+    """What a run and all that was spent on it cost, and a digit more or less, by `ratio`."""
     seconds = sum(each.seconds for each in spent)
     return Cost(
-        steps=steps,
+        steps=run.steps,
         force_evaluations=sum(each.evaluations for each in spent),
         wall_seconds=seconds,
         compile_seconds=compile_seconds,

@@ -13,7 +13,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from tribo.integrators import tableaux
+from tribo.integrators import derivation, tableaux
+from tribo.integrators.coefficient_files import read
 from tribo.integrators.collocation import predict
 from tribo.integrators.methods import METHODS
 
@@ -177,13 +178,22 @@ def test_collocation(name):
 @pytest.mark.parametrize("name", COLLOCATION)
 def test_nodes(name):
     """Zeros of shifted Legendre polynomials P_n, or of P_(n - 1) + P_n, to 33 digits."""
-    digits = {"gauss-8": tableaux.GAUSS, "gauss-radau-15": tableaux.RADAU}
-    nodes = digits[name]
+    nodes = derivation.NODES[name]
     with mpmath.workdps(50):
         for node in nodes:
             x = 2 * mpmath.mpf(node) - 1
             low, high = (mpmath.legendre(n, x) for n in (len(nodes) - 1, len(nodes)))
             assert abs(high if name == "gauss-8" else low + high) < 1e-31, node
+
+
+def test_files_of_derived_coefficients():
+    """They are what they were derived as; a solution by least squares has other last bits."""
+    for name, table in derivation.derived().items():
+        stored = read(name)
+        assert stored.keys() == table.keys()
+        tolerance = 1e-12 if name in ("rkn8-velocities", "rkn12-velocities") else 0.0
+        for key, values in table.items():
+            assert np.allclose(stored[key], values, rtol=0.0, atol=tolerance), (name, key)
 
 
 @pytest.mark.parametrize("name", COLLOCATION)

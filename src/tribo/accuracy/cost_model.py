@@ -16,7 +16,6 @@ towards encounters are about the integral of speed / clearance over time.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from tribo.accuracy.levels import NEAR
 from tribo.integrators.methods import METHODS, Method, refusal
@@ -25,6 +24,7 @@ from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.kinematics import rod_position
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import swing_direction
+from tribo.ledger.nearest import nearest
 from tribo.ledger.separation import in_box
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
@@ -172,8 +172,8 @@ def steps_towards(layout: Layout) -> float:
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             drift = layout.velocities[one] - layout.velocities[other]
             moved = places[first.astype(int)] + np.outer(times, [*drift, 0.0])[:, None]
-            tree = KDTree(in_place[theirs.start : theirs.stop], boxsize=box)
-            near = tree.query(in_box(layout, moved)[0])[0].min(axis=1)
+            candidates = in_place[theirs.start : theirs.stop]
+            near = nearest(in_box(layout, moved)[0], candidates, box)[0].min(axis=1)
             clear = np.array(
                 [contact.potential.clearance_between(r, 1.0, 1.0) for r in near.tolist()]
             )

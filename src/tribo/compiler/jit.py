@@ -12,12 +12,13 @@ import hashlib
 import re
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
+from copy import copy
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba import config, njit, typeof
+from numba import config, from_dtype, njit, typeof, types
 from numba.core.event import RecordingListener, install_recorder
 
 from tribo.compiler.numba_private import NATIVE
@@ -203,7 +204,7 @@ class EntryPoint:
 
     def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
-        kinds = tuple(typeof(argument) for argument in (*fixed, *examples))
+        kinds = tuple(map(_kind_of, (*fixed, *examples)))
         with undisturbed():
             loop.compile(kinds)
         self._code = loop.overloads[kinds].entry_point if NATIVE else loop
@@ -217,6 +218,12 @@ class EntryPoint:
             (place, example) for place, example in enumerate(examples) if isinstance(example, tuple)
         )
 
+    def with_fixed(self, *fixed: Any) -> "EntryPoint":
+        """The same code with other first arguments, of the same types."""
+        other = copy(self)
+        other._fixed = fixed
+        return other
+
     def __call__(self, *arguments: Any) -> Any:
         """Call the loop with `fixed` and these arguments; TypeError if their types differ."""
         for place, dtype, strides in self._arrays:
@@ -227,6 +234,20 @@ class EntryPoint:
             if arguments[place] is not example:  # which needs no search
                 _compare(place, arguments[place], example)
         return self._code(*self._fixed, *arguments)
+
+
+def _kind_of(argument: Any) -> Any:
+    """numba's type of an argument."""
+    if type(argument) is np.ndarray and argument.flags.c_contiguous:
+        kind = _element_kind(argument.dtype)
+        return types.Array(kind, argument.ndim, "C", readonly=not argument.flags.writeable)
+    return typeof(argument)
+
+
+@functools.cache
+def _element_kind(dtype: np.dtype) -> Any:
+    """numba's type of an array's elements, which takes long to find where they are records."""
+    return from_dtype(dtype)
 
 
 def _compare(place: int, given: Any, example: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from tribo.compiler.plugin_methods import recognize_class
 from tribo.integrators import tableaux, time_loops
+from tribo.integrators.coefficient_files import read
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.runge_kutta import RungeKutta
@@ -154,21 +155,21 @@ METHODS = {
         Method(
             "kahan-li-6",
             6,
-            composed(*tableaux.read("kahan-li-6")["weights"]),
+            composed(*read("kahan-li-6")["weights"]),
             "long runs without reservoirs at accuracies from 1e-5 to 1e-10",
             **_KAHAN_LI,
         ),
         Method(
             "kahan-li-8",
             8,
-            composed(*tableaux.read("kahan-li-8")["weights"]),
+            composed(*read("kahan-li-8")["weights"]),
             "long runs without reservoirs at accuracies beyond 1e-9",
             **_KAHAN_LI,
         ),
         Method(
             "blanes-moan-6",
             6,
-            alternating(**tableaux.read("blanes-moan-6")),
+            alternating(**read("blanes-moan-6")),
             "long runs without baths or reservoirs at accuracies from 1e-3 to 1e-10",
             "S. Blanes, P. C. Moan, J. Comput. Appl. Math. 142 (2002) 313",
             remembers=1,

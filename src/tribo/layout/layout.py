@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, wraps
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -35,6 +36,21 @@ from tribo.potentials.from_ase import Call
 SAME = 1e-12
 # Largest error of rounding to the nearest double, relative to it.
 ROUNDING = 0.5 * float(np.finfo(float).eps)
+
+T = TypeVar("T")
+
+
+def once_per_layout(function: Callable[[Layout], T]) -> Callable[[Layout], T]:
+    """A function of a layout that is computed once for each, as what all its runs share."""
+
+    @wraps(function)
+    def known(layout: Layout) -> T:
+        if function not in layout.computed:
+            layout.computed[function] = function(layout)
+        value: T = layout.computed[function]
+        return value
+
+    return known
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +83,10 @@ class Layout:
     member_times: int = 1  # at which samples have rows of all members
     # Of a run with noise, half of which lies between a sample and the next kick; 0 elsewhere.
     noisy_step: float = 0.0
+    # Values of functions that are computed `once_per_layout`.
+    computed: dict[Callable[[Layout], Any], Any] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     @property
     def parts(self) -> dict[str, slice]:

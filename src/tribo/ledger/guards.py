@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import mean_velocity, motions
 from tribo.ledger.quantities import Table
@@ -68,7 +68,7 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
 def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     """A note on bars that have passed another surface by the last sample."""
     last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
-    for mine, theirs in _facing(layout):
+    for mine, theirs in facing(layout):
         beyond = _beyond(layout, last, mine, theirs)[-1]
         if np.any(beyond):
             yield (
@@ -81,12 +81,13 @@ def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
 def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
     """Whether most bars of a surface have passed another one, (times,)."""
     passed = np.zeros(samples.t.size, dtype=bool)
-    for mine, theirs in _facing(layout):
+    for mine, theirs in facing(layout):
         passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST
     return passed
 
 
-def _facing(layout: Layout) -> list[tuple[int, int]]:
+@once_per_layout
+def facing(layout: Layout) -> list[tuple[int, int]]:
     """Surfaces in contact that face each other, in both orders; at least one carries a load."""
     scene = layout.scene
     pairs = {pair for interaction in scene.interactions for pair in scene.pairs(interaction)}

@@ -11,19 +11,20 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import Any
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.kernels.samples import BATH_ROWS
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.forces import Forces
 from tribo.ledger.quantities import (
     EVERY_QUANTITY,
     QUANTITIES,
     Quantity,
+    Reported,
     Table,
     needs_accounts,
     present_names,
@@ -69,7 +70,7 @@ class Series(Mapping[str, np.ndarray]):
         return known
 
     def __getattr__(self, name: str) -> np.ndarray:
-        if name.startswith("_"):  # a copy asks for methods before it has names
+        if name[0] == "_":  # a copy asks for methods before it has names
             raise AttributeError(name)
         try:
             return self[name]
@@ -128,8 +129,6 @@ class Ledger:
     # Surface with a bath -> displacements of its oscillators from their bars, (times, asperites,
     # oscillators, 2); empty where the scene's output does not ask for them.
     oscillators: Mapping[str, np.ndarray] = field(default_factory=dict)
-    # Finds the ledger at the last time sooner than this one.
-    last: Callable[[], Ledger] | None = field(default=None, init=False)
 
     def __repr__(self) -> str:
         counts = ", ".join(f'{len(self.of(name))} of "{name}"' for name in self.surfaces)
@@ -179,8 +178,8 @@ class Ledger:
         """The ledger of tables that are made from those of this one, and names of surfaces."""
         surfaces = {name: change(table, name) for name, table in self.surfaces.items()}
         blocks = {name: change(table, name) for name, table in self.blocks.items()}
-        system = change(self.system, "")
-        return replace(self, surfaces=surfaces, blocks=blocks, system=system, **others)
+        given = {"t": self.t, "kept": self.kept, "oscillators": self.oscillators} | others
+        return Ledger(surfaces=surfaces, blocks=blocks, system=change(self.system, ""), **given)
 
     def flat(self) -> dict[str, np.ndarray]:
         """All series by their full names, as "upper.W"."""
@@ -205,30 +204,103 @@ class Ledger:
         return Ledger(t, each, whole, known(system, kept), kept)
 
     def at_end(self) -> Ledger:
-        return self.rows(slice(-1, None)) if self.last is None else self.last()
+        """The ledger at the last time alone."""
+        return self.rows(slice(-1, None))
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = dict(self.surfaces), dict(self.blocks), self.system, self.kept
         return Ledger, (self.t, *parts, dict(self.oscillators))
 
 
+class SampledLedger(Ledger):
+    """The ledger of raw samples, from the start of a run on.
+
+    Tables are made when they are first needed: a run of a pair takes ten microseconds, as long as
+    a few of them.
+    """
+
+    def __init__(self, layout: Layout, samples: Samples) -> None:
+        self.t = samples.t
+        self._layout = layout
+        self.samples = samples
+        self._contents = contents(layout)
+        self._forces = Forces(layout, samples)  # which the surfaces share
+        self._known: dict[str, Series] = {}  # by the names of surfaces
+
+    def of(self, surface: str) -> Series:
+        known = self._known.get(surface)
+        if known is None:
+            quantities, index = self._contents.surfaces[surface]
+            source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces)
+            known = self._known[surface] = SourceSeries(quantities, source)
+        return known
+
+    @cached_property
+    def surfaces(self) -> Mapping[str, Table]:  # type: ignore[override]
+        return self._parts("asperites")
+
+    @cached_property
+    def blocks(self) -> Mapping[str, Table]:  # type: ignore[override]
+        return self._parts("blocks")
+
+    @cached_property
+    def system(self) -> Table:  # type: ignore[override]
+        wholes = tuple(self.of(name).source for name in self._contents.surfaces)
+        source = SystemSeries(self._layout, self.samples, wholes)
+        return SourceSeries(self._contents.reported[-1].system, source)
+
+    @cached_property
+    def oscillators(self) -> Mapping[str, np.ndarray]:  # type: ignore[override]
+        return _oscillators(self._layout, self.samples)
+
+    def at_end(self) -> Ledger:
+        """The ledger at the last time alone, from the samples that it needs."""
+        with_forces = "forces" in self._layout.scene.output.series
+        few = self.samples.last_interval() if with_forces else self.samples.ends()
+        return assemble(self._layout, few).rows(slice(-1, None))
+
+    def _parts(self, group: str) -> dict[str, Table]:
+        """The quantities of each surface in a group of `Reported`."""
+        each = zip(self._contents.surfaces, self._contents.reported, strict=True)
+        return {
+            name: Series(getattr(found, group), self.of(name).__getitem__) for name, found in each
+        }
+
+
+class SourceSeries(Series):
+    """The series of some asperites, a surface or the system, by the formulas of quantities."""
+
+    def __init__(self, quantities: Mapping[str, Quantity], source: Any) -> None:
+        self._names = self._quantities = quantities
+        self._kept = ()
+        self._known = {}
+        self.source = source
+
+    def _compute(self, name: str) -> np.ndarray:
+        return self._quantities[name].of(self.source)
+
+
+class Contents(NamedTuple):
+    """What the ledger of a layout contains, whichever the run."""
+
+    reported: tuple[Reported, ...]  # surface by surface
+    surfaces: Mapping[str, tuple[Mapping[str, Quantity], int]]  # their quantities, and indices
+
+
+@once_per_layout
+def contents(layout: Layout) -> Contents:
+    scene = layout.scene
+    found = tuple(
+        reported(scene.output.ledger, present_names(scene, surface)) for surface in scene.surfaces
+    )
+    each = enumerate(zip(scene.surfaces, found, strict=True))
+    surfaces = {one.name: ({**of.asperites, **of.blocks}, index) for index, (one, of) in each}
+    return Contents(found, surfaces)
+
+
 def assemble(layout: Layout, samples: Samples) -> Ledger:
     """The ledger of raw samples from the start of a run on; series are computed when needed."""
-    forces, kept = Forces(layout, samples), layout.scene.output.ledger
-    wholes, surfaces, blocks = [], {}, {}
-    for index, surface in enumerate(layout.scene.surfaces):
-        wholes.append(whole := SurfaceSeries(layout, samples, index, forces=forces))
-        found = reported(kept, present_names(layout.scene, surface))
-        surfaces[surface.name] = _series(found.asperites, whole)
-        blocks[surface.name] = _series(found.blocks, whole)
-    system = _series(found.system, SystemSeries(layout, samples, tuple(wholes)))
-    ledger = Ledger(samples.t, surfaces, blocks, system, (), _oscillators(layout, samples))
-    ledger.last = partial(_last, layout, samples)
-    return ledger
-
-
-def _series(quantities: Mapping[str, Quantity], source: SurfaceSeries | SystemSeries) -> Series:
-    return Series(quantities, lambda name: quantities[name].of(source))
+    return SampledLedger(layout, samples)
 
 
 def _oscillators(layout: Layout, samples: Samples) -> dict[str, np.ndarray]:
@@ -243,13 +315,6 @@ def _oscillators(layout: Layout, samples: Samples) -> dict[str, np.ndarray]:
         for name, part in layout.parts.items()
         if counts[name]
     }
-
-
-def _last(layout: Layout, samples: Samples) -> Ledger:
-    """The ledger at the last time alone, from the samples that it needs."""
-    with_forces = "forces" in layout.scene.output.series
-    samples = samples.last_interval() if with_forces else samples.ends()
-    return assemble(layout, samples).rows(slice(-1, None))
 
 
 def check_keep(layout: Layout) -> None:

@@ -28,9 +28,23 @@ class Factors:
 
     state: np.ndarray  # (2 coordinates, columns) those of y
     accounts: np.ndarray  # (accounts, columns) those of s
-    # Those of linear functions of s by their keys; without the arcs where they have no part.
-    linear: dict[Hashable, np.ndarray]
+    # Those of linear functions of s by their keys, and the shapes of the functions' values: one
+    # vector for one value, or a table; without the arcs where they have no part.
+    linear: dict[Hashable, tuple[np.ndarray, tuple[int, ...]]]
     driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
+
+    def find(
+        self, key: Hashable, function: Callable[[Integrals], np.ndarray]
+    ) -> tuple[np.ndarray, tuple[int, ...]]:
+        """Compute the factors of a linear function of s once, and keep them under `key`."""
+        factors = function(self.integrals)
+        shape = factors.shape[1:]
+        if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
+            factors = factors[:ENERGY]
+        width = factors.size // len(factors)
+        factors = factors.reshape((-1, width) if width > 1 else -1)
+        self.linear[key] = factors, shape
+        return factors, shape
 
     @cached_property
     def integrals(self) -> Integrals:
@@ -58,10 +72,27 @@ class PairSamples(Samples):
     def __init__(
         self, t: np.ndarray, record: np.ndarray, first: np.ndarray, factors: Factors
     ) -> None:
-        self.t, self.contact, self.runs = t, record[:, ENERGY], len(first)
-        self.field, self.stored = np.zeros(t.size), np.zeros((t.size, 2, STORED))
-        self.baths = np.empty((t.size, 0, 0))
-        self._record, self._first, self._factors = record, first, factors
+        self.t = t
+        self.runs = first.shape[0]
+        self._record = record
+        self._first = first
+        self._factors = factors
+
+    @cached_property
+    def contact(self) -> np.ndarray:  # type: ignore[override]
+        return self._record[:, ENERGY]
+
+    @cached_property
+    def field(self) -> np.ndarray:  # type: ignore[override]
+        return np.zeros(self.t.size)
+
+    @cached_property
+    def stored(self) -> np.ndarray:  # type: ignore[override]
+        return np.zeros((self.t.size, 2, STORED))
+
+    @cached_property
+    def baths(self) -> np.ndarray:  # type: ignore[override]
+        return np.empty((self.t.size, 0, 0))
 
     @cached_property
     def y(self) -> np.ndarray:  # type: ignore[override]
@@ -85,21 +116,16 @@ class PairSamples(Samples):
         """The value of a linear function of `s`, from the record's columns that it depends on."""
         if self._factors.driven is not None:
             return function(Integrals(self.s))
-        factors = self._factors.linear.get(key)
-        if factors is None:
-            factors = function(self._factors.integrals)
-            if not factors[ENERGY:].any():  # the arcs, which take longer, have no part
-                factors = factors[:ENERGY]
-            self._factors.linear[key] = factors
-        columns = self._record[:, :ENERGY] if len(factors) == ENERGY else self._columns
-        if factors.size > len(factors):
+        factors, shape = self._factors.linear.get(key) or self._factors.find(key, function)
+        height = factors.shape[0]
+        columns = self._record[:, :ENERGY] if height == ENERGY else self._columns
+        if factors.ndim > 1:
             # In the calling thread alone.
             parts = [columns[k : k + ROWS_AT_ONCE] for k in range(0, len(columns), ROWS_AT_ONCE)]
-            table = factors.reshape(len(factors), -1)
-            values = np.concatenate([rows @ table for rows in parts or [columns]])
-            return values.reshape(len(values), *factors.shape[1:])
+            values = np.concatenate([rows @ factors for rows in parts or [columns]])
+            return values.reshape(len(values), *shape)
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
-        return np.vecdot(columns, factors.ravel()).reshape(-1, *factors.shape[1:])
+        return np.vecdot(columns, factors).reshape(-1, *shape)
 
     def of_members(self, selected: np.ndarray) -> PairSamples:
         shape = self.t.size // self.runs, self.runs, COLUMNS

@@ -16,11 +16,11 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
+from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.motion import motions
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
@@ -33,8 +33,6 @@ from tribo.model.surface import Surface
 LEAST_PART, LONGER = 0.1, 2.0
 # What notes on such surfaces say.
 PART = "part for good"
-# Pairs of bobs up to which all distances take less time than a tree: 60 us for a tree of few.
-MOST_PAIRS = 400
 # Times after one with a tree that may be settled by it, at most.
 AHEAD = 64
 # Energy of two bobs in contact, at least, as a fraction of torsion by 1 rad and of k_B T.
@@ -69,15 +67,15 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
         for one, other in contact.pairs:
             mine, theirs = (layout.surfaces[k] for k in (one, other))
             own = places[mine.start : mine.stop]
-            tree = KDTree(places[theirs.start : theirs.stop], boxsize=box)
             # Within a surface, the nearest bob to each is that bob itself.
             rank = 2 if one == other else 1
-            distances, indices = tree.query(own, k=[rank])
-            i = int(np.argmin(distances[:, 0]))
-            near = int(indices[i, 0])
-            if near < tree.n:  # a surface of one bob has no other
+            candidates = places[theirs.start : theirs.stop]
+            distances, indices = nearest(own, candidates, box, rank)
+            i = int(np.argmin(distances))
+            near = int(indices[i])
+            if near < len(candidates):  # a surface of one bob has no other
                 pair = int(mine.start) + i, int(theirs.start) + near
-                yield Closest(float(distances[i, 0]), *pair), contact
+                yield Closest(float(distances[i]), *pair), contact
 
 
 def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -271,9 +269,9 @@ def _by_trees(layout: Layout, mine: np.ndarray, theirs: np.ndarray, distance: fl
     (in_mine, box), (in_theirs, _) = in_box(layout, mine), in_box(layout, theirs)
     while open_times.any():
         k = int(np.argmax(open_times))
-        nearest, places = KDTree(in_theirs[k], boxsize=box).query(in_mine[k])
-        i = int(np.argmin(nearest))
-        open_times[k], found[k] = False, nearest[i] < distance
+        distances, places = nearest(in_mine[k], in_theirs[k], box)
+        i = int(np.argmin(distances))
+        open_times[k], found[k] = False, distances[i] < distance
         later = k + 1 + np.flatnonzero(open_times[k + 1 : k + 1 + AHEAD])
         if found[k]:
             between = nearest_images(layout, mine[later, i] - theirs[later, places[i]])
@@ -281,7 +279,7 @@ def _by_trees(layout: Layout, mine: np.ndarray, theirs: np.ndarray, distance: fl
             found[later] = settled
         else:
             moved = sum(_largest_move(each[later], each[k]) for each in (mine, theirs))
-            settled = nearest[i] - moved >= distance
+            settled = distances[i] - moved >= distance
         open_times[later[settled]] = False
     return found
 

@@ -60,11 +60,16 @@ class SurfaceSeries(AsperiteSeries):
         forces: Forces | None = None,
     ) -> None:
         super().__init__(layout, samples, layout.spans[index])
-        self._index, self._record = index, layout.surfaces[index]
+        self._index = index
         # The asperites, or lanes that stand for their sums, with accounts.
         self._accounted = layout.accounted_spans[index]
         self._among = among
         self._forces = forces
+
+    @cached_property
+    def _record(self) -> np.record:
+        """The surface as the kernels know it."""
+        return self._layout.surfaces[self._index]
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
@@ -133,7 +138,8 @@ class SurfaceSeries(AsperiteSeries):
     def force(self, name: str, axis: int) -> np.ndarray:
         """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
         assert self._forces is not None
-        forces, index = self._forces, self._index
+        forces = self._forces
+        index = self._index
         return _side_by_side([forces.of(motion, index, name, axis) for motion in self.motions])
 
     @property

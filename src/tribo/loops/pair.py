@@ -29,6 +29,7 @@ from tribo.loops.integrate import (
     Integration,
     Memory,
     Progress,
+    Setting,
     TimeLoop,
     first_step_at,
     integrate,
@@ -170,7 +171,11 @@ class Pair:
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
-        self._coefficients = method.coefficients
+        self._rows = np.zeros((step_rows.ROWS, LANES))
+        self._rows[: step_rows.LIMITS] = table(method.coefficients)
+        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
+        fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
+        self.entry = entry_point(layout, pair_collocation, fixed, examples)
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
@@ -184,7 +189,7 @@ class Pair:
 
     def integrate(
         self,
-        tolerance: Tolerance,
+        tolerance: Setting,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
@@ -203,9 +208,7 @@ class Pair:
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
-        rows = np.zeros((step_rows.ROWS, LANES))
-        rows[: step_rows.LIMITS] = table(self._coefficients)
-        return rows
+        return self._rows.copy()
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
@@ -237,17 +240,16 @@ class PairLoop(TimeLoop):
     def __init__(self, pair: Pair) -> None:
         self.layout = layout = pair.layout
         self._pair = pair
-        self._tolerance: Tolerance | None = None  # from which the limits in the rows were made
+        self._tolerance: Setting | None = None  # from which the limits in the rows were made
         self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
         self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
         self._start = layout.start
-        fixed = (*pair.scene_arguments, self._rows, self.clocks)
-        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        self._loop = entry_point(layout, pair_collocation, fixed, examples)
+        self._loop = pair.entry.with_fixed(*pair.scene_arguments, self._rows, self.clocks)
 
-    def begin(self, tolerance: Tolerance, start: np.ndarray) -> None:
+    def begin(self, tolerance: Setting, start: np.ndarray) -> None:
         """Begin a run from `start`, y of the scene's layout."""
         if self._tolerance is not tolerance:
+            assert isinstance(tolerance, Tolerance)
             self._tolerance = tolerance
             self._rows[step_rows.LIMITS : step_rows.STATE] = self._pair.limits(tolerance)
             self.clocks["encounter_fraction"] = tolerance.encounter_fraction

@@ -124,7 +124,6 @@ class Integrator:
         journal = self._journal
         entry = None if journal is None else journal.integration(key_of(setting, times, start))
         if pair is not None:
-            assert isinstance(setting, Tolerance)
             return pair.integrate(setting, start, times, self._progress, entry, most)
         loop = self.loop(layout, setting, start)
         before = None

@@ -104,13 +104,12 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
 def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
     """A note on encounters that steps of a run with noise have passed."""
     count, *bobs = run.passages
-    if count > 0:
-        yield (
-            f"in {count} steps bobs passed one another within the step, "
-            f"{asperite_names(layout, bobs)} last; their potential energy is below {NEGLIGIBLE:g} "
-            "k_B T there and does not affect the motion, but works of their contact are "
-            "inaccurate; a smaller step resolves them"
-        )
+    yield (
+        f"in {count} steps bobs passed one another within the step, "
+        f"{asperite_names(layout, bobs)} last; their potential energy is below {NEGLIGIBLE:g} "
+        "k_B T there and does not affect the motion, but works of their contact are "
+        "inaccurate; a smaller step resolves them"
+    )
 
 
 def drive_notes(layout: Layout, ledger: Ledger) -> Iterator[str]:
@@ -163,7 +162,8 @@ def pumping_notes(layout: Layout, watched: Watched) -> Iterator[str]:
 
 
 def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
-    """Where a run stopped, the closest bobs, and, without progress, what the whole would take."""
+    """Why and where a run stopped, the closest bobs, and what a whole run would take."""
+    yield from (f"the calculator raised {failure}" for failure in run.failures)
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
