@@ -145,7 +145,7 @@ def _version(cls: Any) -> str:
 
 
 def frozen_of(plugin: Any) -> Frozen:
-    """What compilation freezes of a plug-in's class now; kernels are compiled for it from now on."""
+    """What compilation freezes of a plug-in's class now, for which kernels compile from now on."""
     recognize(plugin)
     return _frozen[type(plugin)]
 

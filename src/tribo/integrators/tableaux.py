@@ -53,7 +53,16 @@ def _nystrom(name: str, order: float) -> Nystrom:
 def _collocation(name: str) -> Collocation:
     """A method from the file of its coefficients."""
     table = read(name)
-    return Collocation(**table, order=float(table["c"].size))
+    return Collocation(
+        c=table["c"],
+        r=table["r"],
+        a=table["a"],
+        v=table["v"],
+        b=table["b"],
+        pole=table["pole"],
+        last=table["last"],
+        order=float(table["c"].size),
+    )
 
 
 RKN8 = _nystrom("rkn8", 7.0)

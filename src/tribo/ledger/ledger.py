@@ -178,7 +178,8 @@ class Ledger:
         """The ledger of tables that are made from those of this one, and names of surfaces."""
         surfaces = {name: change(table, name) for name, table in self.surfaces.items()}
         blocks = {name: change(table, name) for name, table in self.blocks.items()}
-        given = {"t": self.t, "kept": self.kept, "oscillators": self.oscillators} | others
+        given: dict[str, Any] = {"t": self.t, "kept": self.kept, "oscillators": self.oscillators}
+        given |= others
         return Ledger(surfaces=surfaces, blocks=blocks, system=change(self.system, ""), **given)
 
     def flat(self) -> dict[str, np.ndarray]:
@@ -225,9 +226,12 @@ class SampledLedger(Ledger):
         self.samples = samples
         self._contents = contents(layout)
         self._forces = Forces(layout, samples)  # which the surfaces share
-        self._known: dict[str, Series] = {}  # by the names of surfaces
+        self._known: dict[str, SourceSeries] = {}  # by the names of surfaces
 
     def of(self, surface: str) -> Series:
+        return self._source(surface)
+
+    def _source(self, surface: str) -> SourceSeries:
         known = self._known.get(surface)
         if known is None:
             quantities, index = self._contents.surfaces[surface]
@@ -245,7 +249,7 @@ class SampledLedger(Ledger):
 
     @cached_property
     def system(self) -> Table:  # type: ignore[override]
-        wholes = tuple(self.of(name).source for name in self._contents.surfaces)
+        wholes = tuple(self._source(name).source for name in self._contents.surfaces)
         source = SystemSeries(self._layout, self.samples, wholes)
         return SourceSeries(self._contents.reported[-1].system, source)
 

@@ -20,8 +20,8 @@ import numpy as np
 from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.records import Contact
 from tribo.layout.layout import Layout
-from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.motion import motions
+from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
