@@ -30,7 +30,7 @@ class InitialState:
     """
 
     def __init__(self, layout: Layout, continues: bool = False) -> None:
-        self._layout, self._continues = layout, continues
+        self._layout = layout
         model = layout.model
         baths = any(item is not None for item in (model.bath, model.torsional))
         self._starts_baths = baths and not continues
@@ -39,6 +39,7 @@ class InitialState:
         self._scene = layout.asperites, layout.scene
         self._slots = cache(partial(_slots, layout))
         self._bound = cache(partial(_bound, layout.scene))
+        self._following = cache(partial(_following, layout.scene, continues))
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
         """The state (2 coordinates,) with these initial values.
@@ -72,21 +73,22 @@ class InitialState:
         for key, own in values.items():
             slots, rest = self._slots(key)
             y[:, slots] = own - rest
-        self._follow(values, y)
+        for name in self._following(tuple(values)):
+            y[:, self._slots(f"{name}.swing")[0]] = y[:, self._slots(f"{name}.phi")[0]]
         if self._starts_baths and (values or seeds):
             start_baths(*self._scene, y, seeds or [self._layout.scene.seed])
         return y
 
-    def _follow(self, start: Values, y: np.ndarray) -> None:
-        """Let theta follow phi, as in :class:`tribo.Initial`, where it is given nowhere."""
-        for key in start:
-            name, _, quantity = key.rpartition(".")
-            given = [key for key in (f"{name}.theta", f"{name}.swing") if key in start]
-            if quantity == "phi" and not given:
-                surface, _ = self._layout.scene.initial_value(f"{name}.theta")
-                if surface.initial_swing is None and not self._continues:
-                    swing, phi = (self._slots(f"{name}.{k}")[0] for k in ("swing", "phi"))
-                    y[:, swing] = y[:, phi]
+
+def _following(scene: Scene, continues: bool, keys: tuple[str, ...]) -> tuple[str, ...]:
+    """The surfaces whose theta follows phi, as in :class:`tribo.Initial`: it is given nowhere."""
+    names = [key.rpartition(".")[0] for key in keys if key.endswith(".phi") and not continues]
+    return tuple(
+        name
+        for name in names
+        if not {f"{name}.theta", f"{name}.swing"} & set(keys)
+        and scene.initial_value(f"{name}.theta")[0].initial_swing is None
+    )
 
 
 def _bound(scene: Scene, keys: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
