@@ -149,6 +149,7 @@ def test_undocumented_names_of_numba_are_in_one_file():
             "numba.types",
             "numba.typeof",
             "numba.literal_unroll",
+            "numba.from_dtype",
             "numba.get_num_threads",
         ),
         *("numba.NumbaError", "numba.TypingError", "numba.UnsupportedBytecodeError"),

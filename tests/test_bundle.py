@@ -69,7 +69,7 @@ def test_what_an_archive_contains(folder):
         (["missing.toml"], "missing.toml: cannot be read"),
         (["soft.py", "other/soft.py"], "would be a second soft.py in the archive; rename it"),
         (["soft.py", "Soft.py"], "differs from soft.py in case alone"),
-        (["broken.nc"], "broken.nc: is no NetCDF file"),
+        (["broken.nc"], "broken.nc: cannot be read: it is damaged"),
         (["manifest.json"], "would be a second manifest.json"),
     ],
 )

@@ -27,4 +27,4 @@ def test_runs_keep_the_arrays_of_a_table(row):
     runs = [tribo.simulate(scene, **method) for _ in range(3)]
     assert {str(run.status) for run in runs} == {"completed"}
     del runs
-    assert len(before) == 3 and counts() == before
+    assert len(before) == 4 and counts() == before

@@ -22,7 +22,7 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.accuracy.scales import KINDS, reported_scales
+from tribo.accuracy.scales import COMMON, reported_scales
 from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
@@ -56,7 +56,7 @@ def largest_error(result, truth):
     scales = reported_scales(layout, truth.ledger)
     return max(
         np.max(np.abs(one - other)) / scales.of(name)
-        for name in KINDS
+        for name in COMMON
         for one, other in zip(result.ledger.series(name), truth.ledger.series(name), strict=True)
         if scales.of(name) > 0.0
     )

@@ -136,7 +136,7 @@ def own_forces(potential, table, places, rows, out):
     """Forces of eight potentials with numbers of their own: together, and one after another."""
     own = numbers_in_lanes(potential, table, rows_of(rows), 0)
     r = load(rows_of(places), 0)
-    end = range_in_lanes(own)
+    end = range_in_lanes(own, broadcast(1.3), broadcast(0.7))
     force = force_in_lanes(own, r, end, broadcast(1.3), broadcast(0.7), 0, LANES)
     store(rows_of(out), 0, where_less(r, end, force, 0.0))
     for i in range(LANES):

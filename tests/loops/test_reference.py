@@ -18,7 +18,7 @@ from support.random_scenes import (
     rigid,
 )
 from support.verdicts import WITHOUT_REFERENCE
-from tribo.accuracy.scales import KINDS
+from tribo.accuracy.scales import scale_of
 from tribo.integrators.methods import METHODS
 from tribo.model.scene_file import scene_from
 
@@ -49,7 +49,7 @@ SEEDS = [0, 1, 2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range
 
 def compare(quantity: str, ours, theirs, scales: dict, accuracy: float) -> None:
     """Within the agreement asked for, on the scale of the quantity's kind."""
-    bound = AGREEMENT * accuracy * scales[KINDS[quantity]]
+    bound = AGREEMENT * accuracy * scales[scale_of(quantity)]
     assert np.max(np.abs(np.subtract(ours, theirs))) <= bound, quantity
 
 

@@ -431,7 +431,7 @@ class Own(NamedTuple):
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_values_that_are_compiled_are_seen(place, source):
-    """Read anew by every process: other values are other code, and the same are found again."""
+    """Each process reads it again: other values are other code, and the same are found again."""
     before, factor = SOURCES[source]
     place.write("one", READER.format(before=before, factor=factor))
     folder, site = place.root / "one", place.root / "site-packages"

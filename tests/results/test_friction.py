@@ -9,7 +9,7 @@ import pytest
 import tribo
 from tribo.commands.cli import main
 from tribo.kernels.status import Status
-from tribo.ledger.ledger import known
+from tribo.ledger.ledger import Ledger, known
 from tribo.results import report
 
 HOW = {"method": "verlet", "step": 0.02}
@@ -168,7 +168,8 @@ def test_averages_of_a_stopped_run_end_together(result):
     """At the last time at which all forces are finite; too late a beginning names the stop."""
     series = dict(result.ledger.blocks["tip"])
     series["friction_force"] = np.append(series["friction_force"][:-1], np.inf)
-    ledger = replace(result.ledger, blocks={"tip": known(series)})
+    whole = result.ledger
+    ledger = Ledger(whole.t, whole.surfaces, {"tip": known(series)}, whole.system)
     stopped = replace(result, status=Status.NOT_FINITE, assemble=lambda: ledger)
     friction, pull = stopped.friction_force("tip"), stopped.pull_force("tip")
     t, pulls, first = result.t, result["tip"].pull_force, int(np.searchsorted(result.t, 50.0))

@@ -536,7 +536,8 @@ def further_series() -> str:
             if np.max(np.abs(masses * (velocity[-1] - velocity[0]) - impulse)) > 1e-4:
                 return f"momentum of {name} along {axis}"
         for key, values in table.items():
-            if key.startswith(("k_", "e_")):
+            # The springs of stages are not part of the system.
+            if key.startswith(("k_", "e_")) and key != "e_pull":
                 total = total + (values if values.ndim == 1 else values.sum(axis=1))
         heat = table.k_bath + table.e_bath
         if np.any(table.k_bath <= 0.0) or np.any(table.e_bath < -1e-15):

@@ -68,7 +68,10 @@ def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -
     if not isinstance(potential, Potential):  # a calculator
         return True
     charges = [float(np.max(np.abs(scene.surfaces[k].each["charge"]))) for k in pair]
-    return bool(potential.acts_between(*charges) or not potential.acts_between(1.0, 1.0))
+    try:
+        return bool(potential.acts_between(*charges) or not potential.acts_between(1.0, 1.0))
+    except Exception:  # of the user's code, whose line the compiler names
+        return True
 
 
 def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:

@@ -150,12 +150,12 @@ class Motion:
         return self.samples.change(self.energy)
 
     def bob_path(self, mean: np.ndarray) -> np.ndarray:
-        """How far the bobs are from their start, in a frame of some velocity."""
+        """How far the bobs are from their start, in a frame of a velocity (2,), or (2, times)."""
         a, (tx, ty), samples = self.span.asperites, self.direction, self.samples
         later = samples.change(np.broadcast_to(self.t, self.x.shape))
-        own = self.span.velocity[0] - mean[0], self.span.velocity[1] - mean[1]
-        x = samples.change(self.x + a.l1 * ty) + own[0] * later
-        y = samples.change(self.y - a.l1 * tx) + own[1] * later
+        own_x, own_y = self.span.velocity - mean[..., None]
+        x = samples.change(self.x + a.l1 * ty) + own_x * later
+        y = samples.change(self.y - a.l1 * tx) + own_y * later
         return np.asarray(np.hypot(x, y))
 
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
