@@ -342,3 +342,21 @@ def test_a_run_without_an_estimate_keeps_the_accuracy(case, accuracy):
     for name in ("upper", "lower"):
         assert abs(lone[name].theta - exact[name].theta)[-1, 0] < accuracy
         assert abs(lone[name].w1 - exact[name].w1)[-1, 0] < accuracy
+
+
+@pytest.mark.parametrize("key", ["upper.x", "upper.vx"])
+def test_displaced_centres_of_mass(key):
+    """A prepared pair that starts so is the run of a scene that starts so, by the general loop."""
+    lower = tribo.Surface("lower", facing="up")
+
+    def scene(**initial):
+        upper = tribo.Surface(
+            "upper", bob=(-3.0, 0.3), velocity=(0.5, 0.0), drive="free", initial=initial
+        )
+        return tribo.Scene([upper, lower], tribo.Coulomb(0.2), 8.0)
+
+    run = tribo.prepare(scene(), accuracy=1e-8).run({key: 0.2})
+    other = tribo.simulate(scene(**{key.partition(".")[2]: 0.2}), accuracy=1e-8)
+    for name in ("w1", "w2", "x_cm", "delta_k_trans"):
+        bound = run.error_estimate[name] + other.error_estimate[name]
+        assert np.max(np.abs(run["upper"][name] - other["upper"][name])) <= bound, name

@@ -51,6 +51,7 @@ class PairMembers:
         self._loop(*arguments)
         records = arguments[-2].swapaxes(0, 1)  # (times + 1, members, COLUMNS)
         counts = records[-1, :, :COUNTS].astype(np.int64)
+        counts[self._pair.lacks(starts.y), CODE] = PAUSED
         return _pair_runs(self._pair, self._times, records[:-1], counts, starts)
 
     def _arguments(
@@ -115,11 +116,11 @@ class PairLanes:
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         assert isinstance(setting, Tolerance)
         y, numbers = np.ascontiguousarray(starts.y), starts.numbers
-        scenes, others = None, np.zeros(len(y), bool)
+        scenes, others = None, self._pair.lacks(y)
         if numbers is not None:
             records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
-            others = ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
+            others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         arguments = self._arguments(scenes, self._limits(setting), y)
         self._loop(*arguments)
         samples, queue = arguments[-3:-1]

@@ -171,6 +171,9 @@ class Pair:
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
         assert isinstance(method.coefficients, Collocation)
+        along_x = np.array([slot for slot in layout.asperites.dof_x if slot >= 0], int)
+        # Of y: what is zero at the start of every run of the loop.
+        self.zeros = np.concatenate([along_x, layout.coordinates + along_x])
         self._rows = np.zeros((step_rows.ROWS, LANES))
         self._rows[: step_rows.LIMITS] = table(method.coefficients)
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
@@ -186,6 +189,10 @@ class Pair:
         pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
         pair.loops = Pool(lambda: PairLoop(pair))
         return pair
+
+    def lacks(self, starts: np.ndarray) -> np.ndarray:
+        """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
+        return np.asarray(starts[:, self.zeros].any(axis=1))
 
     def integrate(
         self,

@@ -123,7 +123,7 @@ class Integrator:
         start = self.layout.start if start is None else start
         journal = self._journal
         entry = None if journal is None else journal.integration(key_of(setting, times, start))
-        if pair is not None:
+        if pair is not None and not (pair.zeros.size and pair.lacks(start[None])[0]):
             return pair.integrate(setting, start, times, self._progress, entry, most)
         loop = self.loop(layout, setting, start)
         before = None
