@@ -204,7 +204,7 @@ def closure_of(function: FunctionType) -> dict[str, Any]:
 def _followed(name: str, value: Any, attributes: list[str]) -> tuple[str, Any]:
     """A value and its name; of a module or a class, that of an attribute as far as there is one."""
     for attribute in attributes:
-        inside = isinstance(value, ModuleType) or isinstance(value, type)
+        inside = isinstance(value, (ModuleType, type))
         if not inside or not hasattr(value, attribute):
             break
         name, value = f"{name}.{attribute}", getattr(value, attribute)

@@ -142,7 +142,7 @@ def _version(cls: Any) -> str:
 
 
 def frozen_of(plugin: Any) -> Frozen:
-    """What compilation freezes of a plug-in's class now; kernels are compiled for it from now on."""
+    """What compilation freezes of a plug-in's class now, which kernels are compiled for next."""
     recognize(plugin)
     return _frozen[type(plugin)]
 

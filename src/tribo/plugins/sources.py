@@ -66,6 +66,9 @@ def load(source: bytes, place: str) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     module.__file__ = place
     sys.modules[name] = module
+    if not Path(place).is_file():  # messages and derivatives of formulas read the source
+        lines = source.decode().splitlines(keepends=True)
+        linecache.cache[place] = (len(source), None, lines, place)
     try:
         with _importing_beside(Path(place).parent, name):
             exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
@@ -73,9 +76,6 @@ def load(source: bytes, place: str) -> ModuleType:
         del sys.modules[name]
         raise
     _LOADED[name] = source
-    if place.startswith("<"):
-        lines = source.decode().splitlines(keepends=True)
-        linecache.cache[place] = (len(source), None, lines, place)
     return module
 
 

@@ -55,11 +55,12 @@ def stamp_of(plugin: NamedTuple) -> str | None:
 
 
 def is_same(before: str | None, now: str | None) -> bool:
-    """Whether stamps may be of the same code: without that of values, sources alone are compared."""
+    """Whether stamps may be of the same code; a stamp without values is compared by the sources."""
     if before is None:
         return True
-    with_values = AND_VALUES in before or now is None
-    return before == (now if with_values else now.partition(AND_VALUES)[0])
+    if now is not None and AND_VALUES not in before:
+        now = now.partition(AND_VALUES)[0]
+    return before == now
 
 
 def _values_of(plugin: NamedTuple) -> list[str]:

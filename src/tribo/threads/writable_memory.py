@@ -32,7 +32,7 @@ SCRATCH = {
 
 
 def loop_of(layout: Layout, function: Any) -> Any:
-    """A time loop for a scene, compiled at its first call with the values that plug-ins have now."""
+    """A time loop for a scene, compiled at its first call with values that plug-ins have now."""
     plugins = layout.plugins
     return time_loop(function, code_stamp_of(plugins), version_of(plugins))
 
