@@ -11,7 +11,12 @@ distributed = pytest.importorskip("distributed")
 def test_files_beside_an_open_client(tmp_path):
     """Of results, sweeps and ensembles, none of which uses the client."""
     scene = paper.scene("A")
-    with distributed.Client(processes=False, dashboard_address=None):
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster),
+    ):
         result = tribo.simulate(scene, accuracy=1e-6, out=tmp_path / "run.nc")
         result.save(tmp_path / "saved.nc")
         keys, how = {"upper.velocity": [0.4, 0.5]}, {"accuracy": 1e-6, "keep": ["upper.w1"]}
