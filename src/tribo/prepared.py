@@ -100,8 +100,8 @@ class Simulation:
         ----------
         initial : mapping, optional
             "surface.theta" (or swing, phi, omega, nu, and x, y, vx, vy of asperites that can move;
-            ``"*.theta"`` of all surfaces) -> a number, or one for each asperite [rad, rad/time, length,
-            length/time].
+            ``"*.theta"`` of all surfaces) -> a number, or one for each asperite [rad, rad/time,
+            length, length/time].
         estimate : bool
             False omits the two coarser runs that estimate the error.
 
