@@ -30,7 +30,7 @@ NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
-    from tribo.compiler.linking import KernelCompiler, LoopCompiler
+    from tribo.compiler.linking import ApartCompiler, KernelCompiler, LoopCompiler
 
     # Functions that only kernels call: no wrappers for calls from Python.
     LINKED: dict[str, Any] = {
@@ -43,9 +43,12 @@ if NATIVE:
     UNCOUNTED: dict[str, Any] = {"_nrt": False}
     COUNTED: dict[str, Any] = {"_nrt": True}
     INLINED: dict[str, Any] = {"forceinline": True}
+    # numba gives a function the flags of its first caller where it has none of its own.
+    NOT_INLINED: dict[str, Any] = {"forceinline": False}
+    APART: dict[str, Any] = {"pipeline_class": ApartCompiler}
     OF_LOOPS: dict[str, Any] = {"pipeline_class": LoopCompiler}
 else:
-    LINKED = UNCOUNTED = COUNTED = INLINED = OF_LOOPS = {}
+    LINKED = UNCOUNTED = COUNTED = INLINED = NOT_INLINED = APART = OF_LOOPS = {}
 
 # Time loops, which Python calls.
 LOOP: dict[str, Any] = {**NUMPY_ERRORS, "nogil": True, **UNCOUNTED, **OF_LOOPS}
@@ -55,12 +58,14 @@ OWNING_KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **COUNTED}
 # Functions of Python that kernels compile in another way, as arguments of numba.extending.overload.
 OVERLOAD: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
 
-kernel = njit(**KERNEL)
+kernel = njit(**KERNEL, **NOT_INLINED)
+# One that LLVM does not copy into its callers: large, or seldom called.
+apart = njit(**{**KERNEL, **NOT_INLINED, **APART})
 inlined = njit(**KERNEL, **INLINED)
 # Expanded in its caller before that is typed.
 expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
-owning_kernel = njit(**OWNING_KERNEL)
+owning_kernel = njit(**OWNING_KERNEL, **NOT_INLINED)
 _loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
@@ -111,16 +116,22 @@ def time_loop(loop: FunctionType, stamp: str | None, version: str = "") -> Calla
     if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
     # Each way keeps its own files.
-    compiled = _named(loop, f"{code_stamp()}_{stamp}{'' if NATIVE else '_plain'}")
+    compiled = _kept(loop, f"{code_stamp()}_{stamp}{'' if NATIVE else '_plain'}")
     remove_stale(loop)
     return compiled
 
 
-def _named(loop: FunctionType, stamps: str) -> Any:
-    """The loop under a name of its own, by which the disk cache finds it."""
-    name = f"{loop.__name__}_{stamps}"
-    clone = FunctionType(loop.__code__, loop.__globals__, name, loop.__defaults__)
+def named(function: FunctionType, stamps: str) -> FunctionType:
+    """The function under a name of its own, by which the disk cache finds it."""
+    name = f"{function.__name__}_{stamps}"
+    clone = FunctionType(function.__code__, function.__globals__, name, function.__defaults__)
     clone.__qualname__ = name
+    return clone
+
+
+def _kept(loop: FunctionType, stamps: str) -> Any:
+    """The loop, compiled at its first call and kept on disk."""
+    clone = named(loop, stamps)
     compiled: Any = _loop(clone)
     # With no folder that can be written, each process compiles.
     with suppress(RuntimeError):
@@ -143,7 +154,7 @@ def cache_folder(loop: Any) -> Path | None:
     """The folder of the machine code of a loop; None if none can be written."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return None
-    folder = _named(loop, code_stamp()).stats.cache_path
+    folder = _kept(loop, code_stamp()).stats.cache_path
     return None if folder is None else Path(folder)
 
 
@@ -214,6 +225,12 @@ class EntryPoint:
             for place, example in enumerate(examples)
             if isinstance(example, np.ndarray)
         )
+        # Tuples that are kept have one type object for each of their types.
+        self._kept = tuple(
+            (place, example.kind)
+            for place, example in enumerate(examples)
+            if hasattr(example, "kind")
+        )
         self._tuples = tuple(
             (place, example) for place, example in enumerate(examples) if isinstance(example, tuple)
         )
@@ -230,6 +247,9 @@ class EntryPoint:
             array = arguments[place]
             if array.dtype is not dtype or array.strides != strides:
                 _refuse_other(place, array, dtype, len(strides))
+        for place, kind in self._kept:
+            if arguments[place].kind is not kind:
+                raise TypeError(f"argument {place} must be a {kind}")
         for place, example in self._tuples:
             if arguments[place] is not example:  # which needs no search
                 _compare(place, arguments[place], example)

@@ -26,6 +26,9 @@ class LinkedLibrary(TupleLibrary):
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
 
+    # Whether LLVM must not copy the kernel into its callers.
+    apart = False
+
     def finalize(self) -> None:
         """Link and optimise nothing: a library that machine code is made of does."""
         self._raise_if_finalized()
@@ -35,6 +38,8 @@ class LinkedLibrary(TupleLibrary):
         for function in self._final_module.functions:
             if not function.is_declaration:
                 function.linkage = "linkonce_odr"  # as numba sets it in a copy
+                if self.apart:
+                    function.add_function_attribute("noinline")
         self._finalized = True
 
     def _get_module_for_linking(self) -> Any:
@@ -93,11 +98,13 @@ class LinkedLowering(typed.NativeLowering):
 
     _name = "linked_lowering"
     lowering_class = KernelLower
+    apart = False
 
     def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
         context = state.targetctx
         state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
+        library.apart = self.apart
         state.flags.no_compile = True
         super().run_pass(state)
         library.finalize()
@@ -110,6 +117,14 @@ class LinkedLowering(typed.NativeLowering):
         context.insert_user_function(mark, description, [library])
         state["cr"] = lowered._replace(cfunc=mark)
         return True
+
+
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class ApartLowering(LinkedLowering):
+    """Lower a kernel that stays a function of its own."""
+
+    _name = "apart_lowering"
+    apart = True
 
 
 @machinery.register_pass(mutates_CFG=False, analysis_only=False)
@@ -153,6 +168,12 @@ class KernelCompiler(compiler.CompilerBase):
                 )
         changed.finalize()
         return [changed]
+
+
+class ApartCompiler(KernelCompiler):
+    """numba's compiler of kernels that stay functions of their own."""
+
+    lowering = ApartLowering
 
 
 class LoopCompiler(KernelCompiler):

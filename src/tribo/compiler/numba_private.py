@@ -13,8 +13,9 @@ import llvmlite
 import numba
 from llvmlite.binding import get_host_cpu_features
 
-# numba's manual uses cgutils in its examples of extensions, so both ways do.
+# numba's manual uses these in its examples of extensions, so both ways do.
 from numba.core import cgutils as cgutils
+from numba.core.typing.templates import AttributeTemplate as AttributeTemplate
 
 from tribo.validation import InputError, TriboWarning
 
@@ -90,6 +91,7 @@ if NATIVE:
     from numba.core import compiler_machinery as compiler_machinery
     from numba.core import typed_passes as typed_passes
     from numba.core import untyped_passes as untyped_passes
+    from numba.core.ccallback import CFunc as CFunc
     from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
     from numba.core.lowering import Lower as Lower
     from numba.core.registry import cpu_target

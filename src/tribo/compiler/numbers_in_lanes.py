@@ -8,7 +8,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import overload
 
-from tribo.compiler.jit import OVERLOAD, inlined
+from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import _INDEX, LANES, in_kernels, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_functions import for_lanes
 from tribo.compiler.lanes_memory import add_block, element, set_block
@@ -76,16 +76,6 @@ def numbers_of(potential: Any) -> Sequence[float]:
     """A row of a table for `numbers_in_row`; empty where the potential has others than floats."""
     fields = potential if isinstance(potential, tuple) else ()
     return tuple(fields) if all(isinstance(value, float) for value in fields) else ()
-
-
-@inlined
-def potential_of(contact, lane):
-    """The potential of an interaction; for `lane` that of one member of an ensemble.
-
-    Where members differ in its numbers, these are Lanes without a `lane`.
-    """
-    numbers = contact.numbers
-    return numbers_at_lane(numbers_in_lanes(contact.potential, numbers, numbers, 0), lane)
 
 
 def lane_of(x, i):

@@ -41,7 +41,8 @@ class _Model(extending.models.StructModel):
         super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), ("shape", shape)])
 
 
-def _type_of(kind: Any) -> Any:
+def pointer_type(kind: Any) -> Any:
+    """The type of an array or of nested tuples with pointers in place of this package's arrays."""
     if isinstance(kind, types.Array) and kind.layout == "C":
         return PointerType(kind.dtype, kind.ndim)
     if not isinstance(kind, types.BaseTuple):
@@ -49,7 +50,7 @@ def _type_of(kind: Any) -> Any:
     named = isinstance(kind, types.BaseNamedTuple)
     if named and not kind.instance_class.__module__.startswith(OURS):
         return kind
-    members = [_type_of(each) for each in kind]
+    members = [pointer_type(each) for each in kind]
     if members == list(kind):
         return kind
     if isinstance(kind, PluginType):
@@ -67,7 +68,7 @@ def make_pointer(context, builder, kind: PointerType, data, shape: list) -> Any:
 
 def _argument_type(kind: Any) -> Any:
     """The same for an argument of a time loop, which many kernels take as a whole."""
-    new = _type_of(kind)
+    new = pointer_type(kind)
     if not NATIVE or new == kind or isinstance(new, PluginType):
         return new
     if isinstance(new, types.NamedTuple):
@@ -127,12 +128,12 @@ def map_arrays(change: Callable[[np.ndarray], np.ndarray], item: Any) -> Any:
     return item
 
 
-def _checked(arrays):
+def checked(arrays: Any) -> Any:
     """The same for Python, with checked slices; records stay as they are."""
     return map_arrays(lambda a: a.view(CheckedArray) if type(a) is np.ndarray else a, arrays)
 
 
-pointers: Any = _checked if config.DISABLE_JIT else extending.intrinsic(_pointers)  # type: ignore[attr-defined]
+pointers: Any = checked if config.DISABLE_JIT else extending.intrinsic(_pointers)  # type: ignore[attr-defined]
 
 
 def _part(array: PointerType, at: Any) -> types.Type | None:

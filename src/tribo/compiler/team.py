@@ -56,6 +56,20 @@ class Team(NamedTuple):
     reactions: np.ndarray  # (chunks, 2, n) the reactions to the rows of each chunk
 
 
+# Of a step that threads do not share.
+NO_TEAM = Team(
+    counters=np.zeros(0, np.int64),
+    taken=np.zeros(0, np.int64),
+    ranks=np.zeros((0, OWN_NUMBERS), np.int64),
+    numbers=np.zeros(0),
+    tiles=np.zeros((0, 3), np.int64),
+    lengths=np.zeros(0, np.int64),
+    begins=np.zeros(0, np.int64),
+    reach=np.zeros((0, 2), np.int64),
+    reactions=np.zeros((0, 2, 0)),
+)
+
+
 @intrinsic
 def _at(typing_context, array, i):
 

@@ -54,6 +54,10 @@ class KernelTuple(types.NamedTuple):
         """Computed once; the members are types, too."""
         return self._hash
 
+    def __reduce__(self) -> Any:
+        """Each process computes the hash anew."""
+        return KernelTuple, (self.types, self.instance_class)
+
     @property
     def mangling_args(self) -> tuple[str, tuple[()]]:
         """The type in the names of functions."""

@@ -3,7 +3,7 @@
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, coordinates, has, keeps_velocity, vectors
+from tribo.kernels.blocks import constant, coordinates, keeps_velocity, vectors
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
 from tribo.kernels.powers import add_works
@@ -38,7 +38,7 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
     pivot = pivot_lengths(model.pivots, s, i)
     about, pseudowork = 0.0 - (l2 + pivot) * swept, px * vx + py * vy + pivot * swept
     add_works(accounts, s, slot, i, px, py, about, pseudowork)
-    if has(model.fixed, s.fixed):
+    if s.fixed > 0:
         x, y = impulse_on_end(model, s, i, 0.0 - l2 * along)
         k = s.acc_ends + 2 * s.account_stride
         add_works(accounts, s, k, i, x, y, x * vx + y * vy)

@@ -6,15 +6,15 @@
 Each adds its own work, by the mean of the velocities before and after.
 """
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes, with_lane
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import push_bars
-from tribo.integrators.jumps import add_bath_works_of_jumps
+from tribo.integrators.jumps import acts, add_bath_works_of_jumps
 from tribo.integrators.reservoirs import damp_bars, damp_swings
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import oscillators_of
-from tribo.kernels.blocks import column_of_constants, set_vectors, vectors
+from tribo.kernels.blocks import absent, column_of_constants, set_vectors, vectors
 from tribo.kernels.powers import place_of
 from tribo.kernels.records import I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, X, Y
 
@@ -49,10 +49,10 @@ def rotate_bath_of(model, bath, s, i, q, v, rotations):
     return sum_of_lanes(px), sum_of_lanes(py)
 
 
-@kernel
+@apart
 def rotate_bath(model, bath, reservoirs, tau, q, v, accounts, rotations):
     """Rotate the oscillators of all bars, which take up the opposite momentum."""
-    if bath is not None:
+    if not absent(bath):
         set_rotations(bath[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -70,10 +70,10 @@ def rotate_bath(model, bath, reservoirs, tau, q, v, accounts, rotations):
                     add_bath_works_of_jumps(model, reservoirs, s, first, lost_x, lost_y, accounts)
 
 
-@kernel
+@apart
 def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
     """Rotate all torsional oscillators exactly; the bars take up the opposite angular momentum."""
-    if torsional is not None:
+    if not absent(torsional):
         set_rotations(torsional[OSCILLATOR_FREQUENCY], tau, rotations)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -98,11 +98,12 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
 def bath_substep(model, t, tau, q, v, accounts, reservoirs, rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
     turns, torsional_turns = rotations
-    part = tau if reservoirs is None else 0.5 * tau
+    damped = acts(reservoirs)
+    part = 0.5 * tau if damped else tau
     rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)
     rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
-    if reservoirs is not None:
-        damp_bars(model, model.friction, reservoirs, t, q, v, accounts, noise)
-        damp_swings(model, model.swing_friction, reservoirs, t, q, v, accounts, noise)
+    if damped:
+        damp_bars(model, reservoirs, t, q, v, accounts, noise)
+        damp_swings(model, reservoirs, t, q, v, accounts, noise)
         rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
         rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)

@@ -7,14 +7,14 @@ import math
 
 import numpy as np
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, coordinates, has, keeps_velocity
+from tribo.kernels.blocks import constant, coordinates, keeps_velocity
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
@@ -40,7 +40,7 @@ def add_end_impulses(model, s, i, impulse, v, accounts):
         add_works(accounts, s, k + 2 * s.account_stride, i, x * vx + y * vy)
 
 
-@kernel
+@apart
 def settle_end_works(model, q, accounts, arcs):
     """Add the works of the ends of clamped bars at rest since they were last settled.
 
@@ -64,7 +64,7 @@ def settle_end_works(model, q, accounts, arcs):
                 set_block(arcs, i, arc)
 
 
-@kernel
+@apart
 def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
     stiffness, frequency = constant(model, rows.KAPPA, s, i), constant(model, rows.FREQUENCY, s, i)
@@ -107,20 +107,18 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 
 
 @inlined
-def add_end_works(model, turning, s, i, twists, t, tau, v, accounts):
+def add_end_works(model, s, i, twists, t, tau, v, accounts):
     """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
     twist, rate, change_of_rate = twists
     impulse = 0.0 - constant(model, rows.INERTIA, s, i) * change_of_rate
-    if turning is None:
-        add_end_impulses(model, s, i, impulse, v, accounts)
-    elif s.turning == 0:
+    if s.turning == 0:
         add_end_impulses(model, s, i, impulse, v, accounts)
     else:
         vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
         add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
 
 
-@inlined
+@apart
 def drift_free(model, s, i, tau, q, v, turn):
     """Pendulums and bars rotate against each other about their uniform mean; the new swings."""
     k = s.dof_phi + i - s.start
@@ -158,7 +156,7 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     twists = zero, zero, zero
     if s.dof_phi >= 0:
         swing = drift_free(model, s, i, tau, q, v, turn)
-    elif has(model.fixed, s.fixed):
+    elif s.fixed > 0:
         swing = block(q, i)
     else:
         swing, twists = drift_clamped(model, s, i, now - tau, tau, q, v, turn)
@@ -166,5 +164,5 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     y = move(s.dof_y, s, i, tau, q, v)
     place_block(model, s, i, now, swing, x, y)
     # Works come last, since the next forces do not wait for them.
-    if s.acc_ends >= 0 and not has(model.fixed, s.fixed):
-        add_end_works(model, model.turning, s, i, twists, now - tau, tau, v, accounts)
+    if s.acc_ends >= 0 and s.fixed == 0:
+        add_end_works(model, s, i, twists, now - tau, tau, v, accounts)

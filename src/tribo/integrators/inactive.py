@@ -11,35 +11,37 @@ the margin towards each other, the active blocks are selected again.
 
 import numpy as np
 
-from tribo.compiler.jit import kernel, owning_kernel
+from tribo.compiler.jit import apart, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
 from tribo.compiler.lanes_memory import block
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import constant, has
+from tribo.kernels.blocks import constant
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places, rebuild
 from tribo.kernels.records import FREQUENCY, L1
 
 
-@kernel
+@apart
 def update_lists(model, neighbours, active, t, q, v, accounts):
     """Rebuild the list of neighbours after a drift in which bobs have moved too far."""
     if neighbours is not None:
         age = t - neighbours.listed[0]
-        if neighbours.crossed[0] == 1 or inactive_have_crossed(model, active, neighbours.skin, age):
-            make_lists(model, neighbours, active, t, q, v, accounts)
+        if neighbours.reach.size > 0:
+            crossed = neighbours.crossed[0] == 1
+            if crossed or inactive_have_crossed(model, active, neighbours.skin, age):
+                make_lists(model, neighbours, active, t, q, v, accounts)
 
 
-@kernel
+@apart
 def make_lists(model, neighbours, active, t, q, v, accounts):
     """Build the list of neighbours for the bobs where they are, if there is a list.
 
     The active blocks are selected again if bobs have moved too far for the last selection.
     """
     if neighbours is not None:
-        if active is not None:
+        if active.blocks.size > 0:
             if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
                 advance_inactive(model, active, t, q, v, accounts)
                 set_active(model, neighbours, active, t, q, v)
@@ -49,13 +51,13 @@ def make_lists(model, neighbours, active, t, q, v, accounts):
         neighbours.listed[0] = t
 
 
-@kernel
+@apart
 def advance_inactive(model, active, t, q, v, accounts):
     """Let all inactive blocks drift to the time t."""
     if active is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            if active.eligible[k] == 1:
+            if active.blocks.size > 0 and active.eligible[k] == 1:
                 for i in range(s.start, s.stop, LANES):
                     tau = t - active.since[i // LANES]
                     if abs(tau) > 0.0:  # nan for active blocks
@@ -120,7 +122,7 @@ def longest_paths(model, s, i, t, q, v):
     A swing of amplitude A goes by an angle of up to 2 A, and no bob goes farther than the diameter
     of its circle, as it may without a torsion spring.
     """
-    if has(model.fixed, s.fixed):
+    if s.fixed > 0:
         return broadcast(0.0)
     diameter = 2.0 * constant(model, L1, s, i)
     if s.dof_phi >= 0:

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import inlined
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.kernels.blocks import constant, coordinates, has, set_coordinates, vectors
+from tribo.kernels.blocks import constant, coordinates, set_coordinates, vectors
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
@@ -29,23 +29,29 @@ from tribo.kernels.samples import copy
 
 
 class Reservoirs(NamedTuple):
-    before: np.ndarray  # (coordinates,) velocities before the kick
+    before: np.ndarray  # (coordinates,) velocities before the kick; empty without reservoirs
     jumps: np.ndarray  # (coordinates,) the last displacements of coordinates
     tau: Any  # the step [time]
 
 
 @inlined
+def acts(reservoirs):
+    """Whether there are reservoirs."""
+    return reservoirs.before.size > 0
+
+
+@inlined
 def keep_velocities(reservoirs, v):
-    if reservoirs is not None:
+    if acts(reservoirs):
         copy(v, reservoirs.before)
 
 
 @inlined
 def with_jump(reservoirs, s, i, velocities):
     """Velocities of a block, and those that carry it along its jump in the time of a step."""
-    if reservoirs is None:
-        return velocities
     omega, nu, vx, vy = velocities
+    if not acts(reservoirs):
+        return omega, nu, vx, vy
     rate = 1.0 / reservoirs.tau
     omega = omega + rate * block(reservoirs.jumps, i)
     vx = vx + rate * coordinates(s.dof_x, s, i, reservoirs.jumps)
@@ -68,14 +74,14 @@ def pseudowork_along_jump(jumps, s, i, px, py):
     return px * coordinates(s.dof_x, s, i, jumps) + py * coordinates(s.dof_y, s, i, jumps)
 
 
-@inlined
+@apart
 def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
     """Add the works of a block's reservoir against the forces of half a kick along its jump."""
-    if reservoirs is not None:
+    if acts(reservoirs):
         if s.gamma > 0.0 or s.swing_gamma > 0.0:
             swing, _, x, y = acceleration
             about = broadcast(0.0)
-            if not has(model.fixed, s.fixed):
+            if s.fixed == 0:
                 torque = constant(model, INERTIA, s, i) * swing
                 about = 0.5 * torque * block(reservoirs.jumps, i)
             half = 0.5 * constant(model, MASS, s, i)
@@ -89,7 +95,7 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
 
     They are those of the bath on the bars, and the opposite ones of the reservoir.
     """
-    if reservoirs is not None:
+    if acts(reservoirs):
         if s.acc_internal >= 0:
             rate = 1.0 / reservoirs.tau
             tx, ty = vectors(model.directions, i)
@@ -108,7 +114,7 @@ def set_jump(model, s, i, t, q, turn, x, y, jumps, accounts):
     set_block(jumps, i, turn)
     set_coordinates(s.dof_x, s, i, jumps, x)
     set_coordinates(s.dof_y, s, i, jumps, y)
-    if not has(model.fixed, s.fixed):
+    if s.fixed == 0:
         phi = bar_angles(model, s, i, t, q)
         swing = block(q, i) + 0.5 * turn  # in the middle of the jump
         torque = constant(model, KAPPA, s, i) * (swing - phi)
@@ -136,6 +142,6 @@ def add_end_works(model, s, i, swing, phi, torque, jumps, accounts):
 
 @inlined
 def jump(model, reservoirs, q):
-    if reservoirs is not None:
+    if acts(reservoirs):
         for m in range(model.core):
             q[m] += reservoirs.jumps[m]

@@ -7,10 +7,10 @@ it.  The mean of both is the mean of the velocities before and after the substep
 let the asperites jump, each half has the velocity that makes its jump in a step, too; see `jumps`.
 """
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.integrators.jumps import Reservoirs, add_opposite_works, with_jump
+from tribo.integrators.jumps import Reservoirs, acts, add_opposite_works, with_jump
 from tribo.kernels import blocks
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.powers import Powers, powers_of_block, shared_powers
@@ -22,34 +22,32 @@ from tribo.kernels.user_forces import custom_forces
 ITERATIONS = 3
 
 
-@kernel
-def settle_custom_forces(model, drives, ends, active, t, tau, q, v, work):
+@apart
+def settle_custom_forces(model, active, t, tau, q, v, work):
     """Set the forces of plug-ins in the middle of a kick, by iteration of the velocities there."""
-    if drives is not None or ends is not None:
-        equations.drive_forces(model, active, t, q)
-        custom_forces(model, t, q, v)
-        for _ in range(ITERATIONS):
-            equations.accelerate(model, 0.0, t, q, work.acceleration)
-            for m in range(model.core):
-                work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
-            custom_forces(model, t, q, work.middle)
+    equations.drive_forces(model, active, t, q)
+    custom_forces(model, t, q, v)
+    for _ in range(ITERATIONS):
+        equations.accelerate(model, 0.0, t, q, work.acceleration)
+        for m in range(model.core):
+            work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
+        custom_forces(model, t, q, work.middle)
 
 
 @inlined
 def reservoirs_of(before, state, tau):
-    """What the reservoirs of a step of length `tau` need; None where there are none."""
-    if before is None:
-        return None
-    return Reservoirs(before, state.memory[1], tau)
+    """What the reservoirs of a step of length `tau` need; without any, the jumps mean nothing."""
+    jumps = state.memory[min(1, state.memory.shape[0] - 1)]
+    return Reservoirs(before, jumps, tau)
 
 
 @inlined
-def drive_in_kick(model, drives, s, i, t, q):
+def drive_in_kick(model, s, i, t, q):
     """f2 on a block of bars, in place where there are plug-ins; kept where powers need it."""
-    if drives is not None:
+    if model.drives.forces.size > 0:
         return blocks.vectors(model.drive, i)
     x, y = equations.drive_of_block(model, s, i, t, q)
-    if s.acc_drive >= 0 or s.acc_block >= 0 or blocks.has(model.fixed, s.fixed):
+    if s.acc_drive >= 0 or s.acc_block >= 0 or s.fixed > 0:
         blocks.set_vectors(model.drive, i, x, y)
     return x, y
 
@@ -82,7 +80,8 @@ def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, accelera
     power = Powers(accounts, model.sums, tau)
     velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
     powers_of_block(model, model.ledger, s, i, 0.0, t, q, velocities, power)
-    add_opposite_works(model, reservoirs, s, i, acceleration, accounts)
+    if acts(reservoirs):
+        add_opposite_works(model, reservoirs, s, i, acceleration, accounts)
 
 
 @inlined
@@ -102,36 +101,48 @@ def mean(one, other):
 @inlined
 def add_half_shared_works(model, t, tau, state):
     """Add half of the works that are of no asperite: noise changes a surface's momentum."""
-    if model.friction is not None:
+    if not blocks.absent(model.friction):
         power = Powers(state.s, model.sums, tau)
         shared_powers(model, model.ledger, t, blocks.halves(state.y)[1], power)
 
 
-@inlined
+@apart
 def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
+    if twice:
+        kick_first_half(model, active, s, begin, end, t, tau, state, work)
+        return
     q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     for n in range(begin, end):
         i = blocks.column_of(active, n)
-        drive = drive_in_kick(model, model.drives, s, i, t, q)
+        drive = drive_in_kick(model, s, i, t, q)
         acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
-        if twice is None:
-            kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
-        else:
-            after = pushed(blocks.all_coordinates(s, i, v), tau, acceleration)
-            blocks.set_all(s, i, v, after)
-            blocks.set_all(s, i, work.middle, with_jump(reservoirs, s, i, after))
-            blocks.set_all(s, i, work.acceleration, acceleration)
-            add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
+        kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
 
 
-@inlined
+@apart
+def kick_first_half(model, active, s, begin, end, t, tau, state, work):
+    """The same where the forces act again after a substep, which then adds the works."""
+    q, v = blocks.halves(state.y)
+    reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
+    for n in range(begin, end):
+        i = blocks.column_of(active, n)
+        drive = drive_in_kick(model, s, i, t, q)
+        acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
+        after = pushed(blocks.all_coordinates(s, i, v), tau, acceleration)
+        blocks.set_all(s, i, v, after)
+        blocks.set_all(s, i, work.middle, with_jump(reservoirs, s, i, after))
+        blocks.set_all(s, i, work.acceleration, acceleration)
+        add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
+
+
+@apart
 def repeat_kick(model, reservoirs, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
     q, v = blocks.halves(state.y)
     power = Powers(state.s, model.sums, 2.0 * tau)
-    if model.friction is None:
+    if blocks.absent(model.friction):
         shared_powers(model, model.ledger, t, v, power)
     else:
         add_half_shared_works(model, t, tau, state)

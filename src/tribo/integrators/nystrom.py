@@ -19,7 +19,7 @@ from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
-from tribo.kernels.blocks import halves
+from tribo.kernels.blocks import absent, halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.powers import all_powers
 from tribo.kernels.records import Model
@@ -57,7 +57,7 @@ class Nystrom(NamedTuple):
         count, n = self.c.size, state.acceleration.size
         tables = model.bobs, model.directions, model.f1, model.drive
         tables += model.inner, model.external, model.internal
-        rows = sum(len(table) for table in tables if table is not None)
+        rows = sum(len(table) for table in tables if table.shape[1] > 0)
         return Stages(
             room((count, n)),
             room((count + 1, n)),
@@ -75,7 +75,7 @@ class Nystrom(NamedTuple):
 @kernel
 def exchange_table(table, stored, row, restore):
     """Store a table, if there is one, from a row on, or restore it; returns the row after it."""
-    if table is None:
+    if absent(table):
         return row
     for k in range(table.shape[0]):
         if restore:
@@ -137,7 +137,7 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
 @expanded
 def evaluate_powers(method, model, t, h, state, work):
     """Powers at all stages where they have a weight; leaves the forces at the end in place."""
-    if model.ledger is not None:
+    if model.ledger:
         n = state.acceleration.size
         for m in range(method.with_power.size):
             i = method.with_power[m]

@@ -11,7 +11,7 @@ and the sum over steps makes the drift F / gamma and the diffusion T / gamma, fo
 The reasons for this scheme are in docs/developers/methods.md.
 """
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
@@ -20,7 +20,7 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import column_of_constants, constant, has, own_number, vectors
+from tribo.kernels.blocks import absent, column_of_constants, constant, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import add_works, momentum
@@ -34,7 +34,7 @@ def torsion_gains(model, s, i, t, tau, q):
     the change of rate by two halves of a rotation that meet at the present angle: the torque times
     tan(w tau / 2) / (w tau / 2).
     """
-    if has(model.fixed, s.fixed):
+    if s.fixed > 0:
         return broadcast(0.0)
     a, c = model.constants, column_of_constants(s, i)
     angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
@@ -46,7 +46,7 @@ def torsion_gains(model, s, i, t, tau, q):
 
 
 @inlined
-def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise):
+def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
     a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
     tx, ty = vectors(model.directions, i)
@@ -67,7 +67,7 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
     turn_gain = torsion_gains(model, s, i, t, tau, q)
     turning = broadcast(0.0)
     given = turning
-    if has(swing_friction, s.swing_gamma):
+    if s.swing_gamma > 0.0:
         # Of the centre of mass, and of the swing.
         turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
@@ -94,7 +94,7 @@ def damp_block(model, swing_friction, s, i, reservoirs, t, q, v, accounts, noise
     side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
     px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
-    if has(swing_friction, s.swing_gamma):
+    if s.swing_gamma > 0.0:
         turn_swings(model, s, i, present * turning, present * given, v, accounts)
     turn, far, aside = present * turn, present * far, present * aside
     x, y = far * tx - aside * ty, far * ty + aside * tx
@@ -116,17 +116,17 @@ def turn_swings(model, s, i, turning, given, v, accounts):
         add_works(accounts, s, s.acc_thermal + 2 * s.account_stride, i, rest)
 
 
-@kernel
-def damp_bars(model, friction, reservoirs, t, q, v, accounts, noise):
+@apart
+def damp_bars(model, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on the bars of all surfaces that have a reservoir there."""
-    if friction is not None:
+    if not absent(model.friction):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
             for i in range(s.start, s.stop, LANES):
-                damp_block(model, model.swing_friction, s, i, reservoirs, t, q, v, accounts, noise)
+                damp_block(model, s, i, reservoirs, t, q, v, accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
@@ -135,10 +135,10 @@ def damp_bars(model, friction, reservoirs, t, q, v, accounts, noise):
                 add_numbers(accounts, s.acc_block, work * s.inverse_total_mass)
 
 
-@kernel
-def damp_swings(model, swing_friction, reservoirs, t, q, v, accounts, noise):
+@apart
+def damp_swings(model, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on the swings of all surfaces that have no other reservoir."""
-    if swing_friction is not None:
+    if not absent(model.swing_friction):
         a, tau, zero = model.constants, reservoirs.tau, broadcast(0.0)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]

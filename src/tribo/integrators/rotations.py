@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, room, set_block
@@ -10,10 +10,9 @@ from tribo.kernels import blocks
 from tribo.kernels.records import FREQUENCY
 
 
-def empty_rotations(table: np.ndarray | None, times: int) -> np.ndarray:
+def empty_rotations(table: np.ndarray, times: int) -> np.ndarray:
     """Room for the rotations of the columns of a table in some times, and for these times."""
-    columns = 0 if table is None else table.shape[1] + LANES
-    rotations = room((times, 3, columns))
+    rotations = room((times, 3, table.shape[1] + LANES))
     rotations[:] = np.nan
     return rotations
 
@@ -48,14 +47,15 @@ def set_rotations(frequencies, tau, rotations):
         set_rotation(frequencies, i, tau, rotations)
 
 
-@kernel
+@apart
 def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
     frequencies = model.constants[FREQUENCY]
     last = frequencies.size
     selected = 0.0
     if active is not None:
-        selected = active.selected[0]
+        if active.blocks.size > 0:
+            selected = active.selected[0]
     if rotations[0, last] == tau and rotations[0, last + 1] == selected:
         return
     rotations[0, last] = tau

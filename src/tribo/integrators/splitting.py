@@ -15,13 +15,13 @@ torsion springs (contact, fields, lattice springs, baths) have the error of the 
 L. Verlet, Phys. Rev. 159 (1967) 98; G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from tribo.compiler import team as teams
 from tribo.compiler.generators import generator_at
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
@@ -29,7 +29,7 @@ from tribo.integrators import step_control as control
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
-from tribo.integrators.jumps import jump, keep_velocities
+from tribo.integrators.jumps import acts, jump, keep_velocities
 from tribo.integrators.kicks import (
     add_half_shared_works,
     kick_part,
@@ -43,11 +43,12 @@ from tribo.kernels import blocks
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
-from tribo.kernels.neighbours import crowded, have_moved, is_empty, list_chunk
+from tribo.kernels.neighbours import crowded, has_lists, have_moved, is_empty, list_chunk
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
 from tribo.kernels.samples import State
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
+from tribo.kernels.user_forces import has_customs
 
 
 class Work(NamedTuple):
@@ -55,14 +56,13 @@ class Work(NamedTuple):
 
     acceleration: np.ndarray  # (coordinates,)
     middle: np.ndarray  # (coordinates,) velocities in the middle of a kick
-    before: Any  # (coordinates,) and before it; None where there are no reservoirs
+    before: np.ndarray  # (coordinates,) and before it; empty where there are no reservoirs
     speeds: np.ndarray  # (3, asperites)
     rotations: np.ndarray  # (1, 3, asperites + 8), see `set_rotations`
     bath: np.ndarray  # (kicks, 3, oscillators + 8), since rotations take longer than their use
     torsional: np.ndarray
-    # numba leaves a branch out only where an argument is None, hence not False.
-    substep: Any  # True where baths or reservoirs act between two half kicks, else None
-    twice: Any  # True where the forces of the first half kick act in the second too, else None
+    substep: bool  # whether baths or reservoirs act between two half kicks
+    twice: bool  # whether the forces of the first half kick act in the second too
 
 
 class Splitting(NamedTuple):
@@ -73,19 +73,19 @@ class Splitting(NamedTuple):
 
     def workspace(self, model: Model, state: State) -> Work:
         n = state.y.size // 2
-        damped = model.friction is not None or model.swing_friction is not None
-        substep = damped or model.bath is not None or model.torsional is not None
-        custom = model.drives is not None or model.ends is not None  # whose forces may differ
+        damped = model.friction.size + model.swing_friction.size > 0
+        substep = damped or model.bath.size + model.torsional.size > 0
+        custom = len(model.drives.forces) + len(model.ends.forces) > 0  # whose forces may differ
         return Work(
             room((n,)),
             room((n,)),
-            room((n,)) if damped else None,
+            room((n if damped else 0,)),
             room((3, model.each.shape[1])),
             empty_rotations(model.constants, 1),
             empty_rotations(model.bath, self.kicks.size),
             empty_rotations(model.torsional, self.kicks.size),
-            substep=True if substep else None,
-            twice=True if substep and not custom else None,
+            substep=substep,
+            twice=substep and not custom,
         )
 
 
@@ -111,7 +111,7 @@ def drift(model, neighbours, team, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
     active = blocks.active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
-    if team is None:
+    if team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = blocks.active_range(active, s, k)
@@ -120,7 +120,7 @@ def drift(model, neighbours, team, now, tau, state, work):
         share_phase(model, neighbours, team, teams.DRIFT, now, tau, state, work)
 
 
-@inlined
+@apart
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
     q, v = blocks.halves(state.y)
     rotations = work.rotations[0]
@@ -131,36 +131,38 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
         turn = rotation_of(rotations, blocks.column_of_constants(s, i))
         drift_block(model, s, i, now, tau, q, v, state.s, turn)
         if neighbours is not None:
-            crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
+            if neighbours.reach.size > 0:
+                crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
     if neighbours is not None:
         if sum_of_lanes(crossed) > 0.0:
             neighbours.crossed[0] = 1
 
 
-@inlined
+@apart
 def kick(model, twice, neighbours, team, t, tau, state, work):
     """Contact, fields and springs, in place, and the drive act for tau; `twice` as in `Work`."""
     active = blocks.active_of(neighbours)
     gather_contact(model, model.members)
     q, v = blocks.halves(state.y)
-    settle_custom_forces(model, model.drives, model.ends, active, t, tau, q, v, work)
-    if team is None:
+    if has_customs(model):
+        settle_custom_forces(model, active, t, tau, q, v, work)
+    if team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = blocks.active_range(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
         share_phase(model, neighbours, team, teams.KICK, t, tau, state, work)
-    if twice is None:
+    if not twice:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
     else:
         add_half_shared_works(model, t, tau, state)
 
 
 @inlined
-def kick_and_substep(model, substep, twice, neighbours, clock, t, tau, state, work, m, noise):
+def kick_and_substep(model, twice, neighbours, clock, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
-    if substep is None:
+    if not work.substep:
         kick(model, twice, neighbours, model.team, t, tau, state, work)
     else:
         q, v = blocks.halves(state.y)
@@ -169,17 +171,17 @@ def kick_and_substep(model, substep, twice, neighbours, clock, t, tau, state, wo
         kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         rotations = work.bath[m], work.torsional[m]
         bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
-        if twice is None:
+        if not twice:
             kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
         else:
             repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
-        if reservoirs is not None:
+        if acts(reservoirs):
             if m == 0:
                 watch_kick(model, clock.steps, q, state.memory, work.acceleration)
         jump(model, reservoirs, q)
 
 
-@kernel
+@apart
 def share_phase(model, neighbours, team, phase, t, tau, state, work):
     """Compute all pieces of a drift or kick, together with assistants."""
     team.numbers[0] = t
@@ -190,7 +192,7 @@ def share_phase(model, neighbours, team, phase, t, tau, state, work):
         piece = teams.continue_phase(team)
 
 
-@kernel
+@apart
 def step_piece(model, neighbours, team, piece, state, work):
     k = team.tiles[piece, 0]
     s = model.surfaces[k]
@@ -206,7 +208,6 @@ def step_piece(model, neighbours, team, piece, state, work):
 
 def assist(model, neighbours, state, work):
     """Compute pieces of the steps of :func:`splitting_steps` until the team is closed."""
-    model, neighbours, state, work = pointers((model, neighbours, state, work))
     team = model.team
     rank = teams.next_rank(team)
     piece = teams.wait_for_piece(team, rank)
@@ -221,7 +222,7 @@ def assist(model, neighbours, state, work):
         piece = teams.wait_for_piece(team, rank)
 
 
-@kernel
+@apart
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
     q, v = blocks.halves(state.y)
@@ -238,7 +239,7 @@ def begin(model, neighbours, clock, state, work):
     return COMPLETED
 
 
-@kernel
+@apart
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     q, v = blocks.halves(state.y)
@@ -263,11 +264,12 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         t += ahead
         drift(model, neighbours, model.team, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
-        update_lists(model, neighbours, active, t, q, v, s)
+        if has_lists(neighbours):
+            update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
         kick_and_substep(
-            model, work.substep, work.twice, neighbours, clock, t, tau, state, work, m, noise
+            model, work.twice, neighbours, clock, t, tau, state, work, m, noise
         )
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
@@ -282,9 +284,7 @@ def splitting_steps(
     """
     clock = clocks[0]
     noise = generator_at(noise)
-    model, neighbours, splitting, state, times, record, work = pointers(
-        (model, neighbours, splitting, state, times, record, work)
-    )
+    splitting, times = pointers((splitting, times))
     last = times[times.size - 1]
     work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
     blocks.clear(model.friction)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
-from tribo.compiler.jit import NUMPY_ERRORS, expanded, inlined, kernel
+from tribo.compiler.jit import NUMPY_ERRORS, apart, expanded, inlined, kernel
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels import status as codes
@@ -52,7 +52,7 @@ def stricter(tolerance: Tolerance, factor: float) -> Tolerance:
     return Tolerance(factor * y, factor * s, factor * level, factor * fraction)
 
 
-@kernel
+@apart
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
@@ -60,7 +60,7 @@ def current_encounter(model, neighbours, t, y, speeds):
     return found.rate, found.closest
 
 
-@inlined
+@apart
 def encounter_bound(model, neighbours, clock, y, speeds, h):
     """An upper bound on the encounter rate, pair by pair only where it matters for a step h.
 
@@ -105,7 +105,7 @@ def evaluate_rates(model, neighbours, t, y, acceleration, power):
     all_powers(model, model.ledger, t, q, v, power)
 
 
-@kernel
+@apart
 def initialize(model, neighbours, clock, state, speeds):
     """Rates of change and the encounter rate at the start of a run; a status.
 

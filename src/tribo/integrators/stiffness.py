@@ -6,7 +6,7 @@ step, and a thermal motion in any potential has mean(-c d) / mean(d^2) = w^2 wit
 curvature.  The accelerations are known, so this takes no evaluation of forces.
 """
 
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import apart
 
 # One pair of kicks in so many steps is watched: the sums then take no time that can be measured.
 EVERY = 8
@@ -15,7 +15,7 @@ EVERY = 8
 PLACE, ACCELERATION, MOVED, TOGETHER, CHANGED, WATCH_ROWS = range(6)
 
 
-@kernel
+@apart
 def watch_kick(model, steps, q, memory, acceleration):
     """Keep the first kick of a pair, or add up the changes to the second."""
     phase = steps % EVERY

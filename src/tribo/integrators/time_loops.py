@@ -31,9 +31,7 @@ def equal_steps(
     step would jump an encounter.  PAUSED after `budget` steps: call again to continue.
     """
     clock = clocks[0]
-    model, neighbours, method, state, times, record, work, speeds = pointers(
-        (model, neighbours, method, state, times, record, work, speeds)
-    )
+    method, times, speeds = pointers((method, times, speeds))
     last = times[times.size - 1]
     status = control.initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:
@@ -70,9 +68,7 @@ def adaptive_steps(
     call again to continue.
     """
     clock = clocks[0]
-    model, neighbours, method, tolerance, state, times, record, work, speeds, new = pointers(
-        (model, neighbours, method, tolerance, state, times, record, work, speeds, new)
-    )
+    method, times, speeds = pointers((method, times, speeds))
     last = times[times.size - 1]
     status = control.initialize(model, neighbours, clock, state, speeds)
     if status != COMPLETED:

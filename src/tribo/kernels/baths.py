@@ -3,11 +3,11 @@
 Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
 """
 
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
-from tribo.kernels.blocks import column_of_constants
+from tribo.kernels.blocks import absent, column_of_constants
 from tribo.kernels.records import I2, NU_START, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, PHI_START
 
 
@@ -32,9 +32,8 @@ def bar_angle(model, s, i, t, q):
 @kernel
 def place_of_bar(model, displaced, s, i, axis, t, q):
     """The place on a bar about which its oscillators along an axis move: x, y, or its angle."""
-    if displaced is not None:
-        if axis < 2:
-            return displaced[axis, i]
+    if axis < 2:
+        return displaced[axis, i]
     return bar_angle(model, s, i, t, q)
 
 
@@ -83,10 +82,10 @@ def oscillator_momentum(table, oscillators, v):
     return sum_of_lanes(momentum)
 
 
-@kernel
+@apart
 def bath_forces(model, bath, q, acceleration):
     """Set q'' of the bath oscillators, and add their forces on the bars."""
-    if bath is not None:
+    if not absent(bath):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.oscillators > 0:
@@ -103,10 +102,10 @@ def torsional_torque(model, torsional, s, i, t, q):
     return pull(torsional, oscillators_of(s, i, 2), q, bar_angle(model, s, i, t, q))
 
 
-@kernel
+@apart
 def torsional_accelerations(model, torsional, t, q, acceleration):
     """Set q'' of the torsional oscillators, and add their torque on the bars."""
-    if torsional is not None:
+    if not absent(torsional):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.torsionals > 0:
@@ -118,10 +117,10 @@ def torsional_accelerations(model, torsional, t, q, acceleration):
                     acceleration[s.dof_phi + i - s.start] += torque / inertia
 
 
-@kernel
+@apart
 def set_bath_momenta(model, bath, v):
     """Set the momentum of the bath on each bar, in the surface's first frame."""
-    if bath is not None:
+    if not absent(bath):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.oscillators > 0:

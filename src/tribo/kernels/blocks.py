@@ -23,9 +23,17 @@ def active_of(neighbours):
 
 
 @inlined
+def absent(table):
+    """Whether a table has no columns, since its effect is absent."""
+    return table.shape[1] == 0
+
+
+@inlined
 def active_range(active, s, k):
     """The range of the active blocks of surface k, whose record is s; all without `active`."""
     if active is None:
+        return s.start // LANES, s.stop // LANES
+    if active.blocks.size == 0:
         return s.start // LANES, s.stop // LANES
     return active.first[k], active.first[k + 1]
 
@@ -35,7 +43,25 @@ def column_of(active, n):
     """First column of the nth active block."""
     if active is None:
         return LANES * n
+    if active.blocks.size == 0:
+        return LANES * n
     return LANES * active.blocks[n]
+
+
+@inlined
+def lane_number(lane):
+    """A lane as units take it: -1 where there is one run."""
+    if lane is None:
+        return -1
+    return lane
+
+
+@inlined
+def lane_of_members(members, lane):
+    """A lane as functions take it, from its number in a unit; None where there is one run."""
+    if members is None:
+        return None
+    return lane
 
 
 @inlined
@@ -119,10 +145,16 @@ def set_all(s, i, q, values):
 
 @inlined
 def vectors(table, i):
-    """x and y of a block of a table of vectors; without a table -0, which changes no sum."""
-    if table is None:
-        return broadcast(-0.0), broadcast(-0.0)
+    """x and y of a block of a table of vectors."""
     return block(table[X], i), block(table[Y], i)
+
+
+@inlined
+def vectors_if_any(table, i):
+    """The same; -0, which changes no sum, where the table's effect is absent."""
+    if absent(table):
+        return broadcast(-0.0), broadcast(-0.0)
+    return vectors(table, i)
 
 
 @inlined
@@ -155,25 +187,16 @@ def halves(y):
 
 @inlined
 def numbers(table, i):
-    """A block of a table of one row; without a table -0, which changes no sum."""
-    if table is None:
+    """A block of a table of one row; -0, which changes no sum, where its effect is absent."""
+    if absent(table):
         return broadcast(-0.0)
     return block(table[0], i)
 
 
-@inlined
-def has(effect, number):
-    """Whether a surface has an effect, by a number that is 0 without; None where no surface has."""
-    if effect is None:
-        return False
-    return number > 0
-
-
 @kernel
 def clear(table):
-    """Set every element of a table to zero, if there is a table."""
-    if table is not None:
-        for k in range(table.shape[0]):
-            row = table[k]
-            for m in range(row.size):
-                row[m] = 0.0
+    """Set every element of a table to zero."""
+    for k in range(table.shape[0]):
+        row = table[k]
+        for m in range(row.size):
+            row[m] = 0.0

@@ -7,14 +7,14 @@ ones.  In a periodic scene the cells are, too.
 
 import math
 
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels.blocks import active_range, column_of
 from tribo.kernels.kinematics import nearest_image
 from tribo.kernels.records import X, Z
 
 
-@kernel
+@apart
 def set_boxes(model, active, k, boxes):
     """Set the boxes around the active blocks of a surface."""
     s = model.surfaces[k]
@@ -42,8 +42,6 @@ def gap(distance, width, period):
 @kernel
 def periods(box):
     """Lengths of a scene's box along x and z; 0 where it is not periodic."""
-    if box is None:
-        return 0.0, 0.0
     return box.x, box.z
 
 
@@ -69,7 +67,7 @@ def set_cells(own, boxes, reach, axis, period, most, cells):
     cells.widths[axis] = max(extent / count, size)
 
 
-@kernel
+@apart
 def sort_boxes(box, own, boxes, reach, cells):
     """Sort boxes into cells, so that :func:`near_blocks` finds those within reach of `own`."""
     box_x, box_z = periods(box)
@@ -98,7 +96,7 @@ def sort_boxes(box, own, boxes, reach, cells):
     first[nx * nz] = n
 
 
-@kernel
+@apart
 def near_blocks(box, own, k, boxes, reach, cells, near):
     """Boxes within reach of the kth of `own` boxes, ascending; returns their number."""
     box_x, box_z = periods(box)

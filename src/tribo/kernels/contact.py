@@ -5,8 +5,6 @@ The latter are internal forces of the surface.
 
 import math
 
-from numba import literal_unroll
-
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import (
     FAST_INVERSE_ROOTS,
@@ -27,12 +25,13 @@ from tribo.compiler.lanes import (
     with_lane,
 )
 from tribo.compiler.lanes_memory import block
-from tribo.compiler.numbers_in_lanes import potential_of
+from tribo.compiler.numbers_in_lanes import numbers_at_lane
 from tribo.compiler.python_callback import call_at
+from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import blocks
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.records import CHARGE, X, Y, Z
+from tribo.kernels.records import CHARGE, Acting, X, Y, Z
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280
@@ -100,8 +99,6 @@ def block_of(neighbours, is_listed, n):
 @inlined
 def without_others(force, species, partners, m):
     """Forces where a block of bobs is of a species by `partner_species`, 0 elsewhere."""
-    if species is None:
-        return force
     if partners == -1:
         return force
     away = absolute(block(species, m) - float(partners))
@@ -186,17 +183,23 @@ def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
 
 
 @inlined
-def add_contact(model, within, contact, neighbours):
-    """Add the forces of one interaction to f1, or to those among the bobs of one surface."""
-    if within is None:
-        add_to_table(model, model.members, contact, model.f1, neighbours)
-    else:
-        add_to_table(model, model.members, contact, model.inner, neighbours)
+def acting(contacts, n, potential):
+    """The nth interaction, with its potential."""
+    pairs = contacts.first[n], contacts.first[n + 1], contacts.pairs, contacts.rows
+    return Acting(potential, contacts.species[n], *pairs)
+
+
+@inlined
+def table_of(model, n):
+    """Where the forces of the nth interaction are added: f1, or those within one surface."""
+    if model.contacts.within[n] == 1:
+        return model.inner
+    return model.f1
 
 
 @inlined
 def add_to_table(model, members, contact, table, neighbours):
-    for k in range(contact.pairs.shape[0]):
+    for k in range(contact.first, contact.stop):
         if members is not None:
             add_lane_by_lane(model, contact, k, table)
             continue
@@ -207,13 +210,20 @@ def add_to_table(model, members, contact, table, neighbours):
         add_rows(model, contact, k, begin, end, table, table, neighbours)
 
 
+def contact_forces_unit(model, neighbours, potential, n):
+    """Add the forces of the nth interaction."""
+    potential = fetched(potential)
+    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    add_to_table(model, model.members, contact, table, neighbours)
+    return 0.0
+
+
 @inlined
 def add_lane_by_lane(model, contact, k, table):
     """Add the forces of the kth pair of surfaces, where each lane is a member of an ensemble."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     charges = model.each[CHARGE]
-    potential = potential_of(contact, None)
     for i in range(one.start, one.stop, LANES):
         partners = partner_species(model.species, contact.species, i)
         x, y, own = block(model.bobs[X], i), block(model.bobs[Y], i), block(charges, i)
@@ -224,7 +234,7 @@ def add_lane_by_lane(model, contact, k, table):
                 dx, dy, dz = differences(model, x, y, i, m)
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
-                f = over_distances(potential, square, dx, dy, dz, own, others, 0, LANES)
+                f = over_distances(contact.potential, square, dx, dy, dz, own, others, 0, LANES)
                 blocks.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
                 own_x = own_x + f * dx
                 own_y = own_y + f * dy
@@ -273,7 +283,7 @@ def distance_of(model, i, j):
 def pair_energy(model, contact, k, neighbours, lane):
     """Potential energy of one interaction between one pair of surfaces, for `lane` of one run."""
     charges = model.each[CHARGE]
-    potential = potential_of(contact, lane)
+    potential = numbers_at_lane(contact.potential, lane)
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
@@ -292,12 +302,29 @@ def pair_energy(model, contact, k, neighbours, lane):
     return energy
 
 
+def contact_energy_unit(model, neighbours, potential, n, k, lane):
+    """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
+    potential = fetched(potential)
+    contact, lane = acting(model.contacts, n, potential), blocks.lane_of_members(model.members, lane)
+    return pair_energy(model, contact, k, neighbours, lane)
+
+
+@kernel
+def energy_of(model, neighbours, n, k, lane):
+    """The same, from outside of the unit."""
+    contacts, number = model.contacts, blocks.lane_number(lane)
+    return call_unit(
+        contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, number)
+    )
+
+
 @kernel
 def contact_energy(model, neighbours, lane):
     """Potential energy of all contacts between surfaces at the bobs' present positions."""
+    contacts = model.contacts
     energy = calculated_energy(model, model.calculators)
-    for contact in literal_unroll(model.contacts):
-        if contact.within is None:
-            for k in range(contact.pairs.shape[0]):
-                energy += pair_energy(model, contact, k, neighbours, lane)
+    for n in range(contacts.energy.size):
+        if contacts.within[n] == 0:
+            for k in range(contacts.first[n], contacts.first[n + 1]):
+                energy += energy_of(model, neighbours, n, k, lane)
     return energy

@@ -5,13 +5,19 @@ depends on the scene alone.  A chunk sets the forces on its own bobs, and writes
 table of its own.  The tables are then added in the order of the chunks.
 """
 
-from numba import literal_unroll
-
 from tribo.compiler import team as teams
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
+from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import blocks
-from tribo.kernels.contact import add_calculated, add_contact, add_rows, block_of, row_of
+from tribo.kernels.contact import (
+    acting,
+    add_calculated,
+    add_rows,
+    block_of,
+    row_of,
+    table_of,
+)
 
 
 @inlined
@@ -24,27 +30,27 @@ def contact_forces(model, neighbours):
 
 @inlined
 def add_contacts(model, team, neighbours):
-    if team is None:
-        for contact in literal_unroll(model.contacts):
-            add_contact(model, contact.within, contact, neighbours)
+    contacts = model.contacts
+    if team.counters.size == 0:
+        for n in range(contacts.forces.size):
+            call_unit(contacts.forces[n], (model, neighbours, contacts.numbers[n], n))
     else:
         share_contacts(model, team, neighbours)
 
 
-@kernel
+@apart
 def share_contacts(model, team, neighbours):
     """Add the forces of all interactions together with assistants, pair by pair of surfaces."""
-    number = 0
-    for contact in literal_unroll(model.contacts):
-        for k in range(contact.pairs.shape[0]):
-            team.counters[teams.INTERACTION] = number
+    contacts = model.contacts
+    for n in range(contacts.pieces.size):
+        for k in range(contacts.first[n], contacts.first[n + 1]):
+            team.counters[teams.INTERACTION] = n
             team.counters[teams.PAIR] = k
             share_phase(model, team, neighbours, teams.CONTACT, team.reach.shape[0])
             share_phase(model, team, neighbours, teams.REACTIONS, team.tiles.shape[0])
-        number += 1
 
 
-@kernel
+@apart
 def share_phase(model, team, neighbours, phase, pieces):
     """Compute all pieces of a phase of contact, together with assistants."""
     piece = teams.begin_phase(team, phase, pieces)
@@ -53,30 +59,29 @@ def share_phase(model, team, neighbours, phase, pieces):
         piece = teams.continue_phase(team)
 
 
-@kernel
+@apart
 def contact_piece(model, team, neighbours, piece):
-    number = 0
-    for contact in literal_unroll(model.contacts):
-        if number == team.counters[teams.INTERACTION]:
-            piece_of_contact(model, contact.within, team, contact, neighbours, piece)
-        number += 1
-
-
-@inlined
-def piece_of_contact(model, within, team, contact, neighbours, piece):
-    if within is None:
-        piece_of_table(model, team, contact, model.f1, neighbours, piece)
-    else:
-        piece_of_table(model, team, contact, model.inner, neighbours, piece)
-
-
-@inlined
-def piece_of_table(model, team, contact, table, neighbours, piece):
     """A chunk of rows of one pair of surfaces, or a tile of the sum of their reactions."""
-    k = team.counters[teams.PAIR]
+    contacts, n = model.contacts, team.counters[teams.INTERACTION]
     if team.counters[teams.PHASE] == teams.CONTACT:
-        add_chunk(model, team, contact, k, table, neighbours, piece)
-    elif team.tiles[piece, 0] == contact.pairs[k, 1]:
+        call_unit(contacts.pieces[n], (model, neighbours, contacts.numbers[n], n, piece))
+    else:
+        add_reactions(model, team, contacts.pairs, table_of(model, n), piece)
+
+
+def contact_piece_unit(model, neighbours, potential, n, piece):
+    """Do a chunk of rows of the nth interaction in the present pair of surfaces."""
+    potential = fetched(potential)
+    contact, table, team = acting(model.contacts, n, potential), table_of(model, n), model.team
+    add_chunk(model, team, contact, team.counters[teams.PAIR], table, neighbours, piece)
+    return 0.0
+
+
+@apart
+def add_reactions(model, team, pairs, table, piece):
+    """Add a tile of the reactions to all chunks of a pair of surfaces."""
+    k = team.counters[teams.PAIR]
+    if team.tiles[piece, 0] == pairs[k, 1]:
         s = model.surfaces[team.tiles[piece, 0]]
         first, last = s.start // LANES, s.stop // LANES
         begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])

@@ -4,14 +4,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import literal_unroll
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import between_lanes, broadcast, maximum
 from tribo.compiler.lanes_memory import block
-from tribo.compiler.numbers_in_lanes import potential_of
+from tribo.compiler.numbers_in_lanes import numbers_at_lane
+from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import blocks
-from tribo.kernels.contact import block_of, distance_of, first_candidate, row_of
+from tribo.kernels.contact import acting, block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
 from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE
 
@@ -31,12 +31,16 @@ class Encounter(NamedTuple):
     other: int
 
 
+# The numbers of an encounter in the scratch of a model, in which units find it, and behind them
+# the thermal energy, below 0 where no surface has a reservoir.
+RATE, CLOSEST, CLEARANCE, IGNORED, ONE, OTHER, THERMAL, FOUND = range(8)
+
+
 @kernel
-def thermal_energy(model, own, friction, swing_friction, lane):
-    """The largest k_B T of a surface with noise; None where no surface has a reservoir."""
-    if friction is None:
-        if swing_friction is None:
-            return None
+def thermal_energy(model, own, lane):
+    """The largest k_B T of a surface with noise; -1 where no surface has a reservoir."""
+    if blocks.absent(model.friction) and blocks.absent(model.swing_friction):
+        return -1.0
     energy = 0.0
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
@@ -52,7 +56,7 @@ def thermal_energy(model, own, friction, swing_friction, lane):
 @kernel
 def can_matter(potential, r, charge, other_charge, thermal):
     """Whether a pair at r can come to feel its potential, against the thermal energy."""
-    if thermal == 0.0:
+    if thermal <= 0.0:
         return True
     end = potential.range_between(charge, other_charge)
     for k in range(PROBES):
@@ -65,12 +69,13 @@ def can_matter(potential, r, charge, other_charge, thermal):
 
 
 @kernel
-def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane):
-    """The encounters found before, or those of one interaction where they come sooner."""
+def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
+    """Let encounters of one interaction take the place of those found before that come later."""
     charges = model.each[CHARGE]
-    rate, closest, clearance, ignored, passing, passed = found
-    potential = potential_of(contact, lane)
-    for k in range(contact.pairs.shape[0]):
+    rate, closest, clearance = found[RATE], found[CLOSEST], found[CLEARANCE]
+    ignored, thermal = found[IGNORED], found[THERMAL]
+    potential = numbers_at_lane(contact.potential, lane)
+    for k in range(contact.first, contact.stop):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(*blocks.column_range(one, lane)):
@@ -92,20 +97,33 @@ def encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lan
                     clearance = min(clearance, own)
                     faster = speed / own
                     if faster > rate:
-                        if thermal is None:
-                            rate = faster
-                        elif can_matter(potential, r, charges[i], charges[j], thermal):
+                        if can_matter(potential, r, charges[i], charges[j], thermal):
                             rate = faster
                         elif faster > ignored:
-                            ignored, passing, passed = faster, i, j
+                            ignored = faster
+                            found[ONE], found[OTHER] = i, j
         if neighbours is not None and contact.rows[k] >= 0:
             speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
             rate = max(rate, speed / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
-    return Encounter(rate, closest, clearance, ignored, passing, passed)
+    found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED] = (
+        rate,
+        closest,
+        clearance,
+        ignored,
+    )
 
 
-@kernel
+def encounter_unit(model, neighbours, potential, n, speeds, lane):
+    """Find the encounters of the nth interaction, for `lane` of one member."""
+    potential = fetched(potential)
+    contact = acting(model.contacts, n, potential)
+    lane = blocks.lane_of_members(model.members, lane)
+    encounter_of_contact(model, contact, neighbours, speeds, model.found, lane)
+    return 0.0
+
+
+@apart
 def next_encounter(model, neighbours, speeds, lane):
     """The next encounters of all pairs, or of one member of an ensemble; bobs in place.
 
@@ -115,19 +133,25 @@ def next_encounter(model, neighbours, speeds, lane):
     pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has the velocity of
     each centre of mass, and the largest speed of the bob about it.
     """
-    found = Encounter(0.0, np.inf, np.inf, 0.0, -1, -1)
-    thermal = thermal_energy(model, model.own, model.friction, model.swing_friction, lane)
-    for contact in literal_unroll(model.contacts):
-        found = encounter_of_contact(model, contact, neighbours, speeds, thermal, found, lane)
-    return found
+    contacts, found, number = model.contacts, model.found, blocks.lane_number(lane)
+    found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED] = 0.0, np.inf, np.inf, 0.0
+    found[ONE], found[OTHER], found[THERMAL] = -1.0, -1.0, thermal_energy(model, model.own, lane)
+    for n in range(contacts.encounter.size):
+        call_unit(
+            contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, number)
+        )
+    one, other = int(found[ONE]), int(found[OTHER])
+    return Encounter(
+        found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other
+    )
 
 
-@inlined
+@apart
 def fastest_approach(model, active, speeds):
     """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
-        for m in range(k if model.inner is None else k + 1):
+        for m in range(k if blocks.absent(model.inner) else k + 1):
             fastest = max(fastest, closing_speed(model, active, (k, m), speeds))
     return fastest
 
@@ -136,13 +160,12 @@ def fastest_approach(model, active, speeds):
 def least_clearance(model, clearance):
     """The smallest clearance of any pair, from a lower bound; no less than the shortest feature."""
     shortest = np.inf
-    for contact in literal_unroll(model.contacts):
-        length, _ = contact.potential.feature()
-        shortest = min(shortest, length)
+    for n in range(model.contacts.feature.size):
+        shortest = min(shortest, model.contacts.feature[n])
     return max(clearance, shortest)
 
 
-@inlined
+@apart
 def closing_speed(model, active, pair, speeds):
     """Largest speed at which any active bob of one surface can approach any of another."""
     low_x = broadcast(math.inf)

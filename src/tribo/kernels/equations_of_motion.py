@@ -6,13 +6,14 @@ centre of mass; where no net force can arise they stay zero and are no coordinat
 oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
 """
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
+    absent,
     active_range,
     all_coordinates,
     clear,
@@ -25,14 +26,15 @@ from tribo.kernels.blocks import (
     set_all,
     set_vectors,
     vectors,
+    vectors_if_any,
 )
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.kernels.neighbours import crowded, refresh
+from tribo.kernels.neighbours import crowded, has_lists, refresh
 from tribo.kernels.records import BARS, FORCED, PULLED, PUSHED, RIGID
 from tribo.kernels.springs import spring_forces
-from tribo.kernels.user_forces import custom_forces
+from tribo.kernels.user_forces import custom_forces, has_customs
 
 
 @inlined
@@ -46,7 +48,7 @@ def bar_angles(model, s, i, t, q):
 @inlined
 def place_bars(displaced, s, i, x, y, l2, sin, versine):
     """Set bars' displacements from rest, if needed, by r2 = r_cm + l2 (-sin theta, cos theta)."""
-    if displaced is not None:
+    if not absent(displaced):
         x = x - l2 * s.facing * sin
         y = y - l2 * s.facing * versine
         set_vectors(displaced, i, x, y)
@@ -67,7 +69,7 @@ def place_block(model, s, i, t, swing, x, y):
     set_vectors(model.f1, i, broadcast(0.0), broadcast(0.0))
 
 
-@kernel
+@apart
 def place_bobs(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
@@ -85,7 +87,13 @@ def velocities_of_bars(model, s, i, v):
     return rod_velocity(vx, vy, block(v, i), -l2, *vectors(model.directions, i))
 
 
-@kernel
+@inlined
+def is_damped(model):
+    """Whether reservoirs act on bars or swings."""
+    return not (absent(model.friction) and absent(model.swing_friction))
+
+
+@apart
 def friction_forces(model, friction, swing_friction, v):
     """Set the Langevin friction on the bars, f_T = -gamma (v_bar - u), and on swings, -gamma omega.
 
@@ -94,16 +102,16 @@ def friction_forces(model, friction, swing_friction, v):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            if friction is not None:
+            if not absent(friction):
                 vx, vy = velocities_of_bars(model, s, i, v)
                 fx, fy = -s.gamma * (vx - s.reservoir_x), -s.gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
-            if swing_friction is not None:
+            if not absent(swing_friction):
                 set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
 
 
-@kernel
+@apart
 def gather_contact(model, members):
     """Sum the contact forces on each rigid surface."""
     for k in range(model.surfaces.shape[0]):
@@ -153,7 +161,7 @@ def drive_of_block(model, s, i, t, q):
     return present * gx, present * gy
 
 
-@inlined
+@apart
 def drive_forces(model, active, t, q):
     gather_contact(model, model.members)
     for k in range(model.surfaces.shape[0]):
@@ -175,15 +183,16 @@ def update_neighbours(model, neighbours, t, q):
 def forces(model, neighbours, t):
     """Set the forces that depend on positions alone; the bobs are newly placed, and listed."""
     contact_forces(model, neighbours)
-    field_forces(model, model.fields, t)
+    if model.fields.forces.size > 0:
+        field_forces(model, t)
     clear(model.internal)
     spring_forces(model, model.springs)
 
 
-@inlined
+@apart
 def end_torques(model, left, right, s, i, t, q):
     """Torques of a plug-in's forces on the ends of a block of bars, about the bars' centres."""
-    if left is None:
+    if absent(left):
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
     half = 0.5 * constant(model, rows.BAR_LENGTH, s, i)
@@ -194,15 +203,19 @@ def end_torques(model, left, right, s, i, t, q):
 @inlined
 def bar_forces(model, i, drive):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
-    force = plus(plus(drive, vectors(model.internal, i)), vectors(model.friction, i))
-    return plus(force, plus(vectors(model.left, i), vectors(model.right, i)))
+    if not model.on_bars:
+        return drive[0], drive[1]
+    force = plus(plus(drive, vectors_if_any(model.internal, i)), vectors_if_any(model.friction, i))
+    return plus(force, plus(vectors_if_any(model.left, i), vectors_if_any(model.right, i)))
 
 
 @inlined
 def bob_forces(model, i):
     """Force on a block of bobs: f1, contact within the surface, and external fields."""
-    inner, external = vectors(model.inner, i), vectors(model.external, i)
-    return plus(plus(vectors(model.f1, i), inner), external)
+    f1 = vectors(model.f1, i)
+    if not model.on_bobs:
+        return f1
+    return plus(plus(f1, vectors_if_any(model.inner, i)), vectors_if_any(model.external, i))
 
 
 @inlined
@@ -247,27 +260,32 @@ def accelerate(model, torsion, t, q, acceleration):
             set_all(s, i, acceleration, accelerations(model, s, i, torsion, t, q, drive))
 
 
-@inlined
+@apart
 def all_forces(model, neighbours, t, q, v):
     """Set all forces but those of baths; the bobs are newly placed, and listed."""
     forces(model, neighbours, t)
     drive_forces(model, None, t, q)
-    friction_forces(model, model.friction, model.swing_friction, v)
-    custom_forces(model, t, q, v)
+    if is_damped(model):
+        friction_forces(model, model.friction, model.swing_friction, v)
+    if has_customs(model):
+        custom_forces(model, t, q, v)
 
 
-@inlined
+@apart
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
     place_bobs(model, t, q)
-    refresh(model, neighbours)
+    if has_lists(neighbours):
+        refresh(model, neighbours)
     all_forces(model, neighbours, t, q, v)
-    bath_forces(model, model.bath, q, acceleration)
+    if not absent(model.bath):
+        bath_forces(model, model.bath, q, acceleration)
     accelerate(model, 1.0, t, q, acceleration)
-    torsional_accelerations(model, model.torsional, t, q, acceleration)
+    if not absent(model.torsional):
+        torsional_accelerations(model, model.torsional, t, q, acceleration)
 
 
-@inlined
+@apart
 def top_speeds(model, active, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 

@@ -1,47 +1,70 @@
 """External fields: their forces on the bobs, and their energy, bobs in place."""
 
-from numba import literal_unroll
-
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import apart, kernel
 from tribo.compiler.numbers_in_lanes import lane_of
-from tribo.kernels.blocks import clear, column_range
+from tribo.compiler.units import call_unit, fetched
+from tribo.kernels.blocks import clear, column_range, lane_number, lane_of_members
 from tribo.kernels.records import X, Y
 
 
 @kernel
-def field_shift(field, t):
-    """Position in the field's own frame minus position in the scene; Lanes if t is."""
-    return (field.origin[0] + field.velocity[0] * t, field.origin[1] + field.velocity[1] * t)
+def field_shift(fields, n, t):
+    """Position in a field's own frame minus position in the scene; Lanes if t is."""
+    x = fields.origin[n, X] + fields.velocity[n, X] * t
+    y = fields.origin[n, Y] + fields.velocity[n, Y] * t
+    return x, y
+
+
+def field_forces_unit(model, potential, n, t):
+    """Add the forces of the nth field on the bobs."""
+    potential = fetched(potential)
+    fields = model.fields
+    shift_x, shift_y = field_shift(fields, n, t)
+    for k in range(fields.first[n], fields.first[n + 1]):
+        s = model.surfaces[fields.surfaces[k]]
+        for i in range(s.start, s.end):
+            x = model.bobs[X, i] + lane_of(shift_x, i)
+            y = model.bobs[Y, i] + lane_of(shift_y, i)
+            fx, fy = potential.force_at(x, y)
+            model.external[X, i] += fx
+            model.external[Y, i] += fy
+    return 0.0
 
 
 @kernel
-def field_forces(model, fields, t):
-    if fields is not None:
-        clear(model.external)
-        for field in literal_unroll(fields):
-            shift_x, shift_y = field_shift(field, t)
-            for k in range(field.surfaces.shape[0]):
-                s = model.surfaces[field.surfaces[k]]
-                for i in range(s.start, s.end):
-                    x = model.bobs[X, i] + lane_of(shift_x, i)
-                    y = model.bobs[Y, i] + lane_of(shift_y, i)
-                    fx, fy = field.potential.force_at(x, y)
-                    model.external[X, i] += fx
-                    model.external[Y, i] += fy
-
-
-@kernel
-def field_energy(model, fields, t, lane):
-    """Potential energy of the bobs in the external fields, bobs in place, for `lane` of one run."""
+def energy_in_field(model, potential, n, t, lane):
     energy = 0.0
-    if fields is not None:
-        for field in literal_unroll(fields):
-            shift_x, shift_y = field_shift(field, t)
-            for k in range(field.surfaces.shape[0]):
-                s = model.surfaces[field.surfaces[k]]
-                start, stop, step = column_range(s, lane)
-                for i in range(start, stop, step):  # with range(*...) literal_unroll fails
-                    x = model.bobs[X, i] + shift_x
-                    y = model.bobs[Y, i] + shift_y
-                    energy += field.potential.energy_at(x, y)
+    shift_x, shift_y = field_shift(model.fields, n, t)
+    for k in range(model.fields.first[n], model.fields.first[n + 1]):
+        s = model.surfaces[model.fields.surfaces[k]]
+        for i in range(*column_range(s, lane)):
+            x = model.bobs[X, i] + shift_x
+            y = model.bobs[Y, i] + shift_y
+            energy += potential.energy_at(x, y)
+    return energy
+
+
+def field_energy_unit(model, potential, n, t, lane):
+    """Energy of the bobs in the nth field, for `lane` of one member."""
+    potential = fetched(potential)
+    return energy_in_field(model, potential, n, t, lane_of_members(model.members, lane))
+
+
+@apart
+def field_forces(model, t):
+    """Set the forces of all external fields on the bobs."""
+    fields = model.fields
+    if fields.forces.size > 0:
+        clear(model.external)
+        for n in range(fields.forces.size):
+            call_unit(fields.forces[n], (model, fields.numbers[n], n, t))
+
+
+@kernel
+def field_energy(model, t, lane):
+    """Potential energy of the bobs in the external fields, bobs in place, for `lane` of one run."""
+    fields = model.fields
+    energy = 0.0
+    for n in range(fields.energy.size):
+        energy += call_unit(fields.energy[n], (model, fields.numbers[n], n, t, lane_number(lane)))
     return energy

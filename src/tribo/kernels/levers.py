@@ -3,13 +3,13 @@
 The equations of motion refer to the centre of mass, or on driven bars to the bar's centre, the
 pivot, which moves uniformly.  There the constants are L1 = length, L2 = 0, INERTIA = m1 length^2
 and an infinite MASS, and there are no coordinates x and y.  `pivots` has the distance from the
-pivot to the centre of mass: l2 on driven bars, 0 elsewhere; None without driven bars.
+pivot to the centre of mass: l2 on driven bars, 0 elsewhere; empty without driven bars.
 """
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block
-from tribo.kernels.blocks import column_of_constants, constant, vectors
+from tribo.kernels.blocks import absent, column_of_constants, constant, vectors
 from tribo.kernels.records import L1, L2
 
 
@@ -17,20 +17,22 @@ from tribo.kernels.records import L1, L2
 def levers(model, pivots, s, i):
     """Distances from the centre of mass to the bob and to the bar, of a block."""
     bob, bar = constant(model, L1, s, i), constant(model, L2, s, i)
-    if pivots is None:
+    if absent(pivots):
         return bob, bar
     return bob - pivot_lengths(pivots, s, i), bar + pivot_lengths(pivots, s, i)
 
 
 @inlined
 def pivot_lengths(pivots, s, i):
-    return broadcast(0.0) if pivots is None else block(pivots[0], column_of_constants(s, i))
+    if absent(pivots):
+        return broadcast(0.0)
+    return block(pivots[0], column_of_constants(s, i))
 
 
 @inlined
 def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
     """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
-    if pivots is None:  # no bars are driven: they are those of x and y
+    if absent(pivots):  # no bars are driven: they are those of x and y
         return vx, vy
     speed = pivot_lengths(pivots, s, i) * omega
     tx, ty = vectors(model.directions, i)

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from tribo.compiler.jit import inlined, kernel, owning_kernel
+from tribo.compiler.jit import apart, inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.team import LISTS, PAIR, begin_phase, continue_phase, part_of
 from tribo.kernels.blocks import active_range, column_of, vectors
@@ -26,12 +26,10 @@ from tribo.kernels.records import X, Y, Z
 @inlined
 def image(difference, box, axis):
     """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
-    if box is None:
-        return difference
     return nearest_image(difference, box.x if axis == 0 else box.z)
 
 
-@kernel
+@apart
 def have_crossed(model, active, place, width, elapsed):
     """Whether two bobs can have moved by `width` towards each other since they were at `place`.
 
@@ -53,13 +51,13 @@ def have_moved(model, place, width, i):
     return 1.0 - (dx * dx + dy * dy < 0.25 * width * width)
 
 
-@kernel
+@apart
 def inactive_have_crossed(model, active, width, elapsed):
     """Whether inactive blocks have moved by half of `width` with their surfaces."""
     if active is not None:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            if active.eligible[k] == 1:
+            if active.blocks.size > 0 and active.eligible[k] == 1:
                 if not (s.vx * s.vx + s.vy * s.vy) * (elapsed * elapsed) < 0.25 * width * width:
                     return True
     return False
@@ -72,22 +70,26 @@ def keep_places(model, place):
         place[Y, i] = model.bobs[Y, i]
 
 
+@inlined
+def has_lists(neighbours):
+    """Whether any neighbours are listed."""
+    if neighbours is None:
+        return False
+    return neighbours.reach.size > 0
+
+
 @kernel
 def is_empty(neighbours):
     """Whether the list has not been made since it was given room."""
     if neighbours is None:
         return False
-    return math.isnan(neighbours.place[0, 0])
+    return neighbours.reach.size > 0 and math.isnan(neighbours.place[0, 0])
 
 
 @kernel
 def partner_species(species, kinds, i):
     """Species that bob i interacts with in a contact of two kinds: -1 is any, -2 none."""
-    if species is None:
-        return -1
-    if kinds is None:
-        return -1
-    if kinds[0] < 0:
+    if species.size == 0 or kinds[0] < 0:
         return -1
     if species[i] == kinds[0]:
         return kinds[1]
@@ -97,8 +99,6 @@ def partner_species(species, kinds, i):
 @kernel
 def is_partner(species, partners, j):
     """Whether bob j is of a species by `partner_species`."""
-    if species is None:
-        return True
     return partners == -1 or species[j] == partners
 
 
@@ -170,7 +170,7 @@ def first_row(model, neighbours, k, n):
     return row + column_of(active, place) - one.start
 
 
-@kernel
+@apart
 def list_pair(model, team, neighbours, k, used):
     """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs."""
     own, others = neighbours.own, neighbours.others
@@ -181,14 +181,14 @@ def list_pair(model, team, neighbours, k, used):
         fill_rows(neighbours.start, row, row + one.end - one.start, used)
         return used
     sort_boxes(model.box, own, others, neighbours.reach[k], neighbours.cells)
-    if team is not None:
+    if team.counters.size > 0:
         if share_rows(model, team, neighbours, k, used):
             return join_chunks(model, team, neighbours, k, used)
     blocks = own.count[0]
     return list_rows(model, model.box, neighbours, k, 0, blocks, used, neighbours.index.size)
 
 
-@kernel
+@apart
 def share_rows(model, team, neighbours, k, used):
     """Fill the rows of a pair in chunks; whether the list has room for all of them.
 
@@ -214,18 +214,17 @@ def share_rows(model, team, neighbours, k, used):
     return False
 
 
-@kernel
+@apart
 def list_chunk(model, team, neighbours, chunk):
-    """Fill the rows of a chunk of a pair's active blocks, if there is a list; note their length."""
-    if neighbours is not None:
-        k = team.counters[PAIR]
-        begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
-        first, room = team.begins[chunk], team.begins[chunk + 1]
-        last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
-        team.lengths[chunk] = last - first
+    """Fill the rows of a chunk of a pair's active blocks; note their length."""
+    k = team.counters[PAIR]
+    begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
+    first, room = team.begins[chunk], team.begins[chunk + 1]
+    last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
+    team.lengths[chunk] = last - first
 
 
-@kernel
+@apart
 def join_chunks(model, team, neighbours, k, used):
     """Move the rows of all chunks together; returns the end of the list."""
     end = used
@@ -241,7 +240,7 @@ def join_chunks(model, team, neighbours, k, used):
     return end
 
 
-@kernel
+@apart
 def refresh(model, neighbours):
     """Rebuild the list if bobs have moved too far; all blocks are active."""
     if neighbours is not None:
@@ -249,7 +248,7 @@ def refresh(model, neighbours):
             rebuild(model, neighbours)
 
 
-@kernel
+@apart
 def rebuild(model, neighbours):
     """Build the list for the bobs where they are.
 

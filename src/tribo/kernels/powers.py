@@ -25,20 +25,29 @@ surface's blocks are added up; contact and drive then have their levers in the w
 of mass.  Without a ledger there are none.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import literal_unroll
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
+from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
-from tribo.kernels.blocks import all_coordinates, constant, coordinates, has, plus, vectors
+from tribo.kernels.blocks import (
+    absent,
+    all_coordinates,
+    constant,
+    coordinates,
+    plus,
+    vectors,
+    vectors_if_any,
+)
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import levers, velocities_of_centres
@@ -67,7 +76,7 @@ def write_block(accounts, sums, tau, k, begins, x):
     """Write the powers of a block from place k on; `begins` where they are a surface's first."""
     if tau is not None:
         add_block(accounts, k, tau * x)
-    elif sums is None or begins:
+    elif begins or not sums:
         set_block(accounts, k, x)
     else:
         add_block(accounts, k, x)
@@ -101,20 +110,20 @@ def add_works(accounts, s, slot, i, *works):
 
 
 @inlined
-def held_torques(model, fixed, s, i, phi, q):
+def held_torques(model, s, i, phi, q):
     """Torques that clamped bars hold: of torsion springs, or of the forces on rigid asperites."""
-    if has(fixed, s.fixed):
+    if s.fixed > 0:
         bob_x, bob_y = equations.bob_forces(model, i)
         bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
         return equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
     return constant(model, rows.KAPPA, s, i) * (block(q, i) - phi)
 
 
-@inlined
+@apart
 def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
     phi = equations.bar_angles(model, s, i, t, q)
-    torque = held_torques(model, model.fixed, s, i, phi, q)
+    torque = held_torques(model, s, i, phi, q)
     x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
     lever = -levers(model, model.pivots, s, i)[1]
     with_bar = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
@@ -123,58 +132,54 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
     write(power, s, s.acc_ends, i, *about, x, y, x * vx + y * vy)
 
 
-@kernel
+@apart
 def custom_end_powers(model, left, right, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
-    if left is not None:
-        if s.acc_user_ends >= 0:
-            (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
-            sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
-            omega, nu, vx, vy = velocities
-            tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
-            tip_x = -tip * sin
-            tip_y = tip * cos
-            zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
-            x, y = rod_velocity(zero, zero, omega, -l2, *vectors(model.directions, i))
-            on_left = left_x * (x - tip_x) + left_y * (y - tip_y)
-            on_right = right_x * (x + tip_x) + right_y * (y + tip_y)
-            impulses = left_x, left_y, right_x, right_y
-            pseudo = left_x * vx + left_y * vy, right_x * vx + right_y * vy
-            write(power, s, s.acc_user_ends, i, on_left, on_right, *impulses, *pseudo)
+    (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
+    sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
+    omega, nu, vx, vy = velocities
+    tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
+    tip_x = -tip * sin
+    tip_y = tip * cos
+    zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
+    x, y = rod_velocity(zero, zero, omega, -l2, *vectors(model.directions, i))
+    on_left = left_x * (x - tip_x) + left_y * (y - tip_y)
+    on_right = right_x * (x + tip_x) + right_y * (y + tip_y)
+    impulses = left_x, left_y, right_x, right_y
+    pseudo = left_x * vx + left_y * vy, right_x * vx + right_y * vy
+    write(power, s, s.acc_user_ends, i, on_left, on_right, *impulses, *pseudo)
 
 
-@inlined
+@apart
 def set_point_powers(model, table, lever, slot, s, i, omega, vx, vy, power):
     """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces at a lever from r_cm.
 
     The lever is positive towards the bob, negative towards the bar.
     """
-    if table is not None:
-        if slot >= 0:
-            x, y = vectors(table, i)
-            about = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
-            write(power, s, slot, i, x, y, about, x * vx + y * vy)
+    if not absent(table):
+        x, y = vectors(table, i)
+        about = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
+        write(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
 def set_swing_powers(model, swing_friction, s, i, omega, power):
-    if swing_friction is not None:
-        if s.acc_swing >= 0:
+    if s.acc_swing >= 0:
+        if not absent(swing_friction):
             write(power, s, s.acc_swing, i, block(swing_friction[0], i) * omega)
 
 
-@inlined
+@apart
 def set_internal_powers(model, s, i, omega, vx, vy, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
-    if s.acc_internal >= 0:
-        tx, ty = vectors(model.directions, i)
-        bob, bar = levers(model, model.pivots, s, i)
-        x, y = vectors(model.internal, i)
-        bob_x, bob_y = vectors(model.inner, i)
-        about = rotational_power(-bar, omega, tx, ty, x, y)
-        about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
-        x, y = x + bob_x, y + bob_y
-        write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+    tx, ty = vectors(model.directions, i)
+    bob, bar = levers(model, model.pivots, s, i)
+    x, y = vectors_if_any(model.internal, i)
+    bob_x, bob_y = vectors_if_any(model.inner, i)
+    about = rotational_power(-bar, omega, tx, ty, x, y)
+    about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
+    x, y = x + bob_x, y + bob_y
+    write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
@@ -183,7 +188,7 @@ def set_contact_powers(model, sums, s, i, omega, power):
     x, y = vectors(model.f1, i)
     tx, ty = vectors(model.directions, i)
     along_x, along_y = x * omega * tx, y * omega * ty
-    if sums is not None:
+    if sums:
         lever = levers(model, model.pivots, s, i)[0]
         along_x, along_y = lever * along_x, lever * along_y
     write(power, s, s.acc_contact, i, x, y, along_x, along_y)
@@ -196,7 +201,7 @@ def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
         x, y = vectors(model.drive, i)
         tx, ty = vectors(model.directions, i)
         about = omega * (tx * x + ty * y)
-        if sums is not None:
+        if sums:
             about = levers(model, model.pivots, s, i)[1] * about
         write(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
@@ -208,7 +213,7 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
     """
-    if ledger is not None:
+    if ledger:
         omega, _, vx, vy = velocities
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         set_contact_powers(model, model.sums, s, i, omega, power)
@@ -216,40 +221,68 @@ def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
             fx, fy = vectors(model.f1, i)
             write(power, s, s.acc_slide, i, fx * vx, fy * vy)
         set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
-        if s.acc_ends >= 0 and (torsion != 0.0 or has(model.fixed, s.fixed)):
+        if s.acc_ends >= 0 and (torsion != 0.0 or s.fixed > 0):
             clamped_ends(model, s, i, t, q, omega, vx, vy, power)
         bob, bar = levers(model, model.pivots, s, i)
-        set_point_powers(model, model.external, bob, s.acc_field, s, i, omega, vx, vy, power)
-        set_internal_powers(model, s, i, omega, vx, vy, power)
-        set_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, omega, vx, vy, power)
+        if s.acc_field >= 0:
+            set_point_powers(model, model.external, bob, s.acc_field, s, i, omega, vx, vy, power)
+        if s.acc_internal >= 0:
+            set_internal_powers(model, s, i, omega, vx, vy, power)
+        if s.acc_thermal >= 0:
+            arm, slot = -bar, s.acc_thermal
+            set_point_powers(model, model.friction, arm, slot, s, i, omega, vx, vy, power)
         set_swing_powers(model, model.swing_friction, s, i, omega, power)
-        custom_end_powers(model, model.left, model.right, s, i, t, q, velocities, power)
+        if s.acc_user_ends >= 0:
+            custom_end_powers(model, model.left, model.right, s, i, t, q, velocities, power)
 
 
-@kernel
-def field_powers(model, fields, t, power):
-    """Set the power of the agent that moves a field through the laboratory."""
-    if fields is not None:
-        for field in literal_unroll(fields):
-            if field.account >= 0:
-                total = broadcast(0.0)
-                shift_x, shift_y = field_shift(field, t)
-                for k in range(field.surfaces.shape[0]):
-                    s = model.surfaces[field.surfaces[k]]
-                    for i in range(s.start, s.end):
-                        x = model.bobs[rows.X, i] + lane_of(shift_x, i)
-                        y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
-                        fx, fy = field.potential.force_at(x, y)
-                        place = i % LANES
-                        done = lane(total, place) + fx * field.drift[0] + fy * field.drift[1]
-                        total = with_lane(total, place, done)
-                x = sum_of_runs(model.members, total)
-                write_one(power.accounts, power.tau, field.account, x)
+def field_power_unit(model, potential, n, t, accounts, tau):
+    """Write the power of the agent that moves the nth field through the laboratory.
+
+    `tau` is nan for powers, or the time in which they do work.
+    """
+    potential = fetched(potential)
+    fields = model.fields
+    total = broadcast(0.0)
+    shift_x, shift_y = field_shift(fields, n, t)
+    for k in range(fields.first[n], fields.first[n + 1]):
+        s = model.surfaces[fields.surfaces[k]]
+        for i in range(s.start, s.end):
+            x = model.bobs[rows.X, i] + lane_of(shift_x, i)
+            y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
+            fx, fy = potential.force_at(x, y)
+            place = i % LANES
+            done = lane(total, place) + fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            total = with_lane(total, place, done)
+    x = sum_of_runs(model.members, total)
+    if math.isnan(tau):
+        set_numbers(accounts, fields.account[n], x)
+    else:
+        add_numbers(accounts, fields.account[n], tau * x)
+    return 0.0
 
 
-@kernel
+@inlined
+def number_of_time(tau):
+    """The time of works as :func:`field_power_unit` takes it."""
+    if tau is None:
+        return math.nan
+    return tau
+
+
+@apart
+def field_powers(model, t, power):
+    """Set the powers of the agents that move fields through the laboratory."""
+    fields = model.fields
+    for n in range(fields.power.size):
+        if fields.account[n] >= 0:
+            tau = number_of_time(power.tau)
+            call_unit(fields.power[n], (model, fields.numbers[n], n, t, power.accounts, tau))
+
+
+@apart
 def torsional_powers(model, torsional, t, q, v, power):
-    if torsional is not None:
+    if not absent(torsional):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.torsionals > 0:
@@ -259,14 +292,14 @@ def torsional_powers(model, torsional, t, q, v, power):
                     power[place_of(s, slot, i)] += torque * v[s.dof_phi + i - s.start]
 
 
-@kernel
+@apart
 def momentum(model, s, v):
     """Momentum of a surface, and of its bath if it is set, in its first frame; Lanes of members."""
     px = broadcast(0.0)
     py = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         mass = constant(model, rows.MASS, s, i)
-        x, y = vectors(model.bath_momentum, i)
+        x, y = vectors_if_any(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
     return sum_of_runs(model.members, px), sum_of_runs(model.members, py)
@@ -278,16 +311,19 @@ def external_force(model, s):
     total = broadcast(0.0), broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         total = plus(plus(total, vectors(model.f1, i)), vectors(model.drive, i))
-        total = plus(plus(total, vectors(model.external, i)), vectors(model.friction, i))
-        total = plus(total, plus(vectors(model.left, i), vectors(model.right, i)))
+        total = plus(total, vectors_if_any(model.external, i))
+        total = plus(total, vectors_if_any(model.friction, i))
+        ends = plus(vectors_if_any(model.left, i), vectors_if_any(model.right, i))
+        total = plus(total, ends)
     return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
 
 
-@inlined
+@apart
 def shared_powers(model, ledger, t, v, power):
     """Set the powers of the accounts that are of no asperite, if there is a ledger."""
-    if ledger is not None:
-        field_powers(model, model.fields, t, power)
+    if ledger:
+        if model.fields.power.size > 0:
+            field_powers(model, t, power)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.acc_block >= 0:
@@ -298,16 +334,17 @@ def shared_powers(model, ledger, t, v, power):
                 write_one(power.accounts, power.tau, s.acc_block, x)
 
 
-@inlined
+@apart
 def all_powers(model, ledger, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
-    if ledger is not None:
+    if ledger:
         power = Powers(accounts, model.sums, None)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(s.start, s.stop, LANES):
                 velocities = all_coordinates(s, i, v)
                 powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power)
-        set_bath_momenta(model, model.bath, v)
+        if not absent(model.bath):
+            set_bath_momenta(model, model.bath, v)
         shared_powers(model, ledger, t, v, power)
         torsional_powers(model, model.torsional, t, q, v, accounts)

@@ -6,7 +6,7 @@ from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, set_vectors, vectors
+from tribo.kernels.blocks import absent, constant, set_vectors, vectors, vectors_if_any
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.kinematics import end_force
@@ -23,9 +23,9 @@ TABLES = 10
 @inlined
 def add_bath(internal, found, baths, i):
     """Note the springs' forces on a block of bars, and add the recorded ones of the bath."""
-    x, y = vectors(internal, i)
+    x, y = vectors_if_any(internal, i)
     set_vectors(found[SPRING], i, x, y)
-    if internal is not None:
+    if not absent(internal):
         if baths.shape[0] > 0:
             pull_x, pull_y = block(baths[PULL_X], i), block(baths[PULL_Y], i)
             set_vectors(found[BATH], i, pull_x, pull_y)
@@ -37,11 +37,11 @@ def set_ends(model, left, right, s, i, t, q, found):
     """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
         phi = equations.bar_angles(model, s, i, t, q)
-        torque = held_torques(model, model.fixed, s, i, phi, q)
+        torque = held_torques(model, s, i, phi, q)
         x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
         set_vectors(found[LEFT], i, x, y)
         set_vectors(found[RIGHT], i, -x, -y)
-    if left is not None:
+    if not absent(left):
         if s.user_ends == 1:
             set_vectors(found[LEFT], i, *vectors(left, i))
             set_vectors(found[RIGHT], i, *vectors(right, i))
@@ -51,10 +51,10 @@ def set_ends(model, left, right, s, i, t, q, found):
 def note_forces(model, s, i, t, q, acceleration, found):
     """Set what is found of a block, forces and accelerations in place."""
     set_vectors(found[F1], i, *vectors(model.f1, i))
-    set_vectors(found[WITHIN], i, *vectors(model.inner, i))
-    set_vectors(found[FIELD], i, *vectors(model.external, i))
+    set_vectors(found[WITHIN], i, *vectors_if_any(model.inner, i))
+    set_vectors(found[FIELD], i, *vectors_if_any(model.external, i))
     set_vectors(found[F2], i, *vectors(model.drive, i))
-    set_vectors(found[FRICTION], i, *vectors(model.friction, i))
+    set_vectors(found[FRICTION], i, *vectors_if_any(model.friction, i))
     set_ends(model, model.left, model.right, s, i, t, q, found)
     set_block(found[SWING, 0], i, block(acceleration, i))
 
@@ -103,7 +103,7 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
             model.each[rows.CHARGE, i] = charges[k, m]
             model.f1[rows.X, i] = 0.0
             model.f1[rows.Y, i] = 0.0
-        if neighbours is not None:
+        if neighbours.reach.size > 0:
             rebuild(model, neighbours)
         if crowded(neighbours):
             return k

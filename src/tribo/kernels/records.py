@@ -187,6 +187,37 @@ class Contact(NamedTuple):
     numbers: Any = None  # (fields, 8) of the potential, where members of an ensemble differ in them
 
 
+class Contacts(NamedTuple):
+    """All interactions, those within surfaces last, and the units of their potentials.
+
+    Units and numbers are addresses, see :mod:`tribo.compiler.units`.
+    """
+
+    forces: np.ndarray  # (n,) units that add forces on bobs
+    pieces: np.ndarray  # (n,) units that do a piece of that; 0 where no threads share it
+    energy: np.ndarray  # (n,) units that find the energy of a pair of surfaces
+    encounter: np.ndarray  # (n,) units that find the next encounters
+    numbers: np.ndarray  # (n,) of the potentials
+    memory: np.ndarray  # where these are
+    feature: np.ndarray  # (n,) shortest length over which a force changes [length]
+    within: np.ndarray  # (n,) 1 where it acts among the bobs of one surface
+    species: np.ndarray  # (n, 2) between bobs of which species; -1: of any
+    first: np.ndarray  # (n + 1,) the first pair of each
+    pairs: np.ndarray  # (pairs, 2) indices of surfaces, the first not above the second
+    rows: np.ndarray  # (pairs,) first row of each pair in the neighbour list; -1: all pairs
+
+
+class Acting(NamedTuple):
+    """One of all interactions, in a unit of its potential."""
+
+    potential: Any
+    species: np.ndarray  # (2,) between bobs of which species; -1: of any
+    first: int  # its pairs are first <= k < stop
+    stop: int
+    pairs: np.ndarray  # (pairs, 2) of all interactions
+    rows: np.ndarray  # (pairs,)
+
+
 class FieldOn(NamedTuple):
     """One external field, and the surfaces on whose bobs it acts."""
 
@@ -199,6 +230,22 @@ class FieldOn(NamedTuple):
     account: int  # of the work done by moving it; -1 where it stands
 
 
+class Fields(NamedTuple):
+    """All external fields, as :class:`FieldOn` has each, and the units of their potentials."""
+
+    forces: np.ndarray  # (n,) units that add forces on bobs
+    energy: np.ndarray  # (n,) units that find the energy of the bobs
+    power: np.ndarray  # (n,) units that find the power of moving it
+    numbers: np.ndarray  # (n,) addresses of the potentials' numbers
+    memory: np.ndarray  # where these are
+    first: np.ndarray  # (n + 1,) the first surface of each, in `surfaces`
+    surfaces: np.ndarray
+    origin: np.ndarray  # (n, 2)
+    velocity: np.ndarray  # (n, 2)
+    drift: np.ndarray  # (n, 2)
+    account: np.ndarray  # (n,)
+
+
 class Custom(NamedTuple):
     """A plug-in's force on the bars of one surface, or on their ends."""
 
@@ -207,6 +254,18 @@ class Custom(NamedTuple):
     origin: np.ndarray  # (2,) of the scene, in the laboratory
     velocity: np.ndarray  # (2,) of the first surface, in the laboratory
     begun: float = 0.0  # when the plug-in's own time was zero
+
+
+class Customs(NamedTuple):
+    """All of these at one place, bars or their ends, as :class:`Custom` has each."""
+
+    forces: np.ndarray  # (n,) units that set the forces
+    numbers: np.ndarray  # (n,) addresses of the plug-ins' numbers
+    memory: np.ndarray  # where these are
+    surface: np.ndarray  # (n,)
+    origin: np.ndarray  # (n, 2)
+    velocity: np.ndarray  # (n, 2)
+    begun: np.ndarray  # (n,)
 
 
 class Calculator(NamedTuple):
@@ -227,7 +286,10 @@ class Box(NamedTuple):
 
 
 class Active(NamedTuple):
-    """The blocks that are stepped; all others are inactive, see `integrators.inactive`."""
+    """The blocks that are stepped; all others are inactive, see `integrators.inactive`.
+
+    All blocks are stepped where `blocks` is empty.
+    """
 
     blocks: np.ndarray  # column / LANES of the active blocks, surface after surface, ascending
     first: np.ndarray  # (surfaces + 1,) place of each surface's first one in `blocks`
@@ -259,7 +321,7 @@ class Neighbours(NamedTuple):
     """Lists of the blocks of bobs that may be within reach, row by row in the order of the bobs.
 
     A row belongs to a bob of a pair's first surface and lists blocks of its second, in ascending
-    order, so sums over the list are bit for bit the sums over all pairs.
+    order, so sums over the list are bit for bit the sums over all pairs.  There may be no rows.
     """
 
     pairs: np.ndarray  # (m, 3) first and second surface of each listed pair, and its first row
@@ -272,7 +334,7 @@ class Neighbours(NamedTuple):
     made: np.ndarray  # (1,) number of times that the list was built
     crossed: np.ndarray  # (1,) 1 after a drift in which a bob has crossed half the skin
     listed: np.ndarray  # (1,) when splitting methods built it last [time]; nan before
-    active: Any  # Active, or None where all blocks are
+    active: Active
     own: Boxes  # around the active blocks of a pair's first surface, while its rows are filled
     others: Boxes  # of its second one
     cells: Cells  # those of the second
@@ -283,12 +345,11 @@ class Springs(NamedTuple):
     table: np.ndarray  # (3, springs), see STIFFNESS
 
 
-class Model(NamedTuple):
-    """A scene for kernels: a structure of arrays, whose rows are contiguous.
+class Tables(NamedTuple):
+    """A scene as tables: what is common to all its runs.  An effect that is absent is None.
 
-    An effect that is absent is None, which has a type of its own, so its code is not compiled and
-    its arrays are not allocated.  Scratch is True in the model of a layout; each time loop has
-    arrays of its own in its place, and columns `fx`.
+    Scratch is True where a loop needs it; each time loop has arrays of its own in its place, and
+    columns `fx`, in a :class:`Model` of these tables.
     """
 
     constants: np.ndarray  # (rows, columns of constants), see CONSTANTS
@@ -311,8 +372,6 @@ class Model(NamedTuple):
     friction: Any = None  # (2, n), scratch: Langevin friction on each bar without noise
     swing_friction: Any = None  # (1, n), scratch: the same torque on each swing
     pivots: Any = None  # (1, columns of constants), see `kernels.levers`; None without driven bars
-    fixed: Any = None  # True, or None where no asperites are rigid
-    turning: Any = None  # True, or None where no clamped bars turn
     left: Any = None  # (2, n), scratch: a plug-in's force on the left end of each bar
     right: Any = None  # (2, n), scratch: on its right end
     box: Any = None  # Box
@@ -328,3 +387,50 @@ class Model(NamedTuple):
     members: Any = None
     own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
+
+
+class Model(NamedTuple):
+    """A scene for kernels: a structure of arrays, whose rows are contiguous.
+
+    It has the same type for all scenes, so that kernels are compiled once.  Arrays of an effect
+    that is absent have no columns, and what belongs to it is skipped surface by surface.
+    """
+
+    constants: np.ndarray  # (rows, columns of constants), see CONSTANTS
+    each: np.ndarray  # (EACH_ROWS, n), see X_START
+    surfaces: Any  # recarray of SURFACE
+    core: int  # number of the asperites' coordinates, before those of baths
+    contacts: Contacts
+    fields: Fields
+    drives: Customs  # of bars
+    ends: Customs  # of the ends of bars
+    bobs: np.ndarray  # (2, n), scratch: place of each bob
+    directions: np.ndarray  # (2, n), scratch: the vector along which a growing theta moves it
+    f1: np.ndarray  # (2, n), scratch: contact force on it
+    drive: np.ndarray  # (2, n), scratch: f2 on each bar
+    inner: np.ndarray  # (2, n), scratch: contact within on each bob
+    external: np.ndarray  # (2, n), scratch: external fields on each bob
+    internal: np.ndarray  # (2, n), scratch: springs and bath on each bar
+    displaced: np.ndarray  # (2, n), scratch: displacement of each bar from its rest
+    friction: np.ndarray  # (2, n), scratch: Langevin friction on each bar without noise
+    swing_friction: np.ndarray  # (1, n), scratch: the same torque on each swing
+    left: np.ndarray  # (2, n), scratch: a plug-in's force on the left end of each bar
+    right: np.ndarray  # (2, n), scratch: on its right end
+    bath_momentum: np.ndarray  # (2, n), scratch: of the oscillators on each bar
+    found: np.ndarray  # (FOUND,), scratch: the next encounters, see `kernels.encounters`
+    ledger: bool  # whether works are kept
+    sums: bool  # whether accounts are sums over asperites
+    on_bobs: bool  # whether other forces than contact with other surfaces act on bobs
+    on_bars: bool  # whether other forces than f2 act on bars
+    species: np.ndarray  # (n,) of each bob, floats; empty where none matters
+    pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`
+    box: Box
+    springs: Springs
+    bath: np.ndarray  # (2, oscillators), see OSCILLATOR_MASS
+    torsional: np.ndarray  # (2, oscillators) whose masses are inertias
+    team: Any  # Team, see `compiler.team`; with no counters where a step is too short to be shared
+    calculators: Any = None  # tuple of Calculator, or None
+    # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members of an
+    # ensemble, one asperite of each; None where the asperites of a block are of one run.
+    members: Any = None
+    own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS

@@ -3,13 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import literal_unroll
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.kernels import baths
-from tribo.kernels.blocks import clear, column_range, halves
-from tribo.kernels.contact import contact_energy, pair_energy
+from tribo.kernels.blocks import absent, clear, column_range, halves
+from tribo.kernels.contact import contact_energy, energy_of
 from tribo.kernels.fields import field_energy
 from tribo.kernels.springs import spring_energies
 
@@ -99,17 +98,17 @@ def copy_state(source, target):
 
 @kernel
 def energies_within(model, neighbours, stored, lane):
-    for contact in literal_unroll(model.contacts):
-        if contact.within is not None:
-            for k in range(contact.pairs.shape[0]):
-                owner = contact.pairs[k, 0]
-                stored[owner, WITHIN] += pair_energy(model, contact, k, neighbours, lane)
+    contacts = model.contacts
+    for n in range(contacts.energy.size):
+        if contacts.within[n] == 1:
+            for k in range(contacts.first[n], contacts.first[n + 1]):
+                stored[contacts.pairs[k, 0], WITHIN] += energy_of(model, neighbours, n, k, lane)
 
 
-@kernel
+@apart
 def bath_energies(model, table, axes, t, q, v, stored, lane):
     """Energy and momentum of oscillators, in the frame of their surface's initial velocity."""
-    if table is not None:
+    if not absent(table):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             for i in range(*column_range(s, lane)):
@@ -124,13 +123,13 @@ def bath_energies(model, table, axes, t, q, v, stored, lane):
                 stored[k, BATH if axes[0] == 0 else TORSIONAL] += energy
 
 
-@kernel
+@apart
 def write_baths(model, table, axes, t, q, v, record):
     """Record the force of the bath on each bar, its kinetic energy, and displacements from the bar.
 
     Those of as many oscillators as have rows; the record is clear before.
     """
-    if table is not None:
+    if not absent(table):
         half = (record.shape[0] - BATH_ROWS) // 2
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
@@ -154,7 +153,7 @@ def first_place(place, lane):
     return place + lane
 
 
-@kernel
+@apart
 def write_row(model, neighbours, t, state, record, k, lane):
     """Record the state at time t in row k, for `lane` that of one member; the bobs are in place."""
     q, v = halves(state.y)
@@ -163,7 +162,7 @@ def write_row(model, neighbours, t, state, record, k, lane):
     for m in range(record.s_places.size):
         record.s[k, m] = state.s[first_place(record.s_places[m], lane)]
     record.contact[k] = contact_energy(model, neighbours, lane)
-    record.field[k] = field_energy(model, model.fields, t, lane)
+    record.field[k] = field_energy(model, t, lane)
     for m in range(record.stored.shape[1]):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0

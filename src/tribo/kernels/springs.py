@@ -5,7 +5,7 @@ i + n and j + n, of which eight are computed at once; columns that fill the last
 have springs without stiffness.
 """
 
-from tribo.compiler.jit import inlined, kernel
+from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import add_block, block
 from tribo.kernels.blocks import sum_at
@@ -36,28 +36,26 @@ def spring_forces(model, springs):
     Those on the first bars of all springs of a chain come before those on the second, so that no
     element is read just after it was written as part of another block.
     """
-    if springs is not None:
-        for k in range(springs.chains.shape[0]):
-            chain = springs.chains[k]
-            add_to_bars(model, springs, chain, X, REST_X, chain.i, -1.0)
-            add_to_bars(model, springs, chain, Y, REST_Y, chain.i, -1.0)
-            add_to_bars(model, springs, chain, X, REST_X, chain.j, 1.0)
-            add_to_bars(model, springs, chain, Y, REST_Y, chain.j, 1.0)
+    for k in range(springs.chains.shape[0]):
+        chain = springs.chains[k]
+        add_to_bars(model, springs, chain, X, REST_X, chain.i, -1.0)
+        add_to_bars(model, springs, chain, Y, REST_Y, chain.i, -1.0)
+        add_to_bars(model, springs, chain, X, REST_X, chain.j, 1.0)
+        add_to_bars(model, springs, chain, Y, REST_Y, chain.j, 1.0)
 
 
-@kernel
+@apart
 def spring_energies(model, springs, stored, slot, lane):
     """Add the energy of each surface's springs to (surfaces, slots) `stored`."""
-    if springs is not None:
-        for k in range(springs.chains.shape[0]):
-            chain = springs.chains[k]
-            for m in range(0, chain.count, LANES):
-                i = chain.i + m
-                j = chain.j + m
-                rest_x = block(springs.table[REST_X], chain.first + m)
-                rest_y = block(springs.table[REST_Y], chain.first + m)
-                x = stretches(model.displaced, X, rest_x, i, j)
-                y = stretches(model.displaced, Y, rest_y, i, j)
-                stiffness = block(springs.table[STIFFNESS], chain.first + m)
-                energies = 0.5 * stiffness * (x * x + y * y)
-                stored[chain.surface, slot] += sum_at(lane, energies)
+    for k in range(springs.chains.shape[0]):
+        chain = springs.chains[k]
+        for m in range(0, chain.count, LANES):
+            i = chain.i + m
+            j = chain.j + m
+            rest_x = block(springs.table[REST_X], chain.first + m)
+            rest_y = block(springs.table[REST_Y], chain.first + m)
+            x = stretches(model.displaced, X, rest_x, i, j)
+            y = stretches(model.displaced, Y, rest_y, i, j)
+            stiffness = block(springs.table[STIFFNESS], chain.first + m)
+            energies = 0.5 * stiffness * (x * x + y * y)
+            stored[chain.surface, slot] += sum_at(lane, energies)

@@ -107,10 +107,7 @@ def nystrom_members(
     each lane in a call.  Each of the eight `clocks`, and each lane of states and tolerances, is a
     member's.  The record has the samples of the first member, then of the second, and so on.
     """
-    model, method, tolerance, state, times, record, work, new = pointers(
-        (model, method, tolerance, state, times, record, work, new)
-    )
-    queue, starts, tried, speeds = pointers((queue, starts, tried, speeds))
+    method, times, tried, speeds = pointers((method, times, tried, speeds))
     for _ in range(budget):
         refill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
         if plan_steps(clocks, times, queue, tried) == 0:
@@ -166,9 +163,7 @@ def splitting_members(
     second, and so on.
     """
     clock = clocks[0]
-    model, splitting, state, times, record, watch, noise, work = pointers(
-        (model, splitting, state, times, record, watch, noise, work)
-    )
+    splitting, times, watch, noise = pointers((splitting, times, watch, noise))
     last = times[times.size - 1]
     q, v = halves(state.y)
     clear(model.friction)

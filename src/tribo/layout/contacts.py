@@ -5,7 +5,7 @@ from numba import config
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
-from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Model, Neighbours
+from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Neighbours, Tables
 from tribo.model.drives import DrivenBars, Forced
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
@@ -74,8 +74,13 @@ def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -
         return True
 
 
-def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool) -> Neighbours:
-    """An empty list of so many rows, which reaches by `skin` farther than the cutoff [length]."""
+def neighbours(scene: Scene, model: Tables, rows: int, skin: float, splits: bool) -> Neighbours:
+    """An empty list of so many rows, which reaches by `skin` farther than the cutoff [length].
+
+    Without rows it has no memory.
+    """
+    if rows == 0:
+        return NO_NEIGHBOURS
     listed = [
         ((one, other, row), contact)
         for contact in model.contacts
@@ -83,28 +88,40 @@ def neighbours(scene: Scene, model: Model, rows: int, skin: float, splits: bool)
         if row >= 0
     ]
     kinds = [(-1, -1) if each.species is None else each.species for _, each in listed]
-    blocks = model.each.shape[1] // LANES
-    cells = (np.empty(size, np.int64) for size in (2 * blocks + 17, blocks, blocks))
-    return Neighbours(
-        pairs=np.array([pair for pair, _ in listed], dtype=np.int64),
+    return _no_lists(model.each.shape[1] // LANES)._replace(
+        pairs=np.array([pair for pair, _ in listed], np.int64),
         species=np.array(kinds, np.int64),
         reach=np.array([contact.potential.range() + skin for _, contact in listed]),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
-        place=nowhere(model.each.shape[1]),
         skin=skin,
+        active=active_blocks(scene, model, skin) if splits else ALL_ACTIVE,
+    )
+
+
+def _no_lists(blocks: int) -> Neighbours:
+    """Lists without rows, with room for so many blocks."""
+    cells = (np.empty(size, np.int64) for size in (2 * blocks + 17, blocks, blocks))
+    return Neighbours(
+        pairs=np.empty((0, 3), np.int64),
+        species=np.empty((0, 2), np.int64),
+        reach=np.empty(0),
+        start=np.zeros(1, np.int64),
+        index=np.empty(0, np.int32),
+        place=nowhere(LANES * blocks),
+        skin=0.0,
         made=np.zeros(1, np.int64),
         crossed=np.zeros(1, np.int64),
         listed=np.full(1, np.nan),
-        active=active_blocks(scene, model, skin) if splits else None,
+        active=ALL_ACTIVE,
         own=empty_boxes(blocks),
         others=empty_boxes(blocks),
         cells=Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), *cells),
     )
 
 
-def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
-    """All blocks, before the first selection; None where no asperite can be inactive."""
+def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
+    """All blocks, before the first selection; none where no asperite can be inactive."""
     unlisted = {int(k) for each in model.contacts for k in each.pairs[each.rows < 0].ravel()}
     eligible = []
     for k, surface in enumerate(scene.surfaces):
@@ -114,7 +131,7 @@ def active_blocks(scene: Scene, model: Model, skin: float) -> Active | None:
         turning = surface.bath.inertias.size > 0 or model.surfaces[k].turning
         eligible.append(uniform and not (acted_on or turning or k in unlisted))
     if model.calculators is not None or not any(eligible):
-        return None
+        return ALL_ACTIVE
     count, surfaces = model.each.shape[1], model.surfaces
     return Active(
         blocks=np.arange(count // LANES),
@@ -138,9 +155,9 @@ def nowhere(count: int) -> np.ndarray:
     return place
 
 
-def with_room(neighbours: Neighbours | None) -> Neighbours | None:
+def with_room(neighbours: Neighbours) -> Neighbours:
     """The same list, or an empty one with more room if it had too little."""
-    if neighbours is None or neighbours.start[-1] <= neighbours.index.size:
+    if neighbours.start[-1] <= neighbours.index.size:
         return neighbours
     index = np.zeros(int(EXTRA_ROOM * neighbours.start[-1]), np.int32)
     return neighbours._replace(index=index, place=nowhere(neighbours.place.shape[1]))
@@ -188,3 +205,17 @@ def is_shared(scene: Scene, contacts: tuple[Contact, ...]) -> bool:
             pairs += counts[one] * blocks
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     return compiled and LANES * pairs >= SHARED_PAIRS
+
+
+# Where no blocks are selected.
+ALL_ACTIVE = Active(
+    blocks=np.empty(0, np.int64),
+    first=np.empty(0, np.int64),
+    since=np.empty(0),
+    eligible=np.empty(0, np.int64),
+    place=np.empty((2, 0)),
+    selected=np.empty(1),
+    margin=0.0,
+)
+# Of scenes all of whose pairs are visited.
+NO_NEIGHBOURS = _no_lists(0)

@@ -13,7 +13,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
-from tribo.kernels.records import OF_MEMBERS, Model, Neighbours
+from tribo.kernels.records import OF_MEMBERS, Neighbours, Tables
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.scene_records import (
@@ -65,7 +65,7 @@ class Layout:
     scene: Scene
     asperites: Any  # recarray of ASPERITE, with the slots of samples
     surfaces: Any  # recarray of SURFACE, the same
-    model: Model
+    model: Tables
     start: np.ndarray  # (2 coordinates,) y at the start of the run
     core: int  # number of the asperites' coordinates, before those of baths
     coordinates: int
@@ -275,10 +275,8 @@ class Layout:
         each[records.Y_START, columns] += y
         return replace(self, asperites=asperites, model=self.model._replace(each=each))
 
-    def neighbours(self, splits: bool = False) -> Neighbours | None:
+    def neighbours(self, splits: bool = False) -> Neighbours:
         """An empty list, which the first evaluation fills; `splits` leaves inactive blocks out."""
-        if self.rows == 0:
-            return None
         return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 

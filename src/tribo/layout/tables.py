@@ -5,7 +5,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import Box, Model
+from tribo.kernels.records import Box, Tables
 from tribo.layout import contacts
 from tribo.layout.scene_records import resting_bobs, springs
 from tribo.layout.slots import Numbering
@@ -22,7 +22,7 @@ OF_FILLING = np.array(
 
 def model_tables(
     scene: Scene, asperites: np.ndarray, numbering: Numbering, columns: np.ndarray, apart: bool
-) -> Model:
+) -> Tables:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent.
 
     Asperites have the columns (n, members); where they are `apart`, each has constants of its own.
@@ -37,7 +37,7 @@ def model_tables(
     pulls, pivots = lattice is not None or bath is not None, asperites["pivot"][None]
     on_bars = any(surface.reservoir("bar") for surface in scene.surfaces)
     on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
-    return Model(
+    return Tables(
         constants=_table(constants_of(scene, asperites), numbering.surfaces, shared, OF_FILLING),
         each=_each(scene, asperites, columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
@@ -55,8 +55,6 @@ def model_tables(
         friction=True if on_bars else None,
         swing_friction=True if on_swings else None,
         pivots=_table(pivots, numbering.surfaces, shared, 0.0) if np.any(pivots > 0.0) else None,
-        fixed=True if any(s.asperite.is_rigid for s in scene.surfaces) else None,
-        turning=True if np.any(numbering.surfaces["turning"]) else None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
         bath=bath,

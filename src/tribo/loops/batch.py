@@ -11,6 +11,7 @@ import numpy as np
 from numba import config
 
 from tribo.compiler.jit import EntryPoint
+from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
@@ -184,19 +185,19 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         setting = unit_setting(layout, method)
         super().__init__(layout, method, setting, layout.start, first_step)
         self._method, self._longest = method, first_step
-        active = None if self._neighbours is None else self._neighbours.active
-        others = arrays_in((self.clocks, active))
+        others = arrays_in((self.clocks, self._neighbours.active))
         self.state, self._scratch = self.keep((self.state, self._scratch), others)
+        self._hold()
         q, coordinates = layout.places.q, layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
         examples = self._arguments(layout.times, self.room(1), 0)
-        self._entry = EntryPoint(self.compiled, (self.model,), examples)
+        self._entry = EntryPoint(self.compiled, (self._kept,), examples)
 
     def fill(
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
     ) -> np.ndarray:
         """Run members from their seeds; the samples of those that did not complete are zeros."""
-        self._constants = (self._method.coefficients, in_blocks(setting, self.layout))
+        self._constants = self._method.coefficients, keep(in_blocks(setting, self.layout))
         if isinstance(setting, Tolerance):
             clock = self._fresh[1]
             clock["h"] = integrate.first_step_at(setting, self._longest, self._method.order)

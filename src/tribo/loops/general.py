@@ -8,6 +8,7 @@ import numpy as np
 
 from tribo.compiler.generators import as_argument
 from tribo.compiler.jit import undisturbed
+from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
@@ -15,7 +16,7 @@ from tribo.integrators.methods import Method, noisy
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.integrators.stiffness import MOVED, WATCH_ROWS
-from tribo.kernels.records import CLOCK
+from tribo.kernels.records import CLOCK, Neighbours
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
@@ -25,7 +26,7 @@ from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.shared_run import assisted
-from tribo.threads.writable_memory import arrays_in, loop_of, own_model
+from tribo.threads.writable_memory import arrays_in, own_model, shared_loop
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")
@@ -51,7 +52,9 @@ class GeneralLoop(TimeLoop):
         threads: int = 1,
     ) -> None:
         self.layout = layout
+        self._neighbours = layout.neighbours(method.splits)
         self.model, self.calls = own_model(layout)
+        self._kept, self._lists = keep(self.model), keep(self._neighbours)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
@@ -65,7 +68,6 @@ class GeneralLoop(TimeLoop):
         self.state = initial_state(y, accounts, remembered(layout, method), method.splits)
         core = places.q[: layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), places.s
-        self._neighbours = layout.neighbours(method.splits)
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(self.model, self.state)
         if method.splits:
@@ -75,38 +77,54 @@ class GeneralLoop(TimeLoop):
         self._scratch = (work,) if method.splits else (work, speeds)
         if method.adaptive:
             self._scratch += (empty_state(self.state),)
-        self._constants = (method.coefficients, in_blocks(setting, layout))
-        self.compiled = loop_of(layout, method.loop)
-        self._assist: Any = loop_of(layout, assist) if self._assistants else None
+        self._constants = method.coefficients, keep(in_blocks(setting, layout))
+        self._hold()
+        self.compiled = shared_loop(method.loop)
+        self._assist: Any = shared_loop(assist) if self._assistants else None
+
+    def _hold(self) -> None:
+        """Let the loop use the state and the scratch that are there now."""
+        self._held = keep(self.state), *map(keep, self._scratch)
 
     def room(self, samples: int) -> Columns:
         return sample_columns(self.layout, samples)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        model, arguments = self.model, self._arguments(times, columns, budget)
-        with assisted(model.team, self._assistants, self.assist):
-            return self.compiled(model, *arguments)
+        arguments = self._arguments(times, columns, budget)
+        with assisted(self.model.team, self._assistants, self.assist):
+            return self.compiled(self._kept, *arguments)
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""
-        self._assist(self.model, self._neighbours, self.state, self._scratch[0])
+        self._assist(self._kept, self._lists, *self._held[:2])
 
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
-        self._neighbours = with_room(self._neighbours)
-        record = Record(*columns, *self._recorded)  # type: ignore[call-arg]
-        run = self.clocks, self.state, times, record, budget
+        self._make_room()
+        record = keep(Record(*columns, *self._recorded))  # type: ignore[call-arg]
+        state, *scratch = self._held
+        run = self.clocks, state, times, record, budget
         noise = map(as_argument, self._noise)
-        return self._neighbours, *self._constants, *run, *noise, *self._scratch
+        return self._lists, *self._constants, *run, *noise, *scratch
+
+    def _make_room(self) -> None:
+        """Give the list of neighbours more room if it has too little."""
+        neighbours = with_room(self._neighbours)
+        if neighbours is not self._neighbours:
+            self._set_neighbours(neighbours)
+
+    def _set_neighbours(self, neighbours: Neighbours) -> None:
+        self._neighbours = neighbours
+        self._lists = keep(neighbours)
 
     def forget_neighbours(self) -> None:
-        if self._neighbours is not None:
+        if self.layout.rows > 0:
             self._neighbours.place[:] = np.nan
 
     @property
     def inactive(self) -> int:
         """Number of asperites that are not stepped, until blocks are selected again."""
-        if self._neighbours is None or self._neighbours.active is None:
+        if self._neighbours.active.blocks.size == 0:
             return 0
         own = self._neighbours.active.since[self.layout.places.columns // LANES]
         return int(np.count_nonzero(np.isfinite(own)))
@@ -131,10 +149,10 @@ class GeneralLoop(TimeLoop):
     def memory(self) -> Memory:
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
-        if self._neighbours is not None:
+        if self.layout.rows > 0:
             for name in LISTS:
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
-            if self._neighbours.active is not None:
+            if self._neighbours.active.blocks.size > 0:
                 for name in SELECTION:
                     memory[f"active_{name}"] = getattr(self._neighbours.active, name)
         if self._noise:
@@ -145,11 +163,12 @@ class GeneralLoop(TimeLoop):
     def restore(self, memory: Memory) -> None:
         self.clocks[0] = tuple(memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
-        if self._neighbours is not None:
+        self._hold()
+        if self.layout.rows > 0:
             lists: dict[str, Any] = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
             lists["place"] = with_spare_lanes(lists["place"])
-            self._neighbours = self._neighbours._replace(**lists)
-            if self._neighbours.active is not None:
+            self._set_neighbours(self._neighbours._replace(**lists))
+            if self._neighbours.active.blocks.size > 0:
                 for name in SELECTION:
                     getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
         self.restore_noise(memory)

@@ -8,13 +8,14 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels import records
-from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model
+from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model, Tables
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, model_tables
 from tribo.model.scene import Scene
-from tribo.threads.writable_memory import together, with_scratch
+from tribo.threads.kernel_model import model_of
+from tribo.threads.writable_memory import together
 
 # Tables with a column for each asperite of each member, and what says where these stand.
 OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs")
@@ -34,8 +35,13 @@ class Interleaved(NamedTuple):
     numbers: np.ndarray
 
 
-def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
-    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`."""
+def interleaved(
+    layout: Layout, own_numbers: bool = False, times_in_lanes: bool = False
+) -> Interleaved:
+    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`.
+
+    Those that have `times_in_lanes` go on with steps of their own.
+    """
     scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
     shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
@@ -55,7 +61,7 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     columns = np.stack([each.columns for each in places], axis=1)
     asperites = np.asarray(layout.asperites)
     tables = model_tables(scene, asperites, theirs, columns, own_numbers)
-    model = with_scratch(old, theirs.columns)._replace(
+    eight = old._replace(
         **{name: getattr(tables, name) for name in OF_COLUMNS},
         contacts=tuple(map(_unlisted, old.contacts)),
         fields=tuple(map(_with_accounts_of_lanes, old.fields or ())) or None,
@@ -64,13 +70,14 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     )
     memory, numbers = np.empty(0), np.empty((LANES, 0), np.int64)
     if own_numbers:
-        model, memory, numbers = _in_one_array(scene, _with_own_numbers(model))
+        eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
+    model = model_of(scene, eight, times_in_lanes=times_in_lanes)
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)
 
 
-def _with_own_numbers(model: Model) -> Model:
+def _with_own_numbers(model: Tables) -> Tables:
     """The model with tables of what may differ beside the constants of asperites."""
     own = room((len(records.OF_MEMBERS), model.each.shape[1]))
     for surface in model.surfaces:
@@ -85,7 +92,7 @@ def _with_own_numbers(model: Model) -> Model:
     return model._replace(own=own, contacts=contacts)
 
 
-def _in_one_array(scene: Scene, model: Model) -> tuple[Model, np.ndarray, np.ndarray]:
+def _in_one_array(scene: Scene, model: Tables) -> tuple[Tables, np.ndarray, np.ndarray]:
     """The model with all numbers in which members differ in one array, and their places in it."""
     of_contacts = tuple(contact.numbers for contact in model.contacts)
     tables = model.constants, model.each, model.own, of_contacts

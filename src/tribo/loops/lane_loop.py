@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from tribo.compiler.jit import EntryPoint
+from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.methods import Method
@@ -24,7 +26,7 @@ from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop,
 from tribo.loops.general import remembered, unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
-from tribo.threads.writable_memory import entry_point
+from tribo.threads.writable_memory import shared_loop
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
 # registers as well.
@@ -65,7 +67,8 @@ class LaneLoop(RecordingLoop):
     ) -> None:
         self.layout, self._alone = layout, alone
         self._longest, self._order = first_step, method.order
-        self.eight = eight = interleaved(layout, own_numbers)
+        self.eight = eight = interleaved(layout, own_numbers, not method.splits)
+        self._kept = keep(eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -125,9 +128,9 @@ class LaneLoop(RecordingLoop):
                 each[alone] = own
         return counts
 
-    def record(self, columns: Columns) -> Record:
+    def record(self, columns: Columns) -> Any:
         """These arrays for the loop."""
-        return Record(*columns, *self._recorded)  # type: ignore[call-arg]
+        return keep(Record(*columns, *self._recorded))  # type: ignore[call-arg]
 
 
 class NystromLanes(LaneLoop):
@@ -142,7 +145,7 @@ class NystromLanes(LaneLoop):
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
         examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
-        self._entry = entry_point(layout, nystrom_members, (self.eight.model,), examples)
+        self._entry = EntryPoint(shared_loop(nystrom_members), (self._kept,), examples)
 
     def run_in_lanes(
         self,
@@ -178,8 +181,10 @@ class NystromLanes(LaneLoop):
         first_step = first_step_at(tolerance, self._longest, self._order)
         places = self._places, numbers, self.eight.numbers
         begin = Starts(starts, *places, self.eight.memory, first_step)
-        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
-        return self.coefficients, tolerance._replace(y=y, s=s), *run, queue, begin, *self._scratch
+        state, times, record = keep(self._state), self.layout.times, self.record(columns)
+        run = self._clocks, state, times, record, budget, keep(queue), keep(begin)
+        tolerance = keep(tolerance._replace(y=y, s=s))
+        return self.coefficients, tolerance, *run, *map(keep, self._scratch)
 
 
 class SplittingLanes(LaneLoop):
@@ -193,7 +198,7 @@ class SplittingLanes(LaneLoop):
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
         examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
-        self._entry = entry_point(self.layout, splitting_members, (self.eight.model,), examples)
+        self._entry = EntryPoint(shared_loop(splitting_members), (self._kept,), examples)
 
     def run_in_lanes(
         self,
@@ -244,9 +249,10 @@ class SplittingLanes(LaneLoop):
         self, step: float, columns: Columns, budget: int, deviates: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
-        run = self._clocks, self._state, self.layout.times, self.record(columns), budget
+        state, times, record = keep(self._state), self.layout.times, self.record(columns)
+        run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))
-        return self.coefficients, step, *run, self._watch, noise, self._work
+        return self.coefficients, step, *run, self._watch, noise, keep(self._work)
 
 
 def deviates_of_substep(layout: Layout) -> int:

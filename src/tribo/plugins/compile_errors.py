@@ -38,6 +38,15 @@ def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[N
         raise compile_error(placed, error) from None
 
 
+@contextmanager
+def compiling_units(placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[None]:
+    """The same in a context that compiles units of plug-ins, see `tribo.compiler.units`."""
+    try:
+        yield
+    except COMPILE_ERRORS as error:
+        raise compile_error(placed, error) from None
+
+
 def _foreign(placed: Iterable[tuple[str, NamedTuple]]) -> list[tuple[str, NamedTuple]]:
     """The plug-ins that are not this package's, and those among the fields of plug-ins."""
     parts = [(field, part) for field, plugin in placed for part in plugins.parts(plugin)]

@@ -14,7 +14,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.team import CLOSED, COUNTERS, OWN_NUMBERS, RANK, THREADS, Team
 from tribo.integrators.methods import Method
 from tribo.interrupts import held
-from tribo.kernels.records import Model
+from tribo.kernels.records import Tables
 from tribo.model.scene import Scene
 from tribo.system import available_cores
 from tribo.validation import InputError, integer
@@ -36,7 +36,7 @@ class Threads(NamedTuple):
     why: str  # as the end of a sentence
 
 
-def threads_of(model: Model, method: Method, threads: int | None) -> Threads:
+def threads_of(model: Tables, method: Method, threads: int | None) -> Threads:
     """The number of threads of a run: as wanted, by TRIBO_THREADS, or that of cores.
 
     One where they do not pay.  Raises InputError if the number wanted is no positive integer.
@@ -63,7 +63,7 @@ def _wanted(threads: int | None) -> tuple[int, str]:
     return int(text), f"by {VARIABLE}"
 
 
-def new_team(scene: Scene, model: Model) -> Team:
+def new_team(scene: Scene, model: Tables) -> Team:
     """How threads share the work of a loop."""
     counts = [surface.count for surface in scene.surfaces]
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
@@ -83,7 +83,7 @@ def new_team(scene: Scene, model: Model) -> Team:
     )
 
 
-def tiles_of(model: Model) -> np.ndarray:
+def tiles_of(model: Tables) -> np.ndarray:
     """Surface, place in it, and number of its tiles, for each tile, in the order of their places.
 
     So a part of them has the same part of each surface.  Works that are summed have one thread.
@@ -97,9 +97,9 @@ def tiles_of(model: Model) -> np.ndarray:
 
 
 @contextmanager
-def assisted(team: Team | None, count: int, assist: Callable[[], Any]) -> Iterator[None]:
+def assisted(team: Team, count: int, assist: Callable[[], Any]) -> Iterator[None]:
     """Let so many more threads share a time loop in this block; interrupts are raised after it."""
-    if team is None or count == 0:
+    if count == 0:
         yield
         return
     team.counters[[CLOSED, RANK, THREADS]] = 0, 0, 1 + count

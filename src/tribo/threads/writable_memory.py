@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.jit import EntryPoint, time_loop
+from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
@@ -19,22 +20,20 @@ from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.plugins.stamps import code_stamp_of, version_of
 from tribo.potentials.from_ase import Call
+from tribo.threads.kernel_model import model_of
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
-
-# Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
-# model of a layout they are True where a loop needs them.
-SCRATCH = {
-    **dict.fromkeys(("bobs", "directions", "f1", "drive", "inner", "external", "internal"), 2),
-    **dict.fromkeys(("displaced", "friction", "left", "right", "bath_momentum"), 2),
-    "swing_friction": 1,
-}
 
 
 def loop_of(layout: Layout, function: Any) -> Any:
     """A time loop for a scene, compiled at its first call with values that plug-ins have now."""
     plugins = layout.plugins
     return time_loop(function, code_stamp_of(plugins), version_of(plugins))
+
+
+def shared_loop(function: Any) -> Any:
+    """A time loop that knows plug-ins by their units alone: the same for all scenes."""
+    return time_loop(function, "")
 
 
 def entry_point(
@@ -48,21 +47,14 @@ def entry_point(
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
     """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
-    model = with_scratch(layout.model, layout.model.each.shape[1])
+    tables = layout.model._replace(surfaces=layout.model.surfaces.copy())
     calls: tuple[Call, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
-        calculators, calls = contacts.calculators(layout.scene, depths, model.surfaces.start)
-        model = model._replace(calculators=calculators)
-    team = None if model.team is None else new_team(layout.scene, model)
-    return model._replace(surfaces=model.surfaces.copy(), team=team), calls
-
-
-def with_scratch(model: Model, columns: int) -> Model:
-    """The model of a layout with the tables that a loop writes, with so many columns."""
-    needed = (name for name in SCRATCH if getattr(model, name) is not None)
-    tables: dict[str, Any] = {name: room((SCRATCH[name], columns)) for name in needed}
-    return model._replace(**tables)
+        calculators, calls = contacts.calculators(layout.scene, depths, tables.surfaces.start)
+        tables = tables._replace(calculators=calculators)
+    team = None if tables.team is None else new_team(layout.scene, tables)
+    return model_of(layout.scene, tables, team), calls
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
@@ -100,9 +92,9 @@ class Probe:
     """
 
     def __init__(self, layout: Layout, kernel: Any) -> None:
-        self.model, self._calls = own_model(layout)
         self._layout, self._neighbours = layout, layout.neighbours()
-        self._kernel = loop_of(layout, kernel)
+        self.model, self._calls = own_model(layout)
+        self._kernel = shared_loop(kernel)
 
     def __call__(self, count: int, *arguments: Any) -> None:
         """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
@@ -110,7 +102,7 @@ class Probe:
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)
-                done = self._kernel(self.model, self._neighbours, done, *arguments)
+                done = self._kernel(keep(self.model), keep(self._neighbours), done, *arguments)
         for call in self._calls:
             if call.error is not None:
                 raise InputError("potential", f"the calculator raises {call.failure}")

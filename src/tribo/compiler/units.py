@@ -1,0 +1,167 @@
+"""Units: functions that are compiled by themselves and called by their address.
+
+What a plug-in takes part in, such as the contact of one class of potentials, is a unit.  The time
+loops know it by a number only, the address of its machine code, so they are compiled once for all
+plug-ins, and a new plug-in costs the time of its own units.  A unit is called once for a surface or
+a pair of surfaces, so that the call takes no time that can be measured.
+
+The numbers of a plug-in stand in memory, too, and a unit is given their address; :func:`fetched`
+makes a plug-in of it.  Where nothing is compiled, a unit is a function of Python, its own address,
+and takes a plug-in as it is.
+"""
+
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import cfunc, config, extending, types
+
+from tribo.compiler.jit import NUMPY_ERRORS, UNCOUNTED, code_stamp, named, remove_stale, undisturbed
+from tribo.compiler.kept import read_words, words_of
+from tribo.compiler.lanes import lanes
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.numba_private import NATIVE, cgutils
+from tribo.compiler.plugin_methods import like
+
+if NATIVE:
+    from tribo.compiler.cache import KernelCache
+    from tribo.compiler.linking import LoopCompiler
+    from tribo.compiler.numba_private import CFunc
+
+_WORD = ir.IntType(64)
+
+
+class AddressType(types.Type):
+    """The type of an address of something of another type."""
+
+    def __init__(self, kind: types.Type, name: str) -> None:
+        self.kind = kind
+        super().__init__(name=f"{name}({kind})")
+
+
+class WordsType(AddressType):
+    """The address of a plug-in's numbers, as :func:`words_of` writes them."""
+
+    def __init__(self, kind: types.Type) -> None:
+        super().__init__(kind, "Words")
+
+
+class WordsInLanesType(AddressType):
+    """The address of the numbers of eight plug-ins of one class, those of each field together."""
+
+    def __init__(self, kind: types.Type) -> None:
+        super().__init__(kind, "WordsInLanes")
+
+
+@extending.register_model(WordsType)
+@extending.register_model(WordsInLanesType)
+class _Model(extending.models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _WORD)
+
+
+def _fetched(typing_context, address):
+    """What is at an address; other values as they are."""
+    if isinstance(address, WordsType):
+        return address.kind(address), _load_words
+    if isinstance(address, WordsInLanesType):
+        return like(address.kind, lanes)(address), _load_words_in_lanes
+    return address(address), lambda context, builder, sig, args: args[0]
+
+
+def _load_words(context, builder, sig, args):
+    words = builder.inttoptr(args[0], _WORD.as_pointer())
+    return read_words(context, builder, sig.return_type, words, 0)[0]
+
+
+def _load_words_in_lanes(context, builder, sig, args):
+    vector = context.get_value_type(lanes)
+    first = builder.inttoptr(args[0], vector.as_pointer())
+    count = len(sig.return_type.types)
+    places = [builder.gep(first, [ir.Constant(_WORD, n)]) for n in range(count)]
+    values = [builder.load(place, align=8) for place in places]
+    return context.make_tuple(builder, sig.return_type, values)
+
+
+def _call_unit(typing_context, address, arguments):
+    """Call a unit, which returns a float."""
+
+    def build(context, builder, sig, args):
+        values = cgutils.unpack_tuple(builder, args[1])
+        passed = []
+        for kind, value in zip(sig.args[1], values, strict=True):
+            if isinstance(kind, types.Literal):
+                value = context.cast(builder, value, kind, types.unliteral(kind))
+            passed.append(value)
+        result = ir.DoubleType()
+        function = ir.FunctionType(result, [value.type for value in passed])
+        return builder.call(builder.inttoptr(args[0], function.as_pointer()), passed)
+
+    return types.float64(types.int64, arguments), build
+
+
+def _call_python(unit: Callable[..., float], arguments: tuple[Any, ...]) -> float:
+    return unit(*arguments)
+
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    fetched: Any = lambda item: item  # noqa: E731
+    call_unit: Any = _call_python
+else:
+    fetched = extending.intrinsic(_fetched)
+    call_unit = extending.intrinsic(_call_unit)
+
+
+def memory_of(plugins: tuple[Any, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The words of some plug-ins in an array, and the address of each; these where not compiled."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        addresses = np.empty(len(plugins), object)
+        for n, plugin in enumerate(plugins):
+            addresses[n] = plugin
+        return np.empty(0), addresses
+    words = [words_of(plugin) for plugin in plugins]
+    memory = room((sum(map(len, words)),))
+    memory.view(np.int64)[:] = [word for each in words for word in each]
+    first = np.cumsum([0, *map(len, words[:-1])]) if words else np.empty(0, np.int64)
+    return memory, memory.ctypes.data + 8 * np.asarray(first, np.int64)
+
+
+# Function, types of its arguments, and version -> the unit; its machine code must not be freed.
+_units: dict[Any, Any] = {}
+
+
+def address_of(
+    function: FunctionType, kinds: tuple[Any, ...], stamp: str | None, version: str
+) -> Any:
+    """The address of a unit for arguments of these types, compiled or loaded at its first use.
+
+    `stamp` and `version` are those of plug-ins as for `tribo.compiler.jit.time_loop`.  Raises
+    numba's errors.
+    """
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    key = function, kinds, version
+    if key not in _units:
+        with undisturbed():
+            _units[key] = _compiled(function, kinds, stamp)
+    return _units[key].address
+
+
+def _compiled(function: FunctionType, kinds: tuple[Any, ...], stamp: str | None) -> Any:
+    sig = types.float64(*kinds)
+    if not NATIVE:
+        clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}_plain")
+        return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
+    clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
+    options = {**NUMPY_ERRORS, **UNCOUNTED}
+    unit = CFunc(clone, (sig.args, sig.return_type), {}, options, pipeline_class=LoopCompiler)
+    if stamp is not None:
+        remove_stale(function)
+        try:
+            unit._cache = KernelCache(clone)
+        except RuntimeError:  # with no folder that can be written, each process compiles
+            pass
+    unit.compile()
+    return unit

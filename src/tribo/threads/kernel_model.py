@@ -1,0 +1,202 @@
+"""The model that kernels read, from the tables of a scene, with the units of its plug-ins."""
+
+from typing import Any
+
+import numpy as np
+from numba import config, types
+
+from tribo.compiler.kept import kept_type
+from tribo.compiler.lanes import lanes
+from tribo.compiler.lanes_memory import room
+from tribo.compiler.plugin_methods import type_of
+from tribo.compiler.pointers import PointerType
+from tribo.compiler.team import NO_TEAM, Team
+from tribo.compiler.units import WordsInLanesType, WordsType, address_of, memory_of
+from tribo.kernels import contact, contact_forces, encounters, fields, powers, records, user_forces
+from tribo.kernels.records import Box, Contacts, Customs, Fields, Model, Tables
+from tribo.layout.contacts import NO_NEIGHBOURS
+from tribo.model.identity import plugins_of
+from tribo.model.scene import Scene
+from tribo.plugins.compile_errors import compiling_units
+from tribo.plugins.stamps import code_stamp_of, version_of
+
+# Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
+# tables of a layout they are True where a loop needs them.
+SCRATCH = {
+    **dict.fromkeys(("bobs", "directions", "f1", "drive", "inner", "external", "internal"), 2),
+    **dict.fromkeys(("displaced", "friction", "left", "right", "bath_momentum"), 2),
+    "swing_friction": 1,
+}
+VECTOR, TABLE = PointerType(types.float64, 1), PointerType(types.float64, 2)
+NO_SPRINGS = records.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
+
+
+def model_of(
+    scene: Scene, tables: Tables, team: Team | None = None, times_in_lanes: bool = False
+) -> Model:
+    """The model of one loop, with scratch that no other loop writes.
+
+    Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
+    given the time as Lanes where members have `times_in_lanes`.  Raises InputError.
+    """
+    columns = tables.each.shape[1]
+    scratch = {
+        name: room((count, columns if getattr(tables, name) is not None else 0))
+        for name, count in SCRATCH.items()
+    }
+    contacts, acting = tables.contacts, tables.fields or ()
+    model = Model(
+        constants=tables.constants,
+        each=tables.each,
+        surfaces=tables.surfaces,
+        core=tables.core,
+        contacts=_contacts(contacts),
+        fields=_fields(acting),
+        drives=_customs(tables.drives or ()),
+        ends=_customs(tables.ends or ()),
+        **scratch,
+        found=room((encounters.FOUND,)),
+        ledger=tables.ledger is not None,
+        sums=tables.sums is not None,
+        on_bobs=any(scratch[name].size for name in ("inner", "external")),
+        on_bars=any(scratch[name].size for name in ("internal", "friction", "left", "right")),
+        species=room((0,)) if tables.species is None else tables.species,
+        pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
+        box=tables.box or Box(0.0, 0.0),
+        springs=tables.springs or NO_SPRINGS,
+        bath=room((2, 0)) if tables.bath is None else tables.bath,
+        torsional=room((2, 0)) if tables.torsional is None else tables.torsional,
+        team=team or NO_TEAM,
+        calculators=tables.calculators,
+        members=tables.members,
+        own=tables.own,
+    )
+    units = Units(scene, model, times_in_lanes)
+    for n, each in enumerate(contacts):
+        units.set_contact(model.contacts, n, each, team is not None)
+    for n, each in enumerate(acting):
+        units.set_field(model.fields, n, each.potential)
+    for customs, unit, forces in (
+        (model.drives, user_forces.custom_drive_unit, tables.drives),
+        (model.ends, user_forces.custom_ends_unit, tables.ends),
+    ):
+        for n, each in enumerate(forces or ()):
+            units.set_custom(customs, n, unit, each.plugin)
+    return model
+
+
+class Units:
+    """Sets the addresses of a scene's units in its model.  Raises InputError."""
+
+    def __init__(self, scene: Scene, model: Model, times_in_lanes: bool) -> None:
+        self._scene, self._model = scene, kept_type(model)
+        # Members of an ensemble have no lists.
+        self._neighbours = kept_type(NO_NEIGHBOURS) if model.members is None else types.none
+        self._time = lanes if times_in_lanes else types.float64
+
+    def set_contact(
+        self, contacts: Contacts, n: int, each: records.Contact, shared: bool
+    ) -> None:
+        """Those of the nth interaction; with pieces where threads are to share it."""
+        known = Known(self._scene, each.potential, each.numbers is not None)
+        at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64
+        contacts.forces[n] = known.unit(contact.contact_forces_unit, at)
+        contacts.energy[n] = known.unit(contact.contact_energy_unit, (*at, number, number))
+        contacts.encounter[n] = known.unit(encounters.encounter_unit, (*at, TABLE, number))
+        if shared:
+            contacts.pieces[n] = known.unit(contact_forces.contact_piece_unit, (*at, number))
+
+    def set_field(self, found: Fields, n: int, potential: Any) -> None:
+        known = Known(self._scene, potential)
+        at = self._model, known.kind, types.int64
+        found.forces[n] = known.unit(fields.field_forces_unit, (*at, self._time))
+        found.energy[n] = known.unit(fields.field_energy_unit, (*at, types.float64, types.int64))
+        if found.account[n] >= 0:
+            kinds = *at, self._time, VECTOR, types.float64
+            found.power[n] = known.unit(powers.field_power_unit, kinds)
+
+    def set_custom(self, customs: Customs, n: int, unit: Any, plugin: Any) -> None:
+        known = Known(self._scene, plugin)
+        kinds = self._model, known.kind, types.int64, self._time, VECTOR, VECTOR
+        customs.forces[n] = known.unit(unit, kinds)
+
+
+class Known:
+    """A plug-in for units: its type, and what tells its code apart."""
+
+    def __init__(self, scene: Scene, plugin: Any, in_lanes: bool = False) -> None:
+        self._scene = scene
+        self._stamp, self._version = code_stamp_of([plugin]), version_of([plugin])
+        self.kind: Any = None
+        if not config.DISABLE_JIT:  # type: ignore[attr-defined]
+            self.kind = (WordsInLanesType if in_lanes else WordsType)(type_of(plugin))
+
+    def unit(self, function: Any, kinds: tuple[Any, ...]) -> Any:
+        with compiling_units(plugins_of(self._scene)):
+            return address_of(function, kinds, self._stamp, self._version)
+
+
+def _addresses(count: int) -> np.ndarray:
+    """Room for addresses, which are functions where nothing is compiled."""
+    compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+    return np.zeros(count, np.int64 if compiled else object)
+
+
+def _places(parts: list[np.ndarray]) -> np.ndarray:
+    """Where each of some parts of an array begins, and where the last one ends."""
+    return np.cumsum([0, *map(len, parts)])
+
+
+def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
+    count = len(contacts)
+    memory, numbers = memory_of(tuple(each.potential for each in contacts))
+    for n, each in enumerate(contacts):
+        if each.numbers is not None and numbers.dtype != object:
+            numbers[n] = each.numbers.ctypes.data
+    species = [(-1, -1) if each.species is None else each.species for each in contacts]
+    return Contacts(
+        forces=_addresses(count),
+        pieces=_addresses(count),
+        energy=_addresses(count),
+        encounter=_addresses(count),
+        numbers=numbers,
+        memory=memory,
+        feature=np.array([float(each.potential.feature()[0]) for each in contacts]),
+        within=np.array([1 if each.within else 0 for each in contacts]),
+        species=np.array(species, np.int64).reshape(-1, 2),
+        first=_places([each.pairs for each in contacts]),
+        pairs=np.concatenate([each.pairs for each in contacts]),
+        rows=np.concatenate([each.rows for each in contacts]),
+    )
+
+
+def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
+    count = len(found)
+    memory, numbers = memory_of(tuple(each.potential for each in found))
+    none: list[np.ndarray] = [np.empty(0, np.int64)]
+    return Fields(
+        forces=_addresses(count),
+        energy=_addresses(count),
+        power=_addresses(count),
+        numbers=numbers,
+        memory=memory,
+        first=_places([each.surfaces for each in found]),
+        surfaces=np.concatenate([*none, *(each.surfaces for each in found)]),
+        origin=np.array([each.origin for each in found]).reshape(-1, 2),
+        velocity=np.array([each.velocity for each in found]).reshape(-1, 2),
+        drift=np.array([each.drift for each in found]).reshape(-1, 2),
+        account=np.array([each.account for each in found], np.int64),
+    )
+
+
+def _customs(found: tuple[records.Custom, ...]) -> Customs:
+    memory, numbers = memory_of(tuple(each.plugin for each in found))
+    return Customs(
+        forces=_addresses(len(found)),
+        numbers=numbers,
+        memory=memory,
+        surface=np.array([each.surface for each in found], np.int64),
+        origin=np.array([each.origin for each in found], float).reshape(-1, 2),
+        velocity=np.array([each.velocity for each in found], float).reshape(-1, 2),
+        begun=np.array([each.begun for each in found], float),
+    )
