@@ -112,7 +112,7 @@ def test_surfaces_without_lists(monkeypatch):
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 1200)
     active = lay_out(crossing()).neighbours(splits=True).active
     assert active.eligible.tolist() == [1, 0, 0]
-    assert lay_out(crossing()).neighbours().active is None
+    assert lay_out(crossing()).neighbours().active.blocks.size == 0
 
 
 def test_explanation_counts_the_live():

@@ -16,6 +16,8 @@ from support.random_scenes import random_scene
 from tribo import explanation
 from tribo.layout.layout import Layout, lay_out
 from tribo.model.scene_file import scene_from
+from tribo.threads.kernel_model import SCRATCH
+from tribo.threads.writable_memory import own_model
 
 SEEDS = range(2)
 
@@ -179,8 +181,6 @@ ARRAYS = {
     "friction": lambda scene, s: is_damped(s, "bar"),
     "swing_friction": lambda scene, s: is_damped(s, "swing"),
     "pivots": lambda scene, s: isinstance(s.drive, tribo.DrivenBars),
-    "fixed": lambda scene, s: np.all(np.isinf(s.asperite.kappa)),
-    "turning": lambda scene, s: is_turning(s),
     "fields": lambda scene, s: bool(scene.fields),
     "external": lambda scene, s: bool(scene.fields),
     "inner": lambda scene, s: len(scene.interactions) > 1,
@@ -194,12 +194,6 @@ ARRAYS = {
 }
 
 
-def is_turning(surface: tribo.Surface) -> bool:
-    """Whether clamped bars rotate uniformly."""
-    nu = surface.initial.nu
-    return surface.bars == "clamped" and nu is not None and bool(np.any(nu != 0.0))
-
-
 def is_damped(surface: tribo.Surface, on: str) -> bool:
     """Whether a reservoir acts there."""
     return surface.langevin is not None and surface.langevin.on == on
@@ -207,14 +201,17 @@ def is_damped(surface: tribo.Surface, on: str) -> bool:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_absent_effects_have_no_array(seed):
-    """A field of the model is None exactly where its effect is absent."""
+    """A table is None exactly where its effect is absent, and has no columns in the kernels."""
     for names, scene in crossed(2, seed).items():
-        model = lay_out(scene).model
+        layout = lay_out(scene)
+        model, (own, _) = layout.model, own_model(layout)
         for name, wanted in ARRAYS.items():
             present = any(wanted(scene, surface) for surface in scene.surfaces)
             assert (getattr(model, name) is not None) == present, (names, name)
         pulls = model.springs is not None or model.bath is not None
         assert all((each is not None) == pulls for each in (model.internal, model.displaced))
+        for name in SCRATCH:
+            assert (getattr(own, name).size > 0) == (getattr(model, name) is not None), name
 
 
 def counted(scene: tribo.Scene) -> dict[str, int]:
