@@ -36,9 +36,12 @@ def _same(argument: Any) -> Any:
 
 @in_kernels(_same)
 def generator_at(typing_context, address):
-    """The generator of an argument made by :func:`as_argument`; it draws and is never released."""
+    """The generator of an argument made by :func:`as_argument`; other sources of noise as they are.
+
+    It draws and is never released.
+    """
     if not isinstance(address, types.Integer):
-        return None
+        return address(address), lambda context, builder, sig, args: args[0]
     kind = types.NumPyRandomGeneratorType("NumPyRandomGeneratorType")
 
     def build(context, builder, sig, args):

@@ -11,16 +11,17 @@ the margin towards each other, the active blocks are selected again.
 
 import numpy as np
 
-from tribo.compiler.jit import apart, kernel, owning_kernel
+from tribo.compiler.jit import apart, inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
 from tribo.compiler.lanes_memory import block
+from tribo.compiler.units import call_unit
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
 from tribo.kernels.blocks import constant
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
-from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places, rebuild
-from tribo.kernels.records import FREQUENCY, L1
+from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places
+from tribo.kernels.records import ADVANCE_INACTIVE, FREQUENCY, L1, MAKE_LISTS, REBUILD
 
 
 @apart
@@ -31,39 +32,51 @@ def update_lists(model, neighbours, active, t, q, v, accounts):
         if neighbours.reach.size > 0:
             crossed = neighbours.crossed[0] == 1
             if crossed or inactive_have_crossed(model, active, neighbours.skin, age):
-                make_lists(model, neighbours, active, t, q, v, accounts)
+                make_lists(model, neighbours, t, q, v, accounts)
 
 
-@apart
-def make_lists(model, neighbours, active, t, q, v, accounts):
-    """Build the list of neighbours for the bobs where they are, if there is a list.
-
-    The active blocks are selected again if bobs have moved too far for the last selection.
-    """
+@inlined
+def make_lists(model, neighbours, t, q, v, accounts):
+    """Build the list of neighbours for the bobs where they are, if there is a list."""
     if neighbours is not None:
-        if active.blocks.size > 0:
-            if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
-                advance_inactive(model, active, t, q, v, accounts)
-                set_active(model, neighbours, active, t, q, v)
-                keep_places(model, active.place)
-                active.selected[0] = t
-        rebuild(model, neighbours)
-        neighbours.listed[0] = t
+        call_unit(model.units[MAKE_LISTS], (model, neighbours, t, q, v, accounts))
 
 
-@apart
-def advance_inactive(model, active, t, q, v, accounts):
-    """Let all inactive blocks drift to the time t."""
-    if active is not None:
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if active.blocks.size > 0 and active.eligible[k] == 1:
-                for i in range(s.start, s.stop, LANES):
-                    tau = t - active.since[i // LANES]
-                    if abs(tau) > 0.0:  # nan for active blocks
-                        turn = rotation(constant(model, FREQUENCY, s, i), tau)
-                        drift_block(model, s, i, t, tau, q, v, accounts, turn)
-                        active.since[i // LANES] = t
+def make_lists_unit(model, neighbours, t, q, v, accounts):
+    """The same; active blocks are selected again if bobs have moved too far for the last ones."""
+    active = neighbours.active
+    if active.blocks.size > 0:
+        if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
+            advance_inactive(model, neighbours, t, q, v, accounts)
+            set_active(model, neighbours, active, t, q, v)
+            keep_places(model, active.place)
+            active.selected[0] = t
+    call_unit(model.units[REBUILD], (model, neighbours))
+    neighbours.listed[0] = t
+    return 0.0
+
+
+@inlined
+def advance_inactive(model, neighbours, t, q, v, accounts):
+    """Let all inactive blocks, if there are any, drift to the time t."""
+    if neighbours is not None:
+        if neighbours.active.blocks.size > 0:
+            call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, q, v, accounts))
+
+
+def advance_inactive_unit(model, neighbours, t, q, v, accounts):
+    """The same."""
+    active = neighbours.active
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if active.eligible[k] == 1:
+            for i in range(s.start, s.stop, LANES):
+                tau = t - active.since[i // LANES]
+                if abs(tau) > 0.0:  # nan for active blocks
+                    turn = rotation(constant(model, FREQUENCY, s, i), tau)
+                    drift_block(model, s, i, t, tau, q, v, accounts, turn)
+                    active.since[i // LANES] = t
+    return 0.0
 
 
 @owning_kernel

@@ -22,9 +22,9 @@ from tribo.kernels.user_forces import custom_forces
 ITERATIONS = 3
 
 
-@apart
-def settle_custom_forces(model, active, t, tau, q, v, work):
+def settle_custom_forces(model, neighbours, t, tau, q, v, work):
     """Set the forces of plug-ins in the middle of a kick, by iteration of the velocities there."""
+    active = blocks.active_of(neighbours)
     equations.drive_forces(model, active, t, q)
     custom_forces(model, t, q, v)
     for _ in range(ITERATIONS):
@@ -32,6 +32,7 @@ def settle_custom_forces(model, active, t, tau, q, v, work):
         for m in range(model.core):
             work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
         custom_forces(model, t, q, work.middle)
+    return 0.0
 
 
 @inlined

@@ -25,6 +25,7 @@ from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
+from tribo.compiler.units import call_unit
 from tribo.integrators import step_control as control
 from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
@@ -35,11 +36,11 @@ from tribo.integrators.kicks import (
     kick_part,
     repeat_kick,
     reservoirs_of,
-    settle_custom_forces,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.integrators.stiffness import watch_kick
 from tribo.kernels import blocks
+from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
@@ -117,7 +118,8 @@ def drift(model, neighbours, team, now, tau, state, work):
             begin, end = blocks.active_range(active, s, k)
             drift_part(model, neighbours, s, begin, end, now, tau, state, work)
     else:
-        share_phase(model, neighbours, team, teams.DRIFT, now, tau, state, work)
+        phase = teams.DRIFT, now, tau, state, work
+        call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
 
 
 @apart
@@ -145,14 +147,15 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
     gather_contact(model, model.members)
     q, v = blocks.halves(state.y)
     if has_customs(model):
-        settle_custom_forces(model, active, t, tau, q, v, work)
+        call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, t, tau, q, v, work))
     if team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = blocks.active_range(active, s, k)
             kick_part(model, twice, active, s, begin, end, t, tau, state, work)
     else:
-        share_phase(model, neighbours, team, teams.KICK, t, tau, state, work)
+        phase = teams.KICK, t, tau, state, work
+        call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
     if not twice:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
     else:
@@ -160,36 +163,45 @@ def kick(model, twice, neighbours, team, t, tau, state, work):
 
 
 @inlined
-def kick_and_substep(model, twice, neighbours, clock, t, tau, state, work, m, noise):
+def kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
     if not work.substep:
-        kick(model, twice, neighbours, model.team, t, tau, state, work)
+        kick(model, False, neighbours, model.team, t, tau, state, work)
     else:
-        q, v = blocks.halves(state.y)
-        reservoirs = reservoirs_of(work.before, state, tau)
-        keep_velocities(reservoirs, v)
+        step = clock.steps, t, tau, state, work, m, noise
+        call_unit(model.units[rows.KICK_AROUND], (model, neighbours, *step))
+
+
+def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise):
+    """The mth kick in halves, before and after a substep."""
+    twice, noise = work.twice, generator_at(noise)
+    q, v = blocks.halves(state.y)
+    reservoirs = reservoirs_of(work.before, state, tau)
+    keep_velocities(reservoirs, v)
+    kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
+    rotations = work.bath[m], work.torsional[m]
+    bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
+    if not twice:
         kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
-        rotations = work.bath[m], work.torsional[m]
-        bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
-        if not twice:
-            kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
-        else:
-            repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
-        if acts(reservoirs):
-            if m == 0:
-                watch_kick(model, clock.steps, q, state.memory, work.acceleration)
-        jump(model, reservoirs, q)
+    else:
+        repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
+    if acts(reservoirs):
+        if m == 0:
+            watch_kick(model, steps, q, state.memory, work.acceleration)
+    jump(model, reservoirs, q)
+    return 0.0
 
 
-@apart
-def share_phase(model, neighbours, team, phase, t, tau, state, work):
+def share_step(model, neighbours, phase, t, tau, state, work):
     """Compute all pieces of a drift or kick, together with assistants."""
+    team = model.team
     team.numbers[0] = t
     team.numbers[1] = tau
     piece = teams.begin_phase(team, phase, team.tiles.shape[0])
     while piece >= 0:
         step_piece(model, neighbours, team, piece, state, work)
         piece = teams.continue_phase(team)
+    return 0.0
 
 
 @apart
@@ -228,7 +240,7 @@ def begin(model, neighbours, clock, state, work):
     q, v = blocks.halves(state.y)
     place_bobs(model, clock.t, q)
     if is_empty(neighbours):
-        make_lists(model, neighbours, blocks.active_of(neighbours), clock.t, q, v, state.s)
+        make_lists(model, neighbours, clock.t, q, v, state.s)
     if crowded(neighbours):
         return PAUSED
     rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, work.speeds)
@@ -246,7 +258,7 @@ def arrive(model, neighbours, clock, state, work):
     active = blocks.active_of(neighbours)
     drift(model, neighbours, model.team, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
-    advance_inactive(model, active, clock.t, q, v, state.s)
+    advance_inactive(model, neighbours, clock.t, q, v, state.s)
     settle_end_works(model, q, state.s, state.memory[0])
     update_lists(model, neighbours, active, clock.t, q, v, state.s)
 
@@ -269,7 +281,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         forces(model, neighbours, t)
         clock.evaluations += 1
         kick_and_substep(
-            model, work.twice, neighbours, clock, t, tau, state, work, m, noise
+            model, neighbours, clock, t, tau, state, work, m, noise
         )
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
@@ -283,13 +295,12 @@ def splitting_steps(
     together with the one that begins the next.  `noise` is the argument of a random generator.
     """
     clock = clocks[0]
-    noise = generator_at(noise)
     splitting, times = pointers((splitting, times))
     last = times[times.size - 1]
     work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
     blocks.clear(model.friction)
     blocks.clear(model.swing_friction)
-    set_bath_momenta(model, model.bath, blocks.halves(state.y)[1])
+    set_bath_momenta(model, blocks.halves(state.y)[1])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:

@@ -3,12 +3,20 @@
 Those of one bar stand side by side: all x, all y, then the torsional.  Eight are computed at once.
 """
 
-from tribo.compiler.jit import apart, kernel
+from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
+from tribo.compiler.units import call_unit
 from tribo.kernels.blocks import absent, column_of_constants
-from tribo.kernels.records import I2, NU_START, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, PHI_START
+from tribo.kernels.records import (
+    BATH_MOMENTA,
+    I2,
+    NU_START,
+    OSCILLATOR_FREQUENCY,
+    OSCILLATOR_MASS,
+    PHI_START,
+)
 
 
 @kernel
@@ -82,19 +90,19 @@ def oscillator_momentum(table, oscillators, v):
     return sum_of_lanes(momentum)
 
 
-@apart
-def bath_forces(model, bath, q, acceleration):
+def bath_forces(model, q, acceleration):
     """Set q'' of the bath oscillators, and add their forces on the bars."""
-    if not absent(bath):
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if s.oscillators > 0:
-                for i in range(s.start, s.end):
-                    for axis in range(2):
-                        oscillators = oscillators_of(s, i, axis)
-                        bar = model.displaced[axis, i]
-                        model.internal[axis, i] += pull(bath, oscillators, q, bar)
-                        oscillate(bath, oscillators, q, bar, acceleration)
+    bath = model.bath
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.oscillators > 0:
+            for i in range(s.start, s.end):
+                for axis in range(2):
+                    oscillators = oscillators_of(s, i, axis)
+                    bar = model.displaced[axis, i]
+                    model.internal[axis, i] += pull(bath, oscillators, q, bar)
+                    oscillate(bath, oscillators, q, bar, acceleration)
+    return 0.0
 
 
 @kernel
@@ -102,29 +110,35 @@ def torsional_torque(model, torsional, s, i, t, q):
     return pull(torsional, oscillators_of(s, i, 2), q, bar_angle(model, s, i, t, q))
 
 
-@apart
-def torsional_accelerations(model, torsional, t, q, acceleration):
+def torsional_accelerations(model, t, q, acceleration):
     """Set q'' of the torsional oscillators, and add their torque on the bars."""
-    if not absent(torsional):
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if s.torsionals > 0:
-                for i in range(s.start, s.end):
-                    phi = bar_angle(model, s, i, t, q)
-                    oscillate(torsional, oscillators_of(s, i, 2), q, phi, acceleration)
-                    torque = torsional_torque(model, torsional, s, i, t, q)
-                    inertia = model.constants[I2, column_of_constants(s, i)]
-                    acceleration[s.dof_phi + i - s.start] += torque / inertia
+    torsional = model.torsional
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.torsionals > 0:
+            for i in range(s.start, s.end):
+                phi = bar_angle(model, s, i, t, q)
+                oscillate(torsional, oscillators_of(s, i, 2), q, phi, acceleration)
+                torque = torsional_torque(model, torsional, s, i, t, q)
+                inertia = model.constants[I2, column_of_constants(s, i)]
+                acceleration[s.dof_phi + i - s.start] += torque / inertia
+    return 0.0
 
 
-@apart
-def set_bath_momenta(model, bath, v):
+def bath_momenta(model, v):
     """Set the momentum of the bath on each bar, in the surface's first frame."""
-    if not absent(bath):
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if s.oscillators > 0:
-                for i in range(s.start, s.end):
-                    for axis in range(2):
-                        momentum = oscillator_momentum(bath, oscillators_of(s, i, axis), v)
-                        model.bath_momentum[axis, i] = momentum
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.oscillators > 0:
+            for i in range(s.start, s.end):
+                for axis in range(2):
+                    momentum = oscillator_momentum(model.bath, oscillators_of(s, i, axis), v)
+                    model.bath_momentum[axis, i] = momentum
+    return 0.0
+
+
+@inlined
+def set_bath_momenta(model, v):
+    """The same, if there is a bath, from outside of the unit."""
+    if not absent(model.bath):
+        call_unit(model.units[BATH_MOMENTA], (model, v))

@@ -18,6 +18,7 @@ from tribo.kernels.contact import (
     row_of,
     table_of,
 )
+from tribo.kernels.records import SHARE_CONTACTS
 
 
 @inlined
@@ -35,19 +36,19 @@ def add_contacts(model, team, neighbours):
         for n in range(contacts.forces.size):
             call_unit(contacts.forces[n], (model, neighbours, contacts.numbers[n], n))
     else:
-        share_contacts(model, team, neighbours)
+        call_unit(model.units[SHARE_CONTACTS], (model, neighbours))
 
 
-@apart
-def share_contacts(model, team, neighbours):
+def share_contacts(model, neighbours):
     """Add the forces of all interactions together with assistants, pair by pair of surfaces."""
-    contacts = model.contacts
+    contacts, team = model.contacts, model.team
     for n in range(contacts.pieces.size):
         for k in range(contacts.first[n], contacts.first[n + 1]):
             team.counters[teams.INTERACTION] = n
             team.counters[teams.PAIR] = k
             share_phase(model, team, neighbours, teams.CONTACT, team.reach.shape[0])
             share_phase(model, team, neighbours, teams.REACTIONS, team.tiles.shape[0])
+    return 0.0
 
 
 @apart

@@ -10,8 +10,8 @@ from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
-from tribo.kernels.baths import bath_forces, torsional_accelerations
 from tribo.kernels.blocks import (
     absent,
     active_range,
@@ -279,10 +279,10 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
         refresh(model, neighbours)
     all_forces(model, neighbours, t, q, v)
     if not absent(model.bath):
-        bath_forces(model, model.bath, q, acceleration)
+        call_unit(model.units[rows.BATH_FORCES], (model, q, acceleration))
     accelerate(model, 1.0, t, q, acceleration)
     if not absent(model.torsional):
-        torsional_accelerations(model, model.torsional, t, q, acceleration)
+        call_unit(model.units[rows.TORSIONAL_ACCELERATIONS], (model, t, q, acceleration))
 
 
 @apart

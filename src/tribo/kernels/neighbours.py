@@ -17,10 +17,11 @@ import numpy as np
 from tribo.compiler.jit import apart, inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.team import LISTS, PAIR, begin_phase, continue_phase, part_of
+from tribo.compiler.units import call_unit
 from tribo.kernels.blocks import active_range, column_of, vectors
 from tribo.kernels.cells import gap, near_blocks, periods, set_boxes, sort_boxes
 from tribo.kernels.kinematics import nearest_image
-from tribo.kernels.records import X, Y, Z
+from tribo.kernels.records import REBUILD, X, Y, Z
 
 
 @inlined
@@ -245,10 +246,9 @@ def refresh(model, neighbours):
     """Rebuild the list if bobs have moved too far; all blocks are active."""
     if neighbours is not None:
         if have_crossed(model, None, neighbours.place, neighbours.skin, 0.0):
-            rebuild(model, neighbours)
+            call_unit(model.units[REBUILD], (model, neighbours))
 
 
-@apart
 def rebuild(model, neighbours):
     """Build the list for the bobs where they are.
 
@@ -262,6 +262,7 @@ def rebuild(model, neighbours):
     keep_places(model, neighbours.place)
     neighbours.crossed[0] = 0
     neighbours.made[0] += 1
+    return 0.0
 
 
 @kernel

@@ -280,16 +280,16 @@ def field_powers(model, t, power):
             call_unit(fields.power[n], (model, fields.numbers[n], n, t, power.accounts, tau))
 
 
-@apart
-def torsional_powers(model, torsional, t, q, v, power):
-    if not absent(torsional):
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if s.torsionals > 0:
-                slot = s.acc_internal + 2 * s.account_stride
-                for i in range(s.start, s.end):
-                    torque = torsional_torque(model, torsional, s, i, t, q)
-                    power[place_of(s, slot, i)] += torque * v[s.dof_phi + i - s.start]
+def torsional_powers(model, t, q, v, power):
+    """Add the powers of torsional oscillators on the bars."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.torsionals > 0:
+            slot = s.acc_internal + 2 * s.account_stride
+            for i in range(s.start, s.end):
+                torque = torsional_torque(model, model.torsional, s, i, t, q)
+                power[place_of(s, slot, i)] += torque * v[s.dof_phi + i - s.start]
+    return 0.0
 
 
 @apart
@@ -344,7 +344,7 @@ def all_powers(model, ledger, t, q, v, accounts):
             for i in range(s.start, s.stop, LANES):
                 velocities = all_coordinates(s, i, v)
                 powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power)
-        if not absent(model.bath):
-            set_bath_momenta(model, model.bath, v)
+        set_bath_momenta(model, v)
         shared_powers(model, ledger, t, v, power)
-        torsional_powers(model, model.torsional, t, q, v, accounts)
+        if not absent(model.torsional):
+            call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))

@@ -4,13 +4,14 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.units import call_unit
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.blocks import absent, constant, set_vectors, vectors, vectors_if_any
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.kinematics import end_force
-from tribo.kernels.neighbours import crowded, rebuild
+from tribo.kernels.neighbours import crowded
 from tribo.kernels.powers import held_torques
 from tribo.kernels.samples import PULL_X, PULL_Y
 
@@ -104,7 +105,7 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
             model.f1[rows.X, i] = 0.0
             model.f1[rows.Y, i] = 0.0
         if neighbours.reach.size > 0:
-            rebuild(model, neighbours)
+            call_unit(model.units[rows.REBUILD], (model, neighbours))
         if crowded(neighbours):
             return k
         contact_forces(model, neighbours)

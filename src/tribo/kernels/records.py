@@ -389,6 +389,18 @@ class Tables(NamedTuple):
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
 
 
+# Places in `Model.units` of the addresses of units that only some scenes need: lists of neighbours,
+# baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads.
+UNITS = (
+    *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
+    *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
+    *("share_contacts", "share_step"),
+)
+REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
+BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
+SHARE_CONTACTS, SHARE_STEP = range(10, len(UNITS))
+
+
 class Model(NamedTuple):
     """A scene for kernels: a structure of arrays, whose rows are contiguous.
 
@@ -400,6 +412,7 @@ class Model(NamedTuple):
     each: np.ndarray  # (EACH_ROWS, n), see X_START
     surfaces: Any  # recarray of SURFACE
     core: int  # number of the asperites' coordinates, before those of baths
+    units: np.ndarray  # (UNITS,) addresses; 0 of those that the scene does not need
     contacts: Contacts
     fields: Fields
     drives: Customs  # of bars

@@ -6,10 +6,19 @@ import numpy as np
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
+from tribo.compiler.units import call_unit
 from tribo.kernels import baths
-from tribo.kernels.blocks import absent, clear, column_range, halves
+from tribo.kernels.blocks import (
+    absent,
+    clear,
+    column_range,
+    halves,
+    lane_number,
+    lane_of_members,
+)
 from tribo.kernels.contact import contact_energy, energy_of
 from tribo.kernels.fields import field_energy
+from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -105,7 +114,7 @@ def energies_within(model, neighbours, stored, lane):
                 stored[contacts.pairs[k, 0], WITHIN] += energy_of(model, neighbours, n, k, lane)
 
 
-@apart
+@kernel
 def bath_energies(model, table, axes, t, q, v, stored, lane):
     """Energy and momentum of oscillators, in the frame of their surface's initial velocity."""
     if not absent(table):
@@ -123,7 +132,7 @@ def bath_energies(model, table, axes, t, q, v, stored, lane):
                 stored[k, BATH if axes[0] == 0 else TORSIONAL] += energy
 
 
-@apart
+@kernel
 def write_baths(model, table, axes, t, q, v, record):
     """Record the force of the bath on each bar, its kinetic energy, and displacements from the bar.
 
@@ -168,9 +177,18 @@ def write_row(model, neighbours, t, state, record, k, lane):
             record.stored[k, m, j] = 0.0
     spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
     energies_within(model, neighbours, record.stored[k], lane)
-    bath_energies(model, model.bath, ALONG, t, q, v, record.stored[k], lane)
-    bath_energies(model, model.torsional, TURNING, t, q, v, record.stored[k], lane)
-    if record.baths.shape[1] > 0:
-        clear(record.baths[k])
-        write_baths(model, model.bath, ALONG, t, q, v, record.baths[k])
-        write_baths(model, model.torsional, TURNING, t, q, v, record.baths[k])
+    if not (absent(model.bath) and absent(model.torsional)):
+        samples = record.stored[k], record.baths[k], lane_number(lane)
+        call_unit(model.units[BATH_SAMPLES_UNIT], (model, t, q, v, *samples))
+
+
+def bath_samples(model, t, q, v, stored, baths, lane):
+    """Record the energies and momenta of baths, and what else of them is asked for."""
+    lane = lane_of_members(model.members, lane)
+    bath_energies(model, model.bath, ALONG, t, q, v, stored, lane)
+    bath_energies(model, model.torsional, TURNING, t, q, v, stored, lane)
+    if baths.shape[0] > 0:
+        clear(baths)
+        write_baths(model, model.bath, ALONG, t, q, v, baths)
+        write_baths(model, model.torsional, TURNING, t, q, v, baths)
+    return 0.0

@@ -168,7 +168,7 @@ def splitting_members(
     q, v = halves(state.y)
     clear(model.friction)
     clear(model.swing_friction)
-    set_bath_momenta(model, model.bath, v)
+    set_bath_momenta(model, v)
     if clock.evaluations == 0:
         place_bobs(model, clock.t, q)
         watch_encounters(model, clock.t, state.y, work.speeds, watch, 0.0, True)

@@ -25,6 +25,7 @@ from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
+from tribo.threads.kernel_model import set_step_units
 from tribo.threads.shared_run import assisted
 from tribo.threads.writable_memory import arrays_in, own_model, shared_loop
 
@@ -72,6 +73,7 @@ class GeneralLoop(TimeLoop):
         work = method.coefficients.workspace(self.model, self.state)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
+            set_step_units(self.model, self.state, work, 0)
         speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)

@@ -26,6 +26,7 @@ from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop,
 from tribo.loops.general import remembered, unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
+from tribo.threads.kernel_model import set_step_units
 from tribo.threads.writable_memory import shared_loop
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
@@ -195,6 +196,8 @@ class SplittingLanes(LaneLoop):
         self._state, self._work, self._watch = self.keep(
             (self._state, self._work, watch), [self._clocks]
         )
+        nothing = Deviates(np.empty((0, LANES)), np.zeros(1, np.int64))
+        set_step_units(self.eight.model, self._state, self._work, nothing)
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
         examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))

@@ -3,17 +3,31 @@
 from typing import Any
 
 import numpy as np
-from numba import config, types
+from numba import config, typeof, types
 
 from tribo.compiler.kept import kept_type
 from tribo.compiler.lanes import lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import type_of
-from tribo.compiler.pointers import PointerType
+from tribo.compiler.pointers import PointerType, pointer_type
 from tribo.compiler.team import NO_TEAM, Team
 from tribo.compiler.units import WordsInLanesType, WordsType, address_of, memory_of
-from tribo.kernels import contact, contact_forces, encounters, fields, powers, records, user_forces
+from tribo.integrators import inactive, kicks, splitting
+from tribo.integrators.splitting import Work
+from tribo.kernels import (
+    baths,
+    contact,
+    contact_forces,
+    encounters,
+    fields,
+    neighbours,
+    powers,
+    records,
+    samples,
+    user_forces,
+)
 from tribo.kernels.records import Box, Contacts, Customs, Fields, Model, Tables
+from tribo.kernels.samples import State
 from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.model.identity import plugins_of
 from tribo.model.scene import Scene
@@ -32,12 +46,17 @@ NO_SPRINGS = records.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
 
 
 def model_of(
-    scene: Scene, tables: Tables, team: Team | None = None, times_in_lanes: bool = False
+    scene: Scene,
+    tables: Tables,
+    listed: bool = False,
+    team: Team | None = None,
+    times_in_lanes: bool = False,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
     Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
-    given the time as Lanes where members have `times_in_lanes`.  Raises InputError.
+    given the time as Lanes where members have `times_in_lanes`.  There are lists of neighbours if
+    it is `listed`.  Raises InputError.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -50,6 +69,7 @@ def model_of(
         each=tables.each,
         surfaces=tables.surfaces,
         core=tables.core,
+        units=_addresses(len(records.UNITS)),
         contacts=_contacts(contacts),
         fields=_fields(acting),
         drives=_customs(tables.drives or ()),
@@ -72,6 +92,7 @@ def model_of(
         own=tables.own,
     )
     units = Units(scene, model, times_in_lanes)
+    units.set_own(listed)
     for n, each in enumerate(contacts):
         units.set_contact(model.contacts, n, each, team is not None)
     for n, each in enumerate(acting):
@@ -89,10 +110,38 @@ class Units:
     """Sets the addresses of a scene's units in its model.  Raises InputError."""
 
     def __init__(self, scene: Scene, model: Model, times_in_lanes: bool) -> None:
-        self._scene, self._model = scene, kept_type(model)
+        self._scene, self.model, self._model = scene, model, _kind(model)
         # Members of an ensemble have no lists.
-        self._neighbours = kept_type(NO_NEIGHBOURS) if model.members is None else types.none
+        self._neighbours = _kind(NO_NEIGHBOURS) if model.members is None else types.none
         self._time = lanes if times_in_lanes else types.float64
+
+    def set_own(self, listed: bool) -> None:
+        """Those of this package that do not depend on the method."""
+        model, time, at = self.model, self._time, self._model
+        energies = types.float64, VECTOR, VECTOR, TABLE, TABLE, types.int64
+        bathed, turned = model.bath.size > 0, model.torsional.size > 0
+        own = {
+            records.REBUILD: (listed, neighbours.rebuild, (self._neighbours,)),
+            records.BATH_FORCES: (bathed, baths.bath_forces, (VECTOR, VECTOR)),
+            records.BATH_MOMENTA: (bathed, baths.bath_momenta, (VECTOR,)),
+            records.BATH_SAMPLES: (bathed or turned, samples.bath_samples, energies),
+            records.TORSIONAL_ACCELERATIONS: (
+                turned,
+                baths.torsional_accelerations,
+                (time, VECTOR, VECTOR),
+            ),
+            records.TORSIONAL_POWERS: (
+                turned,
+                powers.torsional_powers,
+                (time, VECTOR, VECTOR, VECTOR),
+            ),
+            records.SHARE_CONTACTS: (
+                model.team.counters.size > 0,
+                contact_forces.share_contacts,
+                (self._neighbours,),
+            ),
+        }
+        _set_units(model, at, own)
 
     def set_contact(
         self, contacts: Contacts, n: int, each: records.Contact, shared: bool
@@ -119,6 +168,55 @@ class Units:
         known = Known(self._scene, plugin)
         kinds = self._model, known.kind, types.int64, self._time, VECTOR, VECTOR
         customs.forces[n] = known.unit(unit, kinds)
+
+
+def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
+    """Those of this package that splitting methods need, whose argument `noise` is like this."""
+    if not isinstance(work, Work):
+        return
+    at = _kind(model)
+    lists = _kind(NO_NEIGHBOURS) if model.members is None else types.none
+    number, moving = types.float64, (types.float64, VECTOR, VECTOR, VECTOR)
+    step = number, number, _kind(state), _kind(work)
+    listed = bool(model.units[records.REBUILD])
+    customs = len(model.drives.forces) + len(model.ends.forces)
+    own = {
+        records.MAKE_LISTS: (listed, inactive.make_lists_unit, (lists, *moving)),
+        records.ADVANCE_INACTIVE: (listed, inactive.advance_inactive_unit, (lists, *moving)),
+        records.KICK_AROUND: (
+            work.substep,
+            splitting.kick_around_substep,
+            (lists, types.int64, *step, types.int64, _kind_of_noise(noise)),
+        ),
+        records.SETTLE_CUSTOM_FORCES: (
+            customs > 0,
+            kicks.settle_custom_forces,
+            (lists, number, number, VECTOR, VECTOR, _kind(work)),
+        ),
+        records.SHARE_STEP: (
+            model.team.counters.size > 0,
+            splitting.share_step,
+            (lists, types.int64, *step),
+        ),
+    }
+    _set_units(model, at, own)
+
+
+def _set_units(model: Model, at: Any, own: dict[int, tuple[bool, Any, tuple[Any, ...]]]) -> None:
+    """Set the units that are needed; none depends on a plug-in."""
+    for place, (needed, function, kinds) in own.items():
+        if needed:
+            model.units[place] = address_of(function, (at, *kinds), "", "")
+
+
+def _kind(item: Any) -> Any:
+    """The type of a tuple that is kept; None where nothing is compiled."""
+    return None if config.DISABLE_JIT else kept_type(item)  # type: ignore[attr-defined]
+
+
+def _kind_of_noise(noise: Any) -> Any:
+    """The type of random numbers for kicks: the address of a generator, or deviates."""
+    return pointer_type(typeof(noise)) if isinstance(noise, tuple) else types.int64
 
 
 class Known:

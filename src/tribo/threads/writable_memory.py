@@ -54,7 +54,7 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
         calculators, calls = contacts.calculators(layout.scene, depths, tables.surfaces.start)
         tables = tables._replace(calculators=calculators)
     team = None if tables.team is None else new_team(layout.scene, tables)
-    return model_of(layout.scene, tables, team), calls
+    return model_of(layout.scene, tables, layout.rows > 0, team), calls
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
