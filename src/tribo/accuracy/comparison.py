@@ -20,6 +20,7 @@ from tribo.accuracy.scales import (
     ROLES,
     Scales,
     Values,
+    are_common,
     are_lost,
     largest,
     reported_scales,
@@ -171,12 +172,12 @@ def estimate(
     """
     factor, tops, rounded = safety(rough), found.tops, found.terms
     gaps = factor * found.gaps
-    scale = np.array([scales.of(name) for name in found.names])
+    scale = scales.each(found.names)
     with np.errstate(invalid="ignore"):  # an infinite energy has no known error
         # The part of a difference that is no rounding; 0 if unknown.
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - factor * rounded, 0.0), 0.0)
     # A quantity with a scale of its own changes no bound of another.
-    has_scale = (scale > 0.0) & [name.rpartition(".")[2] in COMMON for name in found.names]
+    has_scale = (scale > 0.0) & are_common(found.names)
     relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
     apart = relative > diverged or relative + least > DIVERGED
     pooled = max(relative, UNRELATED) if apart else POOLED * relative
@@ -189,14 +190,16 @@ def estimate(
 
 def excess_of_request(bounds: Mapping[str, float], scales: Scales, accuracy: Accuracy) -> float:
     """The largest estimate in units of the accuracy; at most 1 where the accuracy is kept."""
-    worst = 0.0
-    for name in accuracy if isinstance(accuracy, Mapping) else bounds:
-        bound, scale = bounds[name], scales.of(name)
-        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
-        if not bound <= 0.0:  # nor where it is NaN
-            known = scale > 0.0 and np.isfinite(bound)
-            worst = max(worst, bound / (relative * scale) if known else np.inf)
-    return worst
+    asked = accuracy if isinstance(accuracy, Mapping) else bounds
+    names = tuple(asked)
+    unit = scales.each(names)
+    unit *= list(asked.values()) if isinstance(accuracy, Mapping) else accuracy
+    bound = np.array([bounds[name] for name in names])
+    known = (unit > 0.0) & np.isfinite(bound)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(known, bound / unit, np.inf)
+    # An estimate that is NaN is not known either.
+    return float(np.where(bound <= 0.0, 0.0, relative).max(initial=0.0))
 
 
 def measure_amplification(

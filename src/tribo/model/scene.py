@@ -267,7 +267,7 @@ class Scene(ComparedByValue):
         names = (surface.name for surface in self.surfaces)
         return dict(zip(names, map(slice, [0, *stops], stops), strict=True))
 
-    @property
+    @cached_property
     def smoothness(self) -> float:
         """Number of continuous derivatives of all potentials; 0 if one jumps."""
         own = (interaction.potential.smoothness() for interaction in self.interactions)
