@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import tribo
 
-# Calls of functions in Python and in C, in all frames; measured: 58, 829 and 11,900.
-PREPARED, ESTIMATED, SIMULATED = 66, 930, 13000
+# Calls of functions in Python and in C, in all frames; measured: 58, 829 and 10,808.
+PREPARED, ESTIMATED, SIMULATED = 66, 930, 12000
 
 
 def calls(function):

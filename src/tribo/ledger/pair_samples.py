@@ -13,8 +13,8 @@ from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import add_reactions
-from tribo.ledger.samples import Samples
 from tribo.ledger.row_products import row_product
+from tribo.ledger.samples import Samples
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
 

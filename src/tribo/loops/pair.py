@@ -19,7 +19,7 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of
@@ -137,6 +137,7 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
     return compiled and adaptive and is_pair(layout)
 
 
+@once_per_layout
 def is_pair(layout: Layout) -> bool:
     """Whether a scene is one asperite on one, with bars clamped at rest, forced, free or driven.
 
