@@ -46,9 +46,12 @@ ROUGH = 2.0
 POOLED = 0.02
 # Largest estimate, in units of the scales, from which runs count as diverged.
 DIVERGED = 0.1
-# The same where a small change of the start grew to DIVERGED: errors of all runs are of one size,
-# and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
+# The same where a small change of the start grows by CHAOTIC or more: errors of all runs are of one
+# size, and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
 DIVERGED_IN_CHAOS = 0.01
+# Three runs that began in a deep core shared most of their error of the first steps, 1e-7 of the
+# scale.  It grew by 1e6 to half the scale, where they differed by 0.008 of it.
+CHAOTIC = 1e4
 # Bound in diverged runs, in units of the scales: of two values, which may be close by chance.
 UNRELATED = 2.0
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
@@ -153,7 +156,7 @@ def error_bounds(
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
     least = rounding(grown, fine.steps) + LEAST * strictest(accuracy)
-    chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
+    chaotic = amplification is not None and amplification >= CHAOTIC
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
     bounds = estimate(found, scales, rough, least, limit)
     if any(other.status != Status.COMPLETED for other in coarser):

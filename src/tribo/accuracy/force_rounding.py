@@ -25,13 +25,13 @@ FEW_ROUNDINGS = 16.0
 
 
 class Lost(NamedTuple):
-    """What a run loses where its steps change a coordinate by less than the rounding of it."""
+    """What a run loses where its steps change a value by less than the rounding of it."""
 
     duration: float  # [time]
     steps: int
 
     def of(self, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """A bound for coordinates and their rates, (times, asperites) each: (asperites,)."""
+        """A bound for values and their rates of change, (times, asperites) each: (asperites,)."""
         change = self.duration * np.maximum.reduce(np.abs(rates), axis=0)
         roundings = self.steps * EPSILON * np.maximum.reduce(np.abs(values), axis=0)
         slow = change < FEW_ROUNDINGS * roundings
@@ -106,6 +106,8 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
     torsional = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
     angular = twist * _impulse(a.kappa + torsional[a.surface], pendulum + bar, duration)
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
+    torsion = np.where(turns & np.isfinite(a.kappa), a.kappa * bar, 0.0)
+    nu = nu + lost.of(motion.nu, torsion * (motion.swing - motion.phi))
     period = _inverse_frequency(a.kappa * pendulum, duration)
     return Errors(
         stretch=stretch,

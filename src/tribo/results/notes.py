@@ -19,6 +19,7 @@ from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
+from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
 from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
@@ -272,7 +273,7 @@ def _on_angles(scene: Scene) -> Iterator[str]:
 def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
     """Potentials that are less smooth than the method needs them to be."""
     for interaction in scene.interactions:
-        smoothness = interaction.potential.smoothness()
+        smoothness = smoothness_of(interaction.potential)
         name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
             yield (
