@@ -46,8 +46,9 @@ ROUGH = 2.0
 POOLED = 0.02
 # Largest estimate, in units of the scales, from which runs count as diverged.
 DIVERGED = 0.1
-# The same where a small change of the start grows by CHAOTIC or more: errors of all runs are of one
-# size, and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
+# The same where a small change of the start grows by CHAOTIC or more: errors of all runs are of
+# one size, and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of
+# 0.08.
 DIVERGED_IN_CHAOS = 0.01
 # Three runs that began in a deep core shared most of their error of the first steps, 1e-7 of the
 # scale.  It grew by 1e6 to half the scale, where they differed by 0.008 of it.
