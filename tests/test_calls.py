@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import tribo
 
-# Calls of functions in Python and in C, in all frames; measured: 58, 829 and 10,808.
-PREPARED, ESTIMATED, SIMULATED = 66, 930, 12000
+# Calls of functions in Python and in C, in all frames; measured: 58, 822 and 10,623.
+PREPARED, ESTIMATED, SIMULATED = 66, 900, 11700
 
 
 def calls(function):

@@ -256,7 +256,7 @@ class Scene(ComparedByValue):
         """Whether an external field acts on the bobs of the surface."""
         return any(surface.name in item.on for item in self.fields)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of asperites."""
         return sum(surface.count for surface in self.surfaces)
