@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import tribo
 
-# Calls of functions in Python and in C, in all frames; measured: 58, 2,937 and 13,800.
-PREPARED, ESTIMATED, SIMULATED = 66, 3300, 15500
+# Calls of functions in Python and in C, in all frames; measured: 58, 822 and 10,623.
+PREPARED, ESTIMATED, SIMULATED = 66, 900, 11700
 
 
 def calls(function):

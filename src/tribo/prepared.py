@@ -232,7 +232,7 @@ class Simulation:
             run = self.integrator(setting, times, y, resolved=resolved)
             if self._may_pass:
                 run = up_to_passing(layout, run)
-            return run, partial(_reported, layout, run), None
+            return run, self._reported(run), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed, resolved=resolved)
         return run, partial(itself, streamed.whole(run.samples)), streamed.watched
@@ -271,16 +271,30 @@ class Simulation:
             cost = partial(cost_of, run, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
         cost = partial(cost_of, runs[-1], spent, seconds, ratio)
-        return self._result(fine, partial(_reported, layout, fine), cost, notes, known, bounds)
+        return self._result(fine, self._reported(fine), cost, notes, known, bounds)
+
+    @cached_property
+    def _recorded_of_plan(self) -> np.ndarray | None:
+        """Which of the plan's times are to record; None if all are."""
+        return _recorded(self.layout, self.plan.times)
+
+    def _reported(self, run: Integration) -> Callable[[], Ledger]:
+        """What makes the ledger of a run at the scene's times and at its end, without this."""
+        layout, t = self.layout, run.samples.t
+        if t is layout.times:
+            return partial(_ledger_of, layout, run, None)
+        known = t is self.plan.times
+        recorded = self._recorded_of_plan if known else _recorded(layout, t)
+        return partial(_ledger_of, layout, run, recorded)
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout, samples = self.layout, run.samples
         watched = Watched.of(layout, samples) if watched is None else watched
         return (
-            *notes_on.drive_notes(layout, assemble(layout, samples.ends())),
+            *notes_on.drive_notes(layout, samples),
             *passing_notes(layout, samples),
-            *separation_notes(layout.scene, watched.looks, watched.touching),
+            *separation_notes(layout, watched.looks, watched.touching),
             *notes_on.pumping_notes(layout, watched),
         )
 
@@ -388,12 +402,16 @@ def cost_of(
     )
 
 
-def _reported(layout: Layout, run: Integration) -> Ledger:
-    """The ledger of a run at the scene's times and at its end."""
-    samples = run.samples
-    if samples.t is not layout.times:
-        wanted = np.intersect1d(samples.t, layout.times)
-        samples = samples.at(np.union1d(wanted, samples.t[[0, -1]]))
+def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
+    """Which of the times of a run are to record, with its ends, (times,); None if all are."""
+    recorded = np.isin(t, layout.times)
+    recorded[[0, -1]] = True
+    return None if recorded.all() else recorded
+
+
+def _ledger_of(layout: Layout, run: Integration, recorded: np.ndarray | None) -> Ledger:
+    """The ledger of a run at those of its times that are recorded."""
+    samples = run.samples if recorded is None else run.samples.rows(recorded)
     ledger = assemble(layout, samples)
     if samples.t[0] == layout.beginning:
         return ledger

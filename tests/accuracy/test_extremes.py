@@ -151,3 +151,23 @@ def test_contact_energies_are_rounded_with_the_places_of_bobs():
         sample = replace(sample, contact=np.array([0.4]))
         found.append(rounded(layout, sample)["contact_energy"])
     assert found[1] > 1e5 * found[0] > 0.0
+
+
+def test_increments_below_the_rounding_of_a_rate():
+    """A soft torsion changes the rate of a heavy bar by less than its rounding in every step.
+
+    All runs then have the same bits, so that their differences show nothing of what is lost.
+    """
+    kappa, i2, nu, end = 1e-12, 2.4, -0.028, 1.0
+    upper = tribo.Surface(
+        "upper",
+        bars="free",
+        asperite=tribo.Asperite(m1=1.0, m2=2.0, kappa=kappa, i2=i2),
+        initial=tribo.Initial(nu=nu),
+    )
+    scene = tribo.Scene((upper,), (), end)
+    result = tribo.simulate(scene, accuracy=1e-7, method="verlet", progress=False)
+    lost = 0.5 * kappa / i2 * abs(nu) * end**2
+    error = abs(result["upper"].nu[-1, 0] - nu)
+    assert error < 0.5 * lost  # nothing has changed
+    assert lost - error <= result.error_estimate["nu"] <= 1e-7 * abs(nu)

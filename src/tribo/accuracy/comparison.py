@@ -20,6 +20,7 @@ from tribo.accuracy.scales import (
     ROLES,
     Scales,
     Values,
+    are_common,
     are_lost,
     largest,
     reported_scales,
@@ -45,9 +46,13 @@ ROUGH = 2.0
 POOLED = 0.02
 # Largest estimate, in units of the scales, from which runs count as diverged.
 DIVERGED = 0.1
-# The same where a small change of the start grew to DIVERGED: errors of all runs are of one size,
-# and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of 0.08.
+# The same where a small change of the start grows by CHAOTIC or more: errors of all runs are of
+# one size, and differ by less.  One of 138 random scenes had an error of 1.2 times its estimate of
+# 0.08.
 DIVERGED_IN_CHAOS = 0.01
+# Three runs that began in a deep core shared most of their error of the first steps, 1e-7 of the
+# scale.  It grew by 1e6 to half the scale, where they differed by 0.008 of it.
+CHAOTIC = 1e4
 # Bound in diverged runs, in units of the scales: of two values, which may be close by chance.
 UNRELATED = 2.0
 # Errors that all runs share, in units of the scale: rounding, first steps and iterations.
@@ -152,7 +157,7 @@ def error_bounds(
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
     least = rounding(grown, fine.steps) + LEAST * strictest(accuracy)
-    chaotic = amplification is not None and amplification * PERTURBATION >= DIVERGED
+    chaotic = amplification is not None and amplification >= CHAOTIC
     limit = DIVERGED_IN_CHAOS if chaotic else DIVERGED
     bounds = estimate(found, scales, rough, least, limit)
     if any(other.status != Status.COMPLETED for other in coarser):
@@ -171,12 +176,12 @@ def estimate(
     """
     factor, tops, rounded = safety(rough), found.tops, found.terms
     gaps = factor * found.gaps
-    scale = np.array([scales.of(name) for name in found.names])
+    scale = scales.each(found.names)
     with np.errstate(invalid="ignore"):  # an infinite energy has no known error
         # The part of a difference that is no rounding; 0 if unknown.
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - factor * rounded, 0.0), 0.0)
     # A quantity with a scale of its own changes no bound of another.
-    has_scale = (scale > 0.0) & [name.rpartition(".")[2] in COMMON for name in found.names]
+    has_scale = (scale > 0.0) & are_common(found.names)
     relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
     apart = relative > diverged or relative + least > DIVERGED
     pooled = max(relative, UNRELATED) if apart else POOLED * relative
@@ -189,14 +194,16 @@ def estimate(
 
 def excess_of_request(bounds: Mapping[str, float], scales: Scales, accuracy: Accuracy) -> float:
     """The largest estimate in units of the accuracy; at most 1 where the accuracy is kept."""
-    worst = 0.0
-    for name in accuracy if isinstance(accuracy, Mapping) else bounds:
-        bound, scale = bounds[name], scales.of(name)
-        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
-        if not bound <= 0.0:  # nor where it is NaN
-            known = scale > 0.0 and np.isfinite(bound)
-            worst = max(worst, bound / (relative * scale) if known else np.inf)
-    return worst
+    asked = accuracy if isinstance(accuracy, Mapping) else bounds
+    names = tuple(asked)
+    unit = scales.each(names)
+    unit *= list(asked.values()) if isinstance(accuracy, Mapping) else accuracy
+    bound = np.array([bounds[name] for name in names])
+    known = (unit > 0.0) & np.isfinite(bound)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(known, bound / unit, np.inf)
+    # An estimate that is NaN is not known either.
+    return float(np.where(bound <= 0.0, 0.0, relative).max(initial=0.0))
 
 
 def measure_amplification(

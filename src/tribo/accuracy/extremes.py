@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import largest, largest_of_runs
+from tribo.accuracy.scales import largest, largest_of_runs, without_surfaces
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
@@ -67,16 +67,18 @@ def _extremes(
     group = AsperiteSeries(layout, samples, (layout.together,))
     columns, (motion,) = series_table(layout, group, names), group.motions
     run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
-    at_shared = run.rows(np.searchsorted(fine.t, samples.t[count:]))
-    rounding = rounding_of_terms(layout, motion, steps)
+    at_shared = run.rows(fine.t.searchsorted(samples.t[count:]))
+    names = without_surfaces(run.names)
+    rounding = dict.fromkeys(names, 0.0) | rounding_of_terms(layout, motion, steps)
+    mean = mean_velocity(layout)
     return Extremes(
         run.names,
         tops=run.largest()[:, 0],
         gaps=at_shared.minus(coarse).largest()[:, 0],
-        terms=np.array([rounding.get(name.rpartition(".")[2], 0.0) for name in run.names]),
-        speed=largest(motion.bob_speed(mean_velocity(layout))[:count]),
+        terms=np.array([rounding[name] for name in names]),
+        speed=largest(motion.bob_speed(mean)[:count]),
         internal=largest(motion.energy[:count]),
-        path=largest(motion.bob_path(mean_velocity(layout))[:count]),
+        path=largest(motion.bob_path(mean)[:count]),
     )
 
 

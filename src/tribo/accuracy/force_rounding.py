@@ -13,7 +13,7 @@ import numpy as np
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.records import OSCILLATOR_FREQUENCY, OSCILLATOR_MASS
 from tribo.kernels.samples import BATH, SPRINGS
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import stiffness_at_bars
 from tribo.ledger.accounts import FORCES, Accounts
 from tribo.ledger.motion import Motion
@@ -25,15 +25,15 @@ FEW_ROUNDINGS = 16.0
 
 
 class Lost(NamedTuple):
-    """What a run loses where its steps change a coordinate by less than the rounding of it."""
+    """What a run loses where its steps change a value by less than the rounding of it."""
 
     duration: float  # [time]
     steps: int
 
     def of(self, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """A bound for coordinates and their rates, (times, asperites) each: (asperites,)."""
-        change = self.duration * np.abs(rates).max(axis=0)
-        roundings = self.steps * EPSILON * np.abs(values).max(axis=0)
+        """A bound for values and their rates of change, (times, asperites) each: (asperites,)."""
+        change = self.duration * np.maximum.reduce(np.abs(rates), axis=0)
+        roundings = self.steps * EPSILON * np.maximum.reduce(np.abs(values), axis=0)
         slow = change < FEW_ROUNDINGS * roundings
         return np.where(slow, np.minimum(change, roundings), 0.0)
 
@@ -51,7 +51,8 @@ class Errors(NamedTuple):
 
 def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[str, float]:
     """The effect of the rounding of springs, baths and twists, by quantity, in its own unit."""
-    stiffness, lost = _stiffness(layout), Lost(float(np.max(motion.t)) - layout.beginning, steps)
+    last = float(np.maximum.reduce(motion.t, axis=None))
+    stiffness, lost = _stiffness(layout), Lost(last - layout.beginning, steps)
     if not (stiffness.any() or motion.phi.any() or lost.of(motion.swing, motion.omega).any()):
         return {}
     e, a = _errors(layout, motion, stiffness, lost), motion.span.asperites
@@ -105,6 +106,8 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
     torsional = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
     angular = twist * _impulse(a.kappa + torsional[a.surface], pendulum + bar, duration)
     omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
+    torsion = np.where(turns & np.isfinite(a.kappa), a.kappa * bar, 0.0)
+    nu = nu + lost.of(motion.nu, torsion * (motion.swing - motion.phi))
     period = _inverse_frequency(a.kappa * pendulum, duration)
     return Errors(
         stretch=stretch,
@@ -146,6 +149,7 @@ def _of_square(factor: np.ndarray, values: np.ndarray, error: np.ndarray) -> np.
     return np.asarray(factor * error * (np.abs(values).max(axis=0) + error))
 
 
+@once_per_layout
 def _stiffness(layout: Layout) -> np.ndarray:
     """The stiffness of all springs on each bar, to other bars and to oscillators, (asperites,)."""
     model, surface = layout.model, layout.asperites.surface

@@ -11,9 +11,10 @@ import numpy as np
 from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.layout import Layout
-from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts
+from tribo.layout.layout import Layout, once_per_layout
+from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts, Part
 from tribo.ledger.motion import Motion
+from tribo.ledger.row_products import row_product
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.potentials.combined import Sum, Wrapper
@@ -27,6 +28,8 @@ TERM_ROUNDINGS = 4.0
 WALK = 3.0
 # Bobs of a surface of which the distances are looked at.
 MOST_BOBS = 64
+# Energies that samples store of a surface.
+STORES = [SPRINGS, BATH, TORSIONAL, WITHIN]
 # Terms of a force: work about the centre of mass, pseudowork, and the impulse's at velocities x, y.
 PARTS = 4
 # All terms: those of each force, and the works of the reservoir's impulse at its own velocity.
@@ -64,30 +67,33 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     random walk.  The motion is that of a run and of those that it is compared with.
     """
     samples, span = motion.samples, layout.accounted
+    forces, names, members = _acting(layout)
+    magnitudes = np.abs(samples.linear("terms", lambda s: _terms(s[span], forces)))
     # The magnitudes of the terms of all accounts, summed: (times, asperites, sums).
-    terms_of_works = np.abs(samples.linear("terms", lambda s: _terms(s[span])))
-    sums = np.asarray(terms_of_works @ MEMBERS)
+    sums = row_product(magnitudes.reshape(-1, len(members)), members)
+    sums = sums.reshape(*magnitudes.shape[:2], len(names))
     if layout.model.sums is not None:  # over lanes, of each surface
         whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
         sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
     else:
         parts = list(layout.parts.values())
-    terms = dict(zip(SUMS, sums.max(axis=(0, 1)).tolist(), strict=True))
-    friction, external, agents = np.moveaxis(sums[:, :, -3:], 2, 0)
-    for name, each in (("W", external), ("friction_work", friction)):
-        terms[name] = max(largest(each[:, part].sum(axis=1)) for part in parts)
+    highest = np.maximum.reduce(sums, axis=(0, 1))
+    terms = dict(zip(names, highest.tolist(), strict=True))
+    for name, sum_of in (("W", "external"), ("friction_work", "friction_work")):
+        each = sums[:, :, names.index(sum_of)]
+        terms[name] = max([largest(np.add.reduce(each[:, part], axis=1)) for part in parts])
     terms["W_ps"] = terms["W"]
-    applied = agents.sum(axis=1)
+    applied = np.add.reduce(sums[:, :, names.index("applied")], axis=1)
     for slot in layout.accounts_of_fields:
         applied += np.abs(samples.s[:, slot])
     terms["applied_work"] = largest(applied)
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    ends, forces = _of_ends(layout, motion, count), rounding_of_forces(layout, motion, steps)
-    for each in (ends, forces, _of_cutoffs(layout)):
-        for name, rounding in each.items():
-            found[name] = found.get(name, 0.0) + rounding
+    ends, motions = _of_ends(layout, motion, count), rounding_of_forces(layout, motion, steps)
+    for roundings in (ends, motions, _of_cutoffs(layout)):
+        for name, rounding in roundings.items():
+            found[name] = found[name] + rounding if name in found else rounding
     return found
 
 
@@ -97,12 +103,14 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     They are differences of sin x - x cos x, with x the twist, whose terms may be far larger, with
     the same bits in all runs.  In sums of both ends they cancel.
     """
+    stiffness = _stiffness_of_ends(layout)
+    if stiffness is None:
+        return {}
     a, twist = motion.span.asperites, np.abs(motion.swing - motion.phi)
-    clamped = layout.surfaces.acc_ends[a.surface] >= 0
     sin = np.abs(np.sin(twist))
     rounding = TERM_ROUNDINGS * EPSILON * (sin + np.abs(twist * np.cos(twist)))
     rounding += count * twist**2 * sin  # of the twist itself
-    rounding *= np.where(clamped, a.kappa / a.bar_length, 0.0)
+    rounding *= stiffness
     found: dict[str, float] = {}
     for kind, lever in (("", a.l2 + a.pivot), ("_ps", a.pivot)):
         each = rounding * lever
@@ -112,6 +120,15 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     return found
 
 
+@once_per_layout
+def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
+    """The torque of clamped ends by twist and length of the bar, (asperites,); None without any."""
+    a = layout.together.asperites
+    clamped = layout.surfaces.acc_ends[a.surface] >= 0
+    return np.where(clamped, a.kappa / a.bar_length, 0.0) if np.any(clamped) else None
+
+
+@once_per_layout
 def _of_cutoffs(layout: Layout) -> dict[str, float]:
     """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
     scene, found = layout.scene, {"total_energy_change": 0.0}
@@ -140,16 +157,34 @@ def _subtracted(potential: Any, scene: Scene) -> float:
     return found
 
 
-def _terms(forces: Accounts) -> np.ndarray:
-    """The terms of all accounts, (times, asperites, terms)."""
-    (vx, vy), (x, y) = forces.span.velocity, forces.span.reservoir
-    terms = []
-    for name in FORCES:
-        account = forces[name]
+@once_per_layout
+def _acting(layout: Layout) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
+    """The forces that act on any asperite, the sums in which they are, and the terms of these.
+
+    The table (terms, sums) is a part of MEMBERS.
+    """
+    accounts = Accounts(layout.accounted, np.zeros((1, layout.accounts)))
+    forces = tuple(name for name in FORCES if accounts[name].acts)
+    rows = _members(forces, 0)
+    if "w_T" in forces:
+        rows += [TERMS - 2, TERMS - 1]
+    own = MEMBERS[rows]
+    present = own.any(axis=0) | np.isin(SUMS, ("friction_work", "external", "applied"))
+    names = tuple(name for name, its in zip(SUMS, present, strict=True) if its)
+    return forces, names, own[:, present]
+
+
+def _terms(accounts: Accounts, forces: tuple[str, ...]) -> np.ndarray:
+    """The terms of the accounts of some forces, (times, asperites, terms)."""
+    (vx, vy), (x, y) = accounts.span.velocity, accounts.span.reservoir
+    terms: list[Part] = []
+    for name in forces:
+        account = accounts[name]
         terms += [account.about, account.pseudo, vx * account.jx, vy * account.jy]
-    thermal = forces["w_T"]
-    terms += [x * thermal.jx, y * thermal.jy]
-    return np.stack([forces.whole(term) for term in terms], axis=2)
+    if "w_T" in forces:
+        thermal = accounts["w_T"]
+        terms += [x * thermal.jx, y * thermal.jy]
+    return np.stack([accounts.whole(term) for term in terms], axis=2)
 
 
 def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
@@ -159,23 +194,20 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     boost = a.mass * (np.abs(velocity[0] * motion.vx) + np.abs(velocity[1] * motion.vy))
     momentum = a.mass * np.hypot(motion.vx, motion.vy)
     whole, within, bulk = np.zeros(samples.t.size), 0.0, 0.0
+    stored = np.add.reduce(np.abs(samples.stored[:, :, STORES]), axis=2)
+    masses, shortest_wave = _masses_and_wave(layout)
     for index, part in enumerate(layout.parts.values()):
-        record, stored = layout.surfaces[index], samples.stored[:, index]
-        energy = (internal + moving)[:, part].sum(axis=1)
-        energy += np.abs(stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]).sum(axis=1)
-        p = momentum[:, part].sum(axis=1)
-        kinetic = p * (np.hypot(*velocity[:, part.start]) + p / record.mass)
+        energy = np.add.reduce((internal + moving)[:, part], axis=1) + stored[:, index]
+        p = np.add.reduce(momentum[:, part], axis=1)
+        kinetic = p * (np.hypot(*velocity[:, part.start]) + p / masses[index])
         within, bulk = max(within, largest(energy)), max(bulk, largest(kinetic))
         whole = whole + energy + kinetic
-    potentials = (field.potential for field in layout.model.fields or ())
-    periods = (item.period for item in potentials if type(item) is Corrugation)
-    shortest_wave = min(periods, default=np.inf) / (2.0 * np.pi)
     # The rounding of a position is relative to its terms, and an energy changes over the length of
     # its potential.  The rounding of an angle of many turns moves the ends of its arms.
     x = np.abs(a.x) + np.abs(a.vx * motion.t) + np.abs(motion.x)
     y = np.abs(a.y) + np.abs(a.vy * motion.t) + np.abs(motion.y)
     turned = 1.0 + np.abs(motion.swing)
-    farthest = (np.hypot(x, y) + a.l1 * turned).max(axis=1)
+    farthest = np.maximum.reduce(np.hypot(x, y) + a.l1 * turned, axis=1)
     contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, motion))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / shortest_wave)
     places = {
@@ -194,14 +226,29 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     }
 
 
+@once_per_layout
+def _masses_and_wave(layout: Layout) -> tuple[list[float], float]:
+    """The masses of the surfaces, and the shortest length over which a field's force changes."""
+    potentials = (field.potential for field in layout.model.fields or ())
+    periods = (item.period for item in potentials if type(item) is Corrugation)
+    masses = np.asarray(layout.surfaces)["mass"].tolist()
+    return masses, min(periods, default=np.inf) / (2.0 * np.pi)
+
+
+@once_per_layout
+def _features(layout: Layout) -> list[float]:
+    """The lengths that the potentials of contacts declare."""
+    return [contact.potential.feature()[0] for contact in layout.model.contacts]
+
+
 def _shortest_length(layout: Layout, motion: Motion) -> float:
     """The shortest length over which a contact's force changes; infinite without contacts."""
-    lengths = [contact.potential.feature()[0] for contact in layout.model.contacts]
-    sample, parts = int(np.argmax(np.abs(motion.samples.contact))), list(layout.parts.values())
+    lengths = list(_features(layout))
+    sample, parts = np.abs(motion.samples.contact).argmax(), list(layout.parts.values())
     x, y = (place[sample] for place in motion.bob)
     for contact in layout.model.contacts:
         for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):
             dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))
-            nearest = np.min(np.hypot(dx, dy))
+            nearest = np.minimum.reduce(np.hypot(dx, dy), axis=None)
             lengths.append(float(contact.potential.clearance_between(nearest, 1.0, 1.0)))
     return min((length for length in lengths if length > 0.0), default=np.inf)

@@ -1,13 +1,14 @@
 """The scales that errors are relative to."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.kernels.kinematics import rod_velocity
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.motion import internal_energies, mean_velocity, swing_direction
@@ -66,6 +67,11 @@ class Scales:
         scale = scale_of(quantity)
         return self.own[quantity] if scale == quantities.OWN else getattr(self, scale)
 
+    def each(self, names: tuple[str, ...]) -> np.ndarray:
+        """The scales of several quantities of one run, (names,)."""
+        shared, own = vars(self), self.own
+        return np.array([shared[scale] if scale else own[name] for name, scale in _units(names)])
+
     def relative(self, name: str, difference: float) -> float:
         """A difference of a quantity in units of its scale; 0 stays 0 where that is 0."""
         scale = self.of(name)
@@ -103,27 +109,23 @@ def scales_of(
     layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values, path: Values
 ) -> Scales:
     """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
-    a, runs = layout.together.asperites, np.size(speed)
-    inertia, mass, length = (
-        np.max(np.atleast_2d(each), axis=1)[:runs] for each in (a.inertia, a.mass, a.l1 + a.l2)
-    )
-    energies = {name: tops[name] for name in ENERGIES if name in tops}
-    highest = _highest(energies.values())
-    works = [tops[name] for name in WORKS if name in tops]
-    work = _highest(works or [highest])
-    potential = _highest([tops[name] for name in POTENTIALS if name in tops] or [0.0])
-    potential = potential / layout.scene.count
+    body = _largest_body(layout)
+    runs = np.size(speed)
+    inertia, mass, length, soft = body.inertia[:runs], body.mass[:runs], body.rod[:runs], body.soft
+    highest = _highest(tops, ENERGIES)
+    works = not tops.keys().isdisjoint(WORKS)
+    work = _highest(tops, WORKS) if works else highest
+    potential = _highest(tops, POTENTIALS) / body.number
     energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
     # Where nothing happens, what the motion or a pendulum that turns by 1 rad could exchange.
-    soft = np.min(np.where(np.isfinite(a.kappa), a.kappa, 0.0))
     for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
         energy = np.where(energy > 0.0, energy, possible)
     scales: dict[str, Any] = {
-        "rate": resolved(_highest(tops[name] for name in RATES), np.sqrt(potential / inertia)),
+        "rate": resolved(_highest(tops, RATES), np.sqrt(potential / inertia)),
         "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
-        "total": _highest([energy, *(tops[name] for name in TOTALS if name in tops)]),
+        "total": np.maximum(energy, _highest(tops, TOTALS)),
         "work": work if works else np.zeros_like(work),
         "angle": np.ones(1),
     }
@@ -132,6 +134,26 @@ def scales_of(
     return Scales(
         **{scale: each.item() if single else each for scale, each in scales.items()}, own=own
     )
+
+
+class _LargestBody(NamedTuple):
+    """The largest constants of any asperite; arrays are (1,), or of all samples of members."""
+
+    inertia: np.ndarray
+    mass: np.ndarray
+    rod: np.ndarray  # l1 + l2
+    soft: float  # the smallest stiffness of a pendulum that is not rigid; 0 if any is
+    number: int  # of asperites
+
+
+@once_per_layout
+def _largest_body(layout: Layout) -> _LargestBody:
+    a = layout.together.asperites
+    inertia, mass, rod = (
+        np.atleast_2d(each).max(axis=1) for each in (a.inertia, a.mass, a.l1 + a.l2)
+    )
+    soft = float(np.min(np.where(np.isfinite(a.kappa), a.kappa, 0.0)))
+    return _LargestBody(inertia, mass, rod, soft, layout.scene.count)
 
 
 def length_scale(path: Values, rod: Values) -> np.ndarray:
@@ -145,8 +167,10 @@ def are_lost(work: Values, energy: Values) -> np.ndarray:
     return ~(work > EPSILON * np.asarray(energy))
 
 
-def _highest(values: Iterable[Values]) -> np.ndarray:
-    return np.asarray(np.max(np.broadcast_arrays(*values), axis=0))
+def _highest(tops: Mapping[str, Values], names: Sequence[str]) -> np.ndarray:
+    """The largest of some quantities, of those that there are; 0 without any."""
+    values = [tops[name] for name in names if name in tops]
+    return np.asarray(np.maximum.reduce(np.array(values))) if values else np.zeros(())
 
 
 def resolved(measured: Values, possible: Values) -> np.ndarray:
@@ -160,6 +184,27 @@ def scale_of(name: str) -> str:
     return ROLES[name.rpartition(".")[2]].scale
 
 
+@lru_cache
+def without_surfaces(names: tuple[str, ...]) -> tuple[str, ...]:
+    """The names of quantities without those of surfaces: "w1" of "upper.w1"."""
+    return tuple(name.rpartition(".")[2] for name in names)
+
+
+@lru_cache
+def are_common(names: tuple[str, ...]) -> np.ndarray:
+    """Whether the errors of quantities are relative to a common scale, (names,)."""
+    return np.array([name in COMMON for name in without_surfaces(names)])
+
+
+@lru_cache
+def _units(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Of each quantity its name without a surface, and its scale; "" if that is its own."""
+    each = without_surfaces(names)
+    scales = [scale_of(name) for name in each]
+    own = [scale == quantities.OWN for scale in scales]
+    return tuple((n, "" if o else s) for n, s, o in zip(each, scales, own, strict=True))
+
+
 def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
     """The largest magnitude of a series in each of some runs, over times and asperites."""
     each = np.abs(series).reshape(-1, runs, series.shape[1])
@@ -168,4 +213,4 @@ def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
 
 def largest(values: np.ndarray) -> float:
     """The largest magnitude; 0 of an empty array."""
-    return float(np.max(np.abs(values), initial=0.0))
+    return float(np.maximum.reduce(np.abs(values), axis=None, initial=0.0))

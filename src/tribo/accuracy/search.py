@@ -182,6 +182,11 @@ class _Search:
             if self.wanted < TIGHT:
                 self._measure(last.coarse, last.runs[0])
             last.estimate = last.excess = self._excess(last)
+            if last.estimate <= 1.0 and last.estimate * self.wanted > comparison.DIVERGED_IN_CHAOS:
+                # The errors of all three runs may be of one size, where they do not fall with the
+                # level: those of the start grew by 1e6 in a scene that starts in a deep core.
+                self._measure(last.coarse, last.runs[0])
+                last.estimate = last.excess = self._excess(last)
         if decision.is_too_long(self.rounds, self.limits):
             self.limits.amplification, last.estimate, last.excess = None, np.inf, np.inf
         elif last.stopped is None and last.estimate > 1.0 and self.limits.amplification is None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tribo.kernels.records import CHARGE, Contact
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
 from tribo.model.drives import Pulled
@@ -15,6 +15,7 @@ DEEP = 100.0
 DISTANCES = np.geomspace(1.0, 100.0, 31)
 
 
+@once_per_layout
 def core_notes(layout: Layout) -> tuple[str, ...]:
     """A note on the bobs that start deepest in a core, with their energy."""
     n, start = layout.coordinates, Samples.at_zero(layout)

@@ -24,6 +24,12 @@ class Account:
     jy: Part
     pseudo: Part  # pseudowork in the surface's first frame
 
+    @property
+    def acts(self) -> bool:
+        """Whether any asperite has the force."""
+        parts = self.about, self.jx, self.jy, self.pseudo
+        return any(isinstance(part, np.ndarray) for part in parts)
+
     def pseudowork(self, velocity: np.ndarray) -> Part:
         """In the laboratory, where the surface's first velocity is `velocity` (2, asperites)."""
         return self.pseudo + self.boost(velocity)

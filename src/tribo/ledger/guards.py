@@ -67,8 +67,11 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
 
 def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     """A note on bars that have passed another surface by the last sample."""
+    pairs = facing(layout)
+    if not pairs:
+        return
     last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
-    for mine, theirs in facing(layout):
+    for mine, theirs in pairs:
         beyond = _beyond(layout, last, mine, theirs)[-1]
         if np.any(beyond):
             yield (

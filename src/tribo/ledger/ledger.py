@@ -12,7 +12,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ import numpy as np
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.forces import Forces
+from tribo.ledger.lazy import lazy_property
 from tribo.ledger.quantities import (
     EVERY_QUANTITY,
     QUANTITIES,
@@ -239,21 +239,21 @@ class SampledLedger(Ledger):
             known = self._known[surface] = SourceSeries(quantities, source)
         return known
 
-    @cached_property
+    @lazy_property
     def surfaces(self) -> Mapping[str, Table]:  # type: ignore[override]
         return self._parts("asperites")
 
-    @cached_property
+    @lazy_property
     def blocks(self) -> Mapping[str, Table]:  # type: ignore[override]
         return self._parts("blocks")
 
-    @cached_property
+    @lazy_property
     def system(self) -> Table:  # type: ignore[override]
         wholes = tuple(self._source(name).source for name in self._contents.surfaces)
         source = SystemSeries(self._layout, self.samples, wholes)
         return SourceSeries(self._contents.reported[-1].system, source)
 
-    @cached_property
+    @lazy_property
     def oscillators(self) -> Mapping[str, np.ndarray]:  # type: ignore[override]
         return _oscillators(self._layout, self.samples)
 

@@ -6,23 +6,23 @@ Also the reaction of the constraint on driven bars: what their motion leaves ove
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
 
 import numpy as np
 
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.records import BARS
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Asperites, Span, columns
 from tribo.ledger.accounts import FORCES, Accounts
+from tribo.ledger.lazy import lazy_property
 from tribo.ledger.samples import Samples
 
 Position = tuple[np.ndarray, np.ndarray]  # x and y, or a velocity
 
 
-def _of_centre(group: str, table: str, place: int) -> cached_property[np.ndarray]:
+def _of_centre(group: str, table: str, place: int) -> lazy_property[np.ndarray]:
     """A coordinate of the centres of mass, or its rate: a group of slots, and about pivots."""
-    return cached_property(
+    return lazy_property(
         lambda motion: motion._column(group, getattr(motion, table)) + motion._about_pivots[place]
     )
 
@@ -47,28 +47,28 @@ class Motion:
             part.__dict__[name] = getattr(self, name)[:, span.place]
         return part
 
-    @cached_property
+    @lazy_property
     def t(self) -> np.ndarray:
         """The times, (times, 1)."""
         return self.samples.t[:, None]
 
-    @cached_property
+    @lazy_property
     def swing(self) -> np.ndarray:
         """Angle theta from rest."""
         return self._q[:, self.span.place]
 
-    @cached_property
+    @lazy_property
     def phi(self) -> np.ndarray:
         """Angle of the bar."""
         a = self.span.asperites
         return self._column("dof_phi", self._q, lambda: a.phi + a.nu * self.t)
 
-    @cached_property
+    @lazy_property
     def omega(self) -> np.ndarray:
         """Rate of theta."""
         return self._v[:, self.span.place]
 
-    @cached_property
+    @lazy_property
     def nu(self) -> np.ndarray:
         """Rate of phi."""
         return self._column("dof_phi", self._v, lambda: self.span.asperites.nu)
@@ -77,12 +77,12 @@ class Motion:
     x, y = _of_centre("dof_x", "_q", 0), _of_centre("dof_y", "_q", 1)
     vx, vy = _of_centre("dof_x", "_v", 2), _of_centre("dof_y", "_v", 3)
 
-    @cached_property
+    @lazy_property
     def theta(self) -> np.ndarray:
         """The angle of the pendulum."""
         return self.swing + np.where(self.span.asperites.facing > 0.0, 0.0, np.pi)
 
-    @cached_property
+    @lazy_property
     def centre(self) -> Position:
         """The centre of mass."""
         a, velocity = self.span.asperites, self.span.velocity
@@ -90,31 +90,31 @@ class Motion:
         y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
 
-    @cached_property
+    @lazy_property
     def velocity(self) -> Position:
         """The velocity of the centre of mass."""
         return self.span.velocity[0] + self.vx, self.span.velocity[1] + self.vy
 
-    @cached_property
+    @lazy_property
     def bob(self) -> Position:
         return rod_position(*self.centre, self.span.asperites.l1, *self.direction)
 
-    @cached_property
+    @lazy_property
     def bar(self) -> Position:
         """The centre of the bar."""
         return rod_position(*self.centre, -self.span.asperites.l2, *self.direction)
 
-    @cached_property
+    @lazy_property
     def direction(self) -> Position:
         """The unit vector along which a growing theta moves the bob."""
         return swing_direction(self.span.asperites.facing, self.swing)
 
-    @cached_property
+    @lazy_property
     def moving(self) -> np.ndarray:
         """Kinetic energy of the centre of mass, relative to its uniform motion."""
         return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.span.asperites.mass)
 
-    @cached_property
+    @lazy_property
     def kinetic(self) -> np.ndarray:
         """Change of the translational kinetic energy."""
         velocity, mass = self.span.velocity, self.span.asperites.mass
@@ -132,7 +132,7 @@ class Motion:
         """The kinetic energies of pendulum and bar about their centres, and that of the torsion."""
         return internal_energies(self.span.asperites, self.omega, self.nu, self.swing - self.phi)
 
-    @cached_property
+    @lazy_property
     def energy(self) -> np.ndarray:
         """The internal energy."""
         swing, bar, spring = self.energies
@@ -144,7 +144,7 @@ class Motion:
         a = self.span.asperites
         return np.asarray(self.energy + 0.5 * a.mass * (a.pivot * self.omega) ** 2)
 
-    @cached_property
+    @lazy_property
     def internal(self) -> np.ndarray:
         """Change of the internal energy."""
         return self.samples.change(self.energy)
@@ -152,7 +152,7 @@ class Motion:
     def bob_path(self, mean: np.ndarray) -> np.ndarray:
         """How far the bobs are from their start, in a frame of a velocity (2,), or (2, times)."""
         a, (tx, ty), samples = self.span.asperites, self.direction, self.samples
-        later = samples.change(np.broadcast_to(self.t, self.x.shape))
+        later = samples.change(self.t)
         own_x, own_y = self.span.velocity - mean[..., None]
         x = samples.change(self.x + a.l1 * ty) + own_x * later
         y = samples.change(self.y - a.l1 * tx) + own_y * later
@@ -164,7 +164,7 @@ class Motion:
         moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
         return np.asarray(np.hypot(*rod_velocity(*moving, *self.direction)))
 
-    @cached_property
+    @lazy_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
         """Displacements and velocities of centres of mass about driven bars; else zeros."""
         if not self.span.asperites.pivot.any():
@@ -177,7 +177,9 @@ class Motion:
         """The columns of a group of slots; the value of `absent` where there is none."""
         if group in self.span.present:
             return columns(getattr(self.span.asperites, group), table, absent())
-        return np.full((len(table), self.span.asperites.stride.size), absent())
+        values = np.empty((len(table), self.span.asperites.stride.size))
+        values[:] = absent()
+        return values
 
 
 def motions(layout: Layout, samples: Samples, index: int) -> Iterator[Motion]:
@@ -185,6 +187,7 @@ def motions(layout: Layout, samples: Samples, index: int) -> Iterator[Motion]:
     return (Motion(layout, span, samples) for span in layout.spans[index])
 
 
+@once_per_layout
 def mean_velocity(layout: Layout) -> np.ndarray:
     """The mean of the surfaces' initial velocities, (2,); of members (2, times)."""
     velocities = [np.asarray(layout.velocity_of(index)) for index in range(len(layout.parts))]

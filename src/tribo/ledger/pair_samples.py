@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,14 +11,12 @@ import numpy as np
 from tribo.kernels.samples import STORED
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
+from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import add_reactions
+from tribo.ledger.row_products import row_product
 from tribo.ledger.samples import Samples
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
-
-# Rows of a product at a time: BLAS shares longer ones among threads, and waits for these up to
-# 4 ms on a machine that has other work, against 0.1 ms for the product.
-ROWS_AT_ONCE = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,17 +43,17 @@ class Factors:
         self.linear[key] = factors, shape
         return factors, shape
 
-    @cached_property
+    @lazy_property
     def integrals(self) -> Integrals:
         """The integrals s of a sample for each column, of which those of a run are combinations."""
         return Integrals(self.accounts.T)
 
-    @cached_property
+    @lazy_property
     def columns(self) -> np.ndarray:
         """The column of which each coordinate or rate is a multiple, (2 coordinates,)."""
         return np.argmax(np.abs(self.state), axis=1)
 
-    @cached_property
+    @lazy_property
     def multiples(self) -> np.ndarray:
         """The multiples, (2 coordinates,)."""
         return self.state[np.arange(len(self.state)), self.columns]
@@ -78,23 +75,23 @@ class PairSamples(Samples):
         self._first = first
         self._factors = factors
 
-    @cached_property
+    @lazy_property
     def contact(self) -> np.ndarray:  # type: ignore[override]
         return self._record[:, ENERGY]
 
-    @cached_property
+    @lazy_property
     def field(self) -> np.ndarray:  # type: ignore[override]
         return np.zeros(self.t.size)
 
-    @cached_property
+    @lazy_property
     def stored(self) -> np.ndarray:  # type: ignore[override]
         return np.zeros((self.t.size, 2, STORED))
 
-    @cached_property
+    @lazy_property
     def baths(self) -> np.ndarray:  # type: ignore[override]
         return np.empty((self.t.size, 0, 0))
 
-    @cached_property
+    @lazy_property
     def y(self) -> np.ndarray:  # type: ignore[override]
         """Coordinates and their rates, (times, 2 coordinates).
 
@@ -103,7 +100,7 @@ class PairSamples(Samples):
         columns: np.ndarray = self._record[:, self._factors.columns]
         return columns * self._factors.multiples
 
-    @cached_property
+    @lazy_property
     def s(self) -> np.ndarray:  # type: ignore[override]
         s = self._columns @ self._factors.accounts.T
         if self._factors.driven is not None:
@@ -120,10 +117,7 @@ class PairSamples(Samples):
         height = factors.shape[0]
         columns = self._record[:, :ENERGY] if height == ENERGY else self._columns
         if factors.ndim > 1:
-            # In the calling thread alone.
-            parts = [columns[k : k + ROWS_AT_ONCE] for k in range(0, len(columns), ROWS_AT_ONCE)]
-            values = np.concatenate([rows @ factors for rows in parts or [columns]])
-            return values.reshape(len(values), *shape)
+            return row_product(columns, factors).reshape(-1, *shape)
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
         return np.vecdot(columns, factors).reshape(-1, *shape)
 
@@ -157,7 +151,7 @@ class PairSamples(Samples):
     def __reduce__(self) -> tuple[Any, ...]:
         return Samples, self.columns
 
-    @cached_property
+    @lazy_property
     def _columns(self) -> np.ndarray:
         """The record's columns before the energy, and the arcs.
 

@@ -11,7 +11,14 @@ from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.separation import has_contact_distance
-from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
+from tribo.ledger.totals import (
+    AsperiteSeries,
+    Linear,
+    Moving,
+    Summed,
+    SurfaceSeries,
+    SystemSeries,
+)
 from tribo.model.drives import Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
@@ -70,7 +77,7 @@ class Quantity:
 def _moving(
     kind: str, long_name: str, value: Callable[[Motion], np.ndarray], role: Role = OWN_SCALE
 ) -> Quantity:
-    return Quantity(kind, long_name, lambda group: group.each(value), role=role)
+    return Quantity(kind, long_name, Moving(value), role=role)
 
 
 def _accounted(name: str, long_name: str, present: Has = always, role: Role = WORK) -> Quantity:
@@ -162,12 +169,12 @@ BLOCK_QUANTITIES = {
     ),
     "delta_K": _energy(
         "change of the surface's bulk kinetic energy",
-        lambda whole: whole.change_of_kinetic,
+        Summed(lambda whole: whole.change_of_kinetic),
         role=TOTAL,
     ),
     "delta_E_int": _energy(
         "change of the surface's internal energy",
-        lambda whole: whole.change_of_internal,
+        Summed(lambda whole: whole.change_of_internal),
         role=TOTAL,
     ),
     "friction_work": _energy(
@@ -184,7 +191,7 @@ SYSTEM_QUANTITIES = {
         role=POTENTIAL,
     ),
     "total_energy_change": _energy(
-        "change of the total energy", SystemSeries.change_of_energy, role=TOTAL
+        "change of the total energy", Summed(SystemSeries.change_of_energy), role=TOTAL
     ),
     "applied_work": _energy(
         "work of drives, ends, reservoirs and moving fields",
@@ -260,7 +267,7 @@ FURTHER_OF_SURFACES = {
     ),
     "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
     "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
-    "heat_bath": _energy("heat given to the bath", lambda w: w.heat_of_bath, _has_bath),
+    "heat_bath": _energy("heat given to the bath", Summed(lambda w: w.heat_of_bath), _has_bath),
 }
 # Of each pulled surface as a whole, without an accuracy.
 PULLED_QUANTITIES = {

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields
-from functools import cached_property
 
 import numpy as np
 
 from tribo.kernels.samples import STORED
 from tribo.layout.layout import Layout
 from tribo.ledger.accounts import Integrals
+from tribo.ledger.lazy import lazy_property
 
 
 @dataclass(eq=False)
@@ -30,7 +30,7 @@ class Samples:
 
     runs = 1  # how many there are; all have the same times
 
-    @cached_property
+    @lazy_property
     def contacts(self) -> dict[tuple[Layout, bool], dict[tuple[int, int], np.ndarray]]:
         """Where :func:`tribo.ledger.separation.touching` keeps what it has found of these."""
         return {}
@@ -57,8 +57,8 @@ class Samples:
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
-        found = times[np.searchsorted(times, self.t).clip(max=times.size - 1)] == self.t
-        return self if found.all() else self.rows(found)
+        found = times[np.minimum(times.searchsorted(self.t), times.size - 1)] == self.t
+        return self if np.logical_and.reduce(found) else self.rows(found)
 
     def rows(self, selected: np.ndarray | slice) -> Samples:
         """The samples of one run at some places: indices, a mask, or a slice, of views."""
@@ -81,7 +81,7 @@ class Samples:
 
     def ends(self) -> Samples:
         """The first and the last sample."""
-        return self.rows(np.unique([0, self.t.size - 1]))
+        return self.rows(np.array([0, self.t.size - 1] if self.t.size > 1 else [0]))
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
@@ -104,12 +104,13 @@ class Samples:
     def at_start(self, series: np.ndarray) -> np.ndarray:
         """A series at the start of each run: a row for each sample, or one for a single run."""
         if self.runs == 1:
-            return np.asarray(series[:1])
+            return series[:1]
         return np.concatenate([series[: self.runs]] * (self.t.size // self.runs))
 
     def change(self, series: np.ndarray) -> np.ndarray:
         """A series of these samples less its value at the start of the run."""
-        return np.asarray(series - self.at_start(series))
+        change: np.ndarray = series - self.at_start(series)
+        return change
 
 
 def sample_columns(layout: Layout, *shape: int) -> tuple[np.ndarray, ...]:

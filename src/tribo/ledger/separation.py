@@ -19,7 +19,7 @@ import numpy as np
 
 from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.records import Contact
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.motion import motions
 from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.samples import Samples
@@ -141,7 +141,7 @@ def touching(
 
     Only surfaces that have a reach count.  With `repelling`, whether the bobs are in contact.
     """
-    reaches = _reaches(layout.scene, repelling)
+    reaches = _repulsions_of(layout) if repelling else _reaches_of(layout)
     pairs = {pair: reach for pair, reach in reaches.items() if counts(pair)}
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
@@ -153,9 +153,10 @@ def touching(
     return np.column_stack([known[pair] for pair in pairs])
 
 
-def separation_notes(scene: Scene, t: np.ndarray, contact: np.ndarray) -> Iterator[str]:
+def separation_notes(layout: Layout, t: np.ndarray, contact: np.ndarray) -> Iterator[str]:
     """Notes on surfaces that never touch, or part for good; `contact` is of :func:`touching`."""
-    for (pair, reach), touches in zip(_reaches(scene).items(), contact.T, strict=True):
+    scene = layout.scene
+    for (pair, reach), touches in zip(_reaches_of(layout).items(), contact.T, strict=True):
         one, other = (scene.surfaces[k] for k in pair)
         met = t[touches]
         loaded = any(surface.drive.load is not None for surface in (one, other))
@@ -189,6 +190,16 @@ def _part(t: np.ndarray, met: np.ndarray) -> bool:
         return False
     before = float(np.max(np.diff(met), initial=0.0))
     return bool(t[-1] - met[-1] > max(LEAST_PART * (t[-1] - t[0]), LONGER * before))
+
+
+@once_per_layout
+def _reaches_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
+    return _reaches(layout.scene)
+
+
+@once_per_layout
+def _repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
+    return _reaches(layout.scene, repelling=True)
 
 
 def _reaches(scene: Scene, repelling: bool = False) -> dict[tuple[int, int], list[Reach]]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.quantities import (
     BLOCK_QUANTITIES,
@@ -16,7 +16,17 @@ from tribo.ledger.quantities import (
     present_names,
     reported,
 )
-from tribo.ledger.totals import AsperiteSeries, Linear, SurfaceSeries, SystemSeries
+from tribo.ledger.totals import (
+    AsperiteSeries,
+    Linear,
+    Moving,
+    Summed,
+    SurfaceSeries,
+    SystemSeries,
+)
+
+# What the formula of a column takes: the motion of all asperites, these, each surface, the system.
+MOTION, ASPERITES, SURFACES, SYSTEM = range(4)
 
 
 class SeriesTable(NamedTuple):
@@ -27,17 +37,18 @@ class SeriesTable(NamedTuple):
     values: np.ndarray  # (times, columns)
 
     def rows(self, selected: slice | np.ndarray) -> SeriesTable:
-        return self._replace(values=self.values[selected])
+        return SeriesTable(self.names, self.starts, self.values[selected])
 
     def largest(self, runs: int = 1) -> np.ndarray:
         """The largest magnitude of each quantity in each of some runs, (names, runs)."""
         each = np.abs(self.values).reshape(-1, runs, self.values.shape[1])
-        return np.maximum.reduceat(each.max(axis=0, initial=0.0), self.starts, axis=1).T
+        highest = np.maximum.reduce(each, axis=0, initial=0.0)
+        return np.maximum.reduceat(highest, self.starts, axis=1).T
 
     def minus(self, other: SeriesTable) -> SeriesTable:
         """The differences of the series from those of another run at the same times."""
         with np.errstate(invalid="ignore"):  # of two infinite energies
-            return self._replace(values=self.values - other.values)
+            return SeriesTable(self.names, self.starts, self.values - other.values)
 
 
 def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
@@ -45,48 +56,54 @@ def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = (
 
     What is linear in the integrals is computed together: its last bits may differ from one alone.
     """
-    items = sorted(_items(layout, group), key=lambda item: not isinstance(item.of, Linear))
+    of, samples, (motion,) = _columns(layout), group.samples, group.motions
+    wholes = tuple([SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts))])
+    sources = (motion,), (group,), wholes, (SystemSeries(layout, samples, wholes),)
 
     def together(integrals: Integrals) -> np.ndarray:
         count = len(integrals.s)
-        linear = ((item, item.of) for item in items if isinstance(item.of, Linear))
-        values = [of.value(each, integrals) for item, of in linear for each in item.sources]
+        values = [value(each, integrals) for value, kind in of.linear for each in sources[kind]]
         none = np.empty((count, 0))
         return np.concatenate([none, *(value.reshape(count, -1) for value in values)], axis=1)
 
-    values = [group.samples.linear("columns", together)]
-    rest = (item for item in items if not isinstance(item.of, Linear))
-    series = (item.of(each) for item in rest for each in item.sources)
-    values += [each.reshape(len(values[0]), -1) for each in series]
-    starts = np.cumsum([0, *(item.width for item in items[:-1])])
-    columns = SeriesTable(tuple(i.name for i in items), starts, np.concatenate(values, axis=1))
-    return _with(layout, columns, names)
+    columns = [samples.linear("columns", together)]
+    # In a run that stopped because values were not finite, the last are infinite or NaN.
+    with np.errstate(over="ignore", invalid="ignore"):
+        series = [value(each) for value, kind in of.others for each in sources[kind]]
+    columns += [each if each.ndim == 2 else each[:, None] for each in series]
+    table = SeriesTable(of.names, of.starts, np.concatenate(columns, axis=1))
+    return _with(layout, table, names)
 
 
-class ReportedSeries(NamedTuple):
-    """A reported quantity, and what it is computed from."""
+class Columns(NamedTuple):
+    """What the columns of a layout's tables are, whichever the run: the linear quantities first."""
 
-    name: str
-    of: Callable[..., np.ndarray]
-    sources: Sequence[Any]  # series of asperites, of surfaces, or of the system
-    width: int
+    names: tuple[str, ...]  # of the quantities
+    starts: np.ndarray  # (names,) the first column of each
+    linear: tuple[tuple[Callable[..., np.ndarray], int], ...]  # formulas, and what they take
+    others: tuple[tuple[Callable[..., np.ndarray], int], ...]
 
 
-def _items(layout: Layout, group: AsperiteSeries) -> list[ReportedSeries]:
-    samples, scene = group.samples, layout.scene
-    (motion,) = group.motions
-    wholes = tuple(SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts)))
-    system = SystemSeries(layout, samples, wholes)
+@once_per_layout
+def _columns(layout: Layout) -> Columns:
+    """The columns of the quantities that a scene reports."""
+    scene = layout.scene
     present = frozenset[str]().union(*(present_names(scene, each) for each in scene.surfaces))
     found = reported(scene.output.ledger, present.intersection(OPTIONAL_QUANTITIES))
-    sources = (group,), wholes, (system,)
-    widths = scene.count, len(wholes), 1
-    tables = found.asperites, found.blocks, found.system
-    return [
-        ReportedSeries(name, quantity.of, own, width)
-        for table, own, width in zip(tables, sources, widths, strict=True)
-        for name, quantity in table.items()
-    ]
+    tables = {ASPERITES: found.asperites, SURFACES: found.blocks, SYSTEM: found.system}
+    widths = {ASPERITES: scene.count, SURFACES: len(layout.parts), SYSTEM: 1}
+    each = [(name, one.of, kind) for kind, table in tables.items() for name, one in table.items()]
+    each.sort(key=lambda item: not isinstance(item[1], Linear))
+    linear, others = [], []
+    for _, of, kind in each:
+        if isinstance(of, Linear):
+            linear.append((of.value, kind))
+        elif isinstance(of, Moving):
+            others.append((of.value, MOTION))
+        else:
+            others.append((of.value if isinstance(of, Summed) else of, kind))
+    starts = np.cumsum([0, *(widths[kind] for _, _, kind in each[:-1])])
+    return Columns(tuple(name for name, _, _ in each), starts, tuple(linear), tuple(others))
 
 
 def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesTable:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.kernels.probe import TABLES
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.accounts import Account, Integrals
 from tribo.ledger.guards import first_lost, passed_through
 from tribo.ledger.ledger import Ledger, assemble
@@ -67,6 +67,7 @@ def levers(scene: Scene) -> np.ndarray:
     return np.concatenate(found)
 
 
+@once_per_layout
 def may_pump(layout: Layout) -> bool:
     """Whether drives may pump heat: they are forced, at a temperature, and levers are unlike."""
     scene = layout.scene

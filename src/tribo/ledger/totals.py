@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -10,10 +9,11 @@ import numpy as np
 from tribo.kernels.kinematics import rod_position
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
 from tribo.ledger.forces import Forces
+from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import touching
@@ -30,7 +30,7 @@ class AsperiteSeries:
         self.samples = samples
         self.spans = spans
 
-    @cached_property
+    @lazy_property
     def motions(self) -> tuple[Motion, ...]:
         """The motion of the asperites, span by span."""
         return tuple(Motion(self._layout, span, self.samples) for span in self.spans)
@@ -66,16 +66,16 @@ class SurfaceSeries(AsperiteSeries):
         self._among = among
         self._forces = forces
 
-    @cached_property
+    @lazy_property
     def _record(self) -> np.record:
         """The surface as the kernels know it."""
         return self._layout.surfaces[self._index]
 
-    @cached_property
+    @lazy_property
     def motions(self) -> tuple[Motion, ...]:
         if self._among is None:
             return super().motions
-        return tuple(self._among.part(span) for span in self.spans)
+        return tuple([self._among.part(span) for span in self.spans])
 
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
@@ -119,16 +119,14 @@ class SurfaceSeries(AsperiteSeries):
 
         return np.asarray(0.5 * stiffness * self._total(squares))
 
-    @cached_property
-    @_with_infinities
+    @lazy_property
     def change_of_kinetic(self) -> np.ndarray:
         vx, vy = self._layout.velocity_of(self._index)
         lag_x, lag_y = self._lag
         moving = self._mass * (vx * lag_x + vy * lag_y) + self._bulk
         return self.samples.change(moving)
 
-    @cached_property
-    @_with_infinities
+    @lazy_property
     def change_of_internal(self) -> np.ndarray:
         """The change of the internal energy: of all energy that is not bulk kinetic."""
         within = self._total(lambda e: e.moving + e.internal) - self._bulk
@@ -158,7 +156,6 @@ class SurfaceSeries(AsperiteSeries):
         return self.samples.stored[:, self._index]
 
     @property
-    @_with_infinities
     def heat_of_bath(self) -> np.ndarray:
         """The change of the bath's energy in the motion with V, or with driven bars."""
         energy = self._bath_energy
@@ -198,12 +195,12 @@ class SurfaceSeries(AsperiteSeries):
         columns = self._layout.places.columns[part]
         return np.asarray(self.samples.baths[:, KINETIC, columns].sum(axis=1))
 
-    @cached_property
+    @lazy_property
     def _mass(self) -> float | np.ndarray:
         """The mass of the surface and its bath."""
-        return self._layout.mass_of(self._index)
+        return _masses(self._layout)[self._index]
 
-    @cached_property
+    @lazy_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
         mass, stored = self._mass, self.stored
@@ -211,7 +208,7 @@ class SurfaceSeries(AsperiteSeries):
         py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
 
-    @cached_property
+    @lazy_property
     def _bulk(self) -> np.ndarray:
         """The kinetic energy of the motion with V, in the surface's first frame."""
         lag_x, lag_y = self._lag
@@ -230,7 +227,7 @@ class SurfaceSeries(AsperiteSeries):
         )
 
     def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
-        return _sum(map(value, self.motions))
+        return _sum(value(motion) for motion in self.motions)
 
 
 @dataclass(eq=False)
@@ -242,7 +239,6 @@ class SystemSeries:
     wholes: tuple[SurfaceSeries, ...]
     spans: ClassVar[tuple[Span, ...]] = ()
 
-    @_with_infinities
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
@@ -257,6 +253,29 @@ class SystemSeries:
         )
 
 
+class Moving:
+    """A quantity of each asperite; `value` takes the motion of some of them."""
+
+    def __init__(self, value: Callable[[Motion], np.ndarray]) -> None:
+        self.value = value
+
+    def __call__(self, source: AsperiteSeries) -> np.ndarray:
+        """Its series, (times, asperites)."""
+        return source.each(self.value)
+
+
+class Summed:
+    """A quantity of a surface or the system, of which `value` computes the series."""
+
+    def __init__(self, value: Callable[..., np.ndarray]) -> None:
+        self.value = value
+
+    @_with_infinities
+    def __call__(self, source: SurfaceSeries | SystemSeries) -> np.ndarray:
+        """Its series, (times,)."""
+        return self.value(source)
+
+
 class Linear:
     """A quantity that is linear in the integrals; `value` takes its surface or system and these."""
 
@@ -269,6 +288,11 @@ class Linear:
         return source.samples.linear(key, lambda integrals: self.value(source, integrals))
 
 
+@once_per_layout
+def _masses(layout: Layout) -> list[float | np.ndarray]:
+    return [layout.mass_of(index) for index in range(len(layout.parts))]
+
+
 def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
     """The series of all asperites, from those of the spans."""
     return series[0] if len(series) == 1 else np.concatenate(series, axis=1)
@@ -276,4 +300,7 @@ def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
 
 def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
     """The sum over asperites, with the same bits for any number of times, unlike products."""
-    return np.asarray(sum(np.sum(value, axis=1) for value in values))
+    total: np.ndarray | float = 0.0
+    for value in values:
+        total = total + np.add.reduce(value, axis=1)
+    return np.asarray(total)

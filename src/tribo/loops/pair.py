@@ -19,7 +19,7 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of
@@ -53,6 +53,8 @@ KNOWN = {
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
+# Tolerances whose limits are kept.
+LIMITS_KEPT = 4
 # Steps before a run without a progress report can be interrupted: a few milliseconds.
 UNINTERRUPTED_STEPS = 2048
 
@@ -135,6 +137,7 @@ def has_pair_loop(layout: Layout, method: Method) -> bool:
     return compiled and adaptive and is_pair(layout)
 
 
+@once_per_layout
 def is_pair(layout: Layout) -> bool:
     """Whether a scene is one asperite on one, with bars clamped at rest, forced, free or driven.
 
@@ -179,6 +182,7 @@ class Pair:
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
         self.entry = entry_point(layout, pair_collocation, fixed, examples)
+        self._limits: tuple[tuple[Tolerance, np.ndarray], ...] = ()
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
@@ -218,7 +222,18 @@ class Pair:
         return self._rows.copy()
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
-        """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
+        """The loop's own limits (2, 8), with which all of the layout's tolerances are met.
+
+        The last ones are kept: a run with an estimate takes three by two tolerances.
+        """
+        for known, limits in self._limits:
+            if known is tolerance:
+                return limits
+        found = self._limits_of(tolerance)
+        self._limits = ((tolerance, found), *self._limits[: LIMITS_KEPT - 1])
+        return found
+
+    def _limits_of(self, tolerance: Tolerance) -> np.ndarray:
         everything = np.concatenate([tolerance.y, tolerance.s])
         factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):

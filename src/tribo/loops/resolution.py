@@ -10,7 +10,7 @@ from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS, PULLED
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import Corrugation
@@ -87,6 +87,7 @@ def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 
 
+@once_per_layout
 def unit_step(layout: Layout) -> float:
     """The unit of equal steps: the time in which the fastest pendulum turns by one radian."""
     fastest = pendulum_frequency(layout)

@@ -9,7 +9,7 @@ from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance, stricter
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.ledger.guards import lost_sample, passed_through
+from tribo.ledger.guards import facing, lost_sample, passed_through
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.batch import Batch, GeneralMembers, Pool
 from tribo.loops.batch_pair import PairMembers
@@ -142,7 +142,7 @@ class Integrator:
 
 def up_to_passing(layout: Layout, run: Integration) -> Integration:
     """The run, or its part up to the first sample at which surfaces have passed."""
-    if run.status != Status.COMPLETED:
+    if run.status != Status.COMPLETED or not facing(layout):
         return run
     passed = np.flatnonzero(passed_through(layout, run.samples))
     return run.up_to(int(passed[0]), Status.PASSED_THROUGH) if passed.size else run

@@ -22,6 +22,7 @@ from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.interaction import Interaction, Periodic, as_interaction
 from tribo.model.scene_writer import output_table, surface_table, toml, without_defaults
 from tribo.model.settings import Numerics, Output
+from tribo.model.smoothness import smoothness_of
 from tribo.model.surface import Surface
 from tribo.model.tables import ComparedByValue, from_table, part, table_of
 from tribo.model.topography import Topography
@@ -255,7 +256,7 @@ class Scene(ComparedByValue):
         """Whether an external field acts on the bobs of the surface."""
         return any(surface.name in item.on for item in self.fields)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of asperites."""
         return sum(surface.count for surface in self.surfaces)
@@ -267,10 +268,10 @@ class Scene(ComparedByValue):
         names = (surface.name for surface in self.surfaces)
         return dict(zip(names, map(slice, [0, *stops], stops), strict=True))
 
-    @property
+    @cached_property
     def smoothness(self) -> float:
         """Number of continuous derivatives of all potentials; 0 if one jumps."""
-        own = (interaction.potential.smoothness() for interaction in self.interactions)
+        own = (smoothness_of(interaction.potential) for interaction in self.interactions)
         return max(0, min(own, default=math.inf))
 
     @cached_property

@@ -10,14 +10,16 @@ from tribo.integrators.methods import Method
 from tribo.kernels.encounters import NEGLIGIBLE
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
-from tribo.ledger.ledger import Ledger
+from tribo.layout.layout import Layout, once_per_layout
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.samples import Samples
 from tribo.ledger.separation import asperite_names, closest_bobs
 from tribo.ledger.sinks import Watched, levers
 from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
 from tribo.model.drives import Forced
 from tribo.model.scene import Scene
+from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
 from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
@@ -82,13 +84,10 @@ def _on_seams(scene: Scene) -> Iterator[str]:
 
 def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) -> tuple[str, ...]:
     """A note where the energy budget does not close with potentials or fields of the user's own."""
-    scene, system = layout.scene, ledger.system
-    potentials = [each.potential for each in scene.interactions]
-    potentials += [each.potential for each in scene.fields]
-    inner = [type(part) for each in potentials for part in parts(each)]
-    own = dict.fromkeys(kind.__name__ for kind in inner if not is_own(kind))
-    if not own or "applied_work" not in system:
+    own = _users_potentials(layout)
+    if not own or "applied_work" not in ledger.system:
         return ()
+    system = ledger.system
     change, work = system["total_energy_change"], system["applied_work"]
     gap = float(np.max(np.abs(change - work)))
     bound = bounds["total_energy_change"] + bounds["applied_work"]
@@ -99,6 +98,16 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
         f"{gap:.1e}, more than their errors of {bound:.1e}; the force of {' or '.join(own)} is not "
         "conservative, or less smooth than it declares; tribo check tells which",
     )
+
+
+@once_per_layout
+def _users_potentials(layout: Layout) -> tuple[str, ...]:
+    """The names of the classes of potentials that are not tribo's own."""
+    scene = layout.scene
+    potentials = [each.potential for each in scene.interactions]
+    potentials += [each.potential for each in scene.fields]
+    inner = [type(part) for each in potentials for part in parts(each)]
+    return tuple(dict.fromkeys(kind.__name__ for kind in inner if not is_own(kind)))
 
 
 def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
@@ -112,13 +121,14 @@ def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
     )
 
 
-def drive_notes(layout: Layout, ledger: Ledger) -> Iterator[str]:
+def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     """What the drive does of every forced surface at rest, if its bars swing and it does work."""
     surfaces = layout.scene.surfaces
-    if layout.model.ledger is None:
-        return
-    works = {s.name: float(np.sum(ledger.of(s.name)["w2"][-1])) for s in surfaces}
     at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
+    if layout.model.ledger is None or not at_rest:
+        return
+    ledger = assemble(layout, samples.ends())
+    works = {s.name: float(np.add.reduce(ledger.of(s.name)["w2"][-1])) for s in surfaces}
     others = sum(work for name, work in works.items() if name not in at_rest)
     for name in at_rest:
         if abs(works[name]) > NOTED_WORK * abs(others) > 0.0:
@@ -263,7 +273,7 @@ def _on_angles(scene: Scene) -> Iterator[str]:
 def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
     """Potentials that are less smooth than the method needs them to be."""
     for interaction in scene.interactions:
-        smoothness = interaction.potential.smoothness()
+        smoothness = smoothness_of(interaction.potential)
         name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
             yield (
