@@ -25,23 +25,25 @@ class FineRuns:
     """
 
     def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
-        self._layout, samples = _at_few_times(runs)
+        layout, samples = _at_few_times(runs)
         self._complete, self._members = runs.complete, samples.runs
         self._names = observables(accuracy)
-        group = self._group(self._layout, samples)
-        self._columns = series_table(self._layout, group, self._names)
-        names = self._columns.names
-        tops = dict(zip(names, self._columns.largest(samples.runs), strict=True))
-        (motion,), mean = group.motions, mean_velocity(self._layout)
+        group = self._group(layout, samples)
+        columns = series_table(layout, group, self._names)
+        names = columns.names
+        tops = dict(zip(names, columns.largest(samples.runs), strict=True))
+        (motion,), mean = group.motions, mean_velocity(layout)
         speed, internal, path = (
             largest_of_runs(each, samples.runs)
             for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
         )
-        self.scales: Scales = scales_of(self._layout, tops, speed, internal, path)
+        self.scales: Scales = scales_of(layout, tops, speed, internal, path)
         asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
         self._compared = [name in asked for name in names]
         units = [asked[name] * self.scales.of(name) for name in names if name in asked]
-        self._units = np.stack(np.broadcast_arrays(*units, speed)[:-1])  # (names, members)
+        once = layout, columns, np.stack(np.broadcast_arrays(*units, speed)[:-1])
+        # The layout, the series and the units (names, members) of all members so many times.
+        self._repeated: dict[int, tuple[Layout, SeriesTable, np.ndarray]] = {1: once}
 
     def excess(self, *others: MemberRuns) -> np.ndarray:
         """The largest differences of other runs in units of the accuracy, (others, members).
@@ -51,14 +53,13 @@ class FineRuns:
         number = len(others)
         first, *rest = (_at_few_times(runs)[1] for runs in others)
         samples = first.beside(*rest)
-        layout = self._layout
-        if layout.numbers is not None and number > 1:
-            members = np.tile(np.arange(self._members), number)
-            layout = replace(layout, numbers=layout.numbers.of_members(members))
+        if number not in self._repeated:
+            self._repeated[number] = self._repeat(number)
+        layout, mine, units = self._repeated[number]
         theirs = series_table(layout, self._group(layout, samples), self._names)
-        gaps = self._repeated(number).minus(theirs).largest(samples.runs)[self._compared]
+        gaps = mine.minus(theirs).largest(samples.runs)[self._compared]
         with np.errstate(divide="ignore", invalid="ignore"):
-            relative = np.where(gaps == 0.0, 0.0, gaps / np.tile(self._units, number))
+            relative = np.where(gaps == 0.0, 0.0, gaps / units)
         worst = relative.max(axis=0, initial=0.0).reshape(number, self._members)
         complete = self._complete & [runs.complete for runs in others]
         return np.where(complete & np.isfinite(worst), worst, np.inf)
@@ -67,11 +68,15 @@ class FineRuns:
     def _group(layout: Layout, samples: Samples) -> AsperiteSeries:
         return AsperiteSeries(layout, samples, (layout.together,))
 
-    def _repeated(self, number: int) -> SeriesTable:
-        """The series of all members so many times, as in samples of runs side by side."""
-        width = self._columns.values.shape[1]
-        values = self._columns.values.reshape(-1, self._members, width)
-        return self._columns._replace(values=np.tile(values, (1, number, 1)).reshape(-1, width))
+    def _repeat(self, number: int) -> tuple[Layout, SeriesTable, np.ndarray]:
+        """All members so many times, as in samples of runs side by side."""
+        layout, columns, units = self._repeated[1]
+        if layout.numbers is not None:
+            members = np.tile(np.arange(self._members), number)
+            layout = replace(layout, numbers=layout.numbers.of_members(members))
+        each = columns.values.reshape(-1, self._members, columns.values.shape[1])
+        values = np.tile(each, (1, number, 1)).reshape(-1, each.shape[2])
+        return layout, columns._replace(values=values), np.tile(units, number)
 
 
 def _at_few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
