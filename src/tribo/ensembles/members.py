@@ -183,12 +183,14 @@ class Variation:
         """The number of members that each array has values for."""
         return {key: len(rows) for key, rows in self._arrays.items()}
 
-    def check_lengths(self, members: int) -> None:
-        """Raise InputError about an array that has not a value for each of the members."""
+    def check(self, members: int) -> None:
+        """Refuse arrays without a value for each of the members, and draws that fail."""
         for key, length in self.lengths.items():
             if length != members:
                 problem = f"must have values for {members} members, got {length}"
                 raise InputError(f"vary.{key}", problem)
+        for draw in self._draws.values():
+            self._block(draw, 0)
 
     def members(self, numbers: np.ndarray) -> Members:
         """The members with some numbers, ascending."""

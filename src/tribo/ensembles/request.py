@@ -11,7 +11,7 @@ from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
 from tribo.integrators.methods import noisy
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import FURTHER, needs_accounts
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
@@ -57,11 +57,13 @@ class Request(NamedTuple):
                 output = Output(samples=2, series=series, ledger="none" if without else "asperites")
         return replace(scene, numerics=numerics, output=output)
 
-    def prepare(self, scene: Scene) -> Simulation:
-        """The scene with all members' settings.  Raises InputError if these miss the accuracy."""
-        simulation = prepare(
-            self.recorded(scene), self.accuracy, self.method, self.step, False, threads=1
-        )
+    def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
+        """The scene with all members' settings; it may be `recorded` already.
+
+        Raises InputError if the settings miss the accuracy.
+        """
+        recorded = self.recorded(scene) if recorded is None else recorded
+        simulation = prepare(recorded, self.accuracy, self.method, self.step, False, threads=1)
         simulation = self._in_steps_of_samples(scene, simulation)
         if simulation.accuracy is None or self.with_errors:
             return simulation
@@ -78,16 +80,22 @@ class Request(NamedTuple):
             )
         return simulation
 
-    def kept(self, layout: Layout) -> Kept:
-        """What is kept, of a scene that records it.  Raises InputError."""
+    def kept(self, recorded: Scene, layout: Layout | None = None) -> Kept:
+        """What is kept, of a scene that records it; its layout is made if it is needed.
+
+        Raises InputError.
+        """
+        if self.keep is not None and self.at == END:
+            return Kept.at_end(recorded, self.keep, self.with_errors)
+        layout = lay_out(recorded) if layout is None else layout
         if self.keep is None:
             return Kept.sums(layout)
-        return Kept.checked(layout, self.keep, self.at == SAMPLES, self.with_errors)
+        return Kept.at_all_times(layout, self.keep, self.with_errors)
 
     def identity(
-        self, scene: Scene, variation: Variation, others: Mapping[str, object]
+        self, recorded: Scene, variation: Variation, others: Mapping[str, object]
     ) -> Identity:
-        """What tells many runs of a scene from others."""
+        """What tells many runs of a scene that records what is kept from others."""
         settings: Identity = {
             "seed": variation.seed,
             **others,
@@ -96,7 +104,7 @@ class Request(NamedTuple):
             "vary": variation.identity(),
             **settings_of(str(self.method), self.accuracy, self.step, None),
         }
-        return identity_of(self.recorded(scene), settings, version())
+        return identity_of(recorded, settings, version())
 
     def _in_steps_of_samples(self, scene: Scene, simulation: Simulation) -> Simulation:
         """The same, whose steps, with noise, divide the times between samples.

@@ -15,7 +15,7 @@ import numpy as np
 
 from tribo.ensembles.engines import run_tasks
 from tribo.ensembles.kept_values import REFUSED, Kept, KeptValues, joined
-from tribo.ensembles.members import Members, Source, Variation, is_start, size_of
+from tribo.ensembles.members import Members, Source, Variation, is_start
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.ensembles.swing_states import DrawnSwings
@@ -121,7 +121,7 @@ def _served_by_one_plan(
     grid: Grid, request: Request, variation: Variation
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
-    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
+    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and grid.has_numbers(axis)]
     if not candidates:
         return [], None
     places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
@@ -146,16 +146,6 @@ def _served_by_one_plan(
     if not inner or not in_batches(simulation, numbers):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
-
-
-def _has_numbers(grid: Grid, axis: Axis) -> bool:
-    """Whether all values are numbers in which members may differ."""
-    if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
-        return False
-    try:
-        return all(size_of(grid.scene, key) for key in grid.bound_to(axis.keys))
-    except InputError:
-        return False
 
 
 def runs_of(sets: list[PointSet], done: int, how: Execution) -> Iterator[KeptValues]:
@@ -184,7 +174,7 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
     request = points.request
     try:
         simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
-        kept, variation = request.kept(simulation.layout), points.variation
+        kept, variation = request.kept(simulation.scene, simulation.layout), points.variation
         runs = planned(simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
