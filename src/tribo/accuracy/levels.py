@@ -9,7 +9,7 @@ from tribo.accuracy.scales import largest, length_scale, resolved
 from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.kinematics import rod_velocity
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
 from tribo.ledger.motion import Motion, mean_velocity
@@ -128,6 +128,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     )
 
 
+@once_per_layout
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)

@@ -7,12 +7,14 @@ multiple of one of them; two matrices hold the factors.
 from __future__ import annotations
 
 import time
+from collections.abc import Hashable
 from copy import copy
 from typing import Any
 
 import numpy as np
 from numba import config
 
+from tribo.compiler.jit import EntryPoint
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
@@ -179,6 +181,7 @@ class Pair:
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
         self.entry = entry_point(layout, pair_collocation, fixed, examples)
+        self._members: dict[Hashable, EntryPoint] = {}
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
@@ -189,6 +192,15 @@ class Pair:
         pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
         pair.loops = Pool(lambda: PairLoop(pair))
         return pair
+
+    def entry_of_members(
+        self, loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+    ) -> EntryPoint:
+        """The code of a loop over members, looked up once for each kind of its arguments."""
+        key = loop, kind
+        if key not in self._members:
+            self._members[key] = entry_point(self.layout, loop, fixed, examples)
+        return self._members[key].with_fixed(*fixed)
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
