@@ -261,14 +261,14 @@ def test_statuses(monkeypatch):
     """A point that stops or is refused has its status and no value; others have theirs."""
     side_by_side = (tribo.Surface("one", bob=(-1.0, 0.0)), tribo.Surface("other", bob=(1.0, 0.0)))
     scene = tribo.Scene(side_by_side, tribo.Coulomb(1.0), 4.0)
-    prepare = request.prepare
+    prepare = request.prepare_members
 
-    def refuse_third(scene, *settings, threads):
+    def refuse_third(scene, *settings):
         if scene.interactions[0].potential.strength == 2.0:
             raise InputError("accuracy", "is out of reach")
-        return prepare(scene, *settings, threads=threads)
+        return prepare(scene, *settings)
 
-    monkeypatch.setattr(request, "prepare", refuse_third)
+    monkeypatch.setattr(request, "prepare_members", refuse_third)
     data = sweep(scene, {"interaction.strength": [-1.0, 2.0, 1.0]})
     assert data["status"].values.tolist() == ["StepUnderflow", "Refused", "completed"]
     assert np.isnan(data["one.W"]).values.tolist() == [True, True, False]

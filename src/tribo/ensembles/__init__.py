@@ -179,7 +179,7 @@ def ensemble(
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         simulation = request.prepare(scene, recorded)
-        runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
+        runs = planned(request, simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target)
         return mean_dataset(runs, target, wanted, most)

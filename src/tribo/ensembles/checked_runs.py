@@ -63,7 +63,7 @@ LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
 # Members of the pilot that are run in one call, so that threads share them.
-PIECE = 512
+PIECE = 1024
 # Members of the first batch: where they suffice, 1 % are checked, in 4 % of the time.
 BATCH = 32
 # One in so many of the others is checked.

@@ -26,6 +26,8 @@ from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_b
 VELOCITY = "velocity"
 # Numbers that are drawn at once, of one quantity: calls of a distribution take about 0.1 ms.
 BLOCK = 4096
+# Blocks in memory, of some 0.1 MB: they are drawn for the runs, and again for the data set.
+MOST_BLOCKS = 128
 
 
 @runtime_checkable
@@ -175,7 +177,7 @@ class Variation:
         self._arrays = arrays | drawn
         self._swept = {key: np.asarray(each)[:, None] for key, each in swept.items()}
         self._sizes |= {key: size_of(scene, key) for key in swept}
-        self._block = lru_cache(2 + 2 * len(self._draws))(self._new_block)
+        self._block = lru_cache(MOST_BLOCKS)(self._new_block)
         self.own_numbers = tuple(key for key in (*plain, *swept) if not is_start(key))
 
     @property

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
-from tribo.simulation import prepare
+from tribo.simulation import prepare, prepare_members
 from tribo.validation import InputError
 
 # When quantities are kept.
@@ -60,12 +61,23 @@ class Request(NamedTuple):
     def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
         """The scene with all members' settings; it may be `recorded` already.
 
-        Raises InputError if the settings miss the accuracy.
+        Members of a pair are compared with finer runs, and its settings show their scales alone;
+        :meth:`search` finds those of its own run.  Raises InputError if settings miss the accuracy.
         """
         recorded = self.recorded(scene) if recorded is None else recorded
-        simulation = prepare(recorded, self.accuracy, self.method, self.step, False, threads=1)
-        simulation = self._in_steps_of_samples(scene, simulation)
-        if simulation.accuracy is None or self.with_errors:
+        of_pairs = self.keep is not None
+        make = prepare_members if of_pairs else partial(prepare, progress=False, threads=1)
+        simulation = make(recorded, self.accuracy, self.method, self.step)
+        return self._checked(self._in_steps_of_samples(scene, simulation))
+
+    def search(self, simulation: Simulation) -> Simulation:
+        """The same simulation with the settings of a search.  Raises InputError as above."""
+        scene, plan = simulation.scene, simulation.plan
+        return self._checked(prepare(scene, plan.accuracy, plan.method, progress=False, threads=1))
+
+    def _checked(self, simulation: Simulation) -> Simulation:
+        """The simulation, whose accuracy is kept or not searched for.  Raises InputError."""
+        if simulation.plan.tuned is None or self.with_errors:
             return simulation
         result = simulation.compute_first()
         if result.status == Status.INTERRUPTED:

@@ -109,7 +109,7 @@ def point_sets(
     for place in outside:
         # Together with the first values of the others.
         own = values_at(outer, place) | values_at(inner, [0] * len(inner))
-        scene = with_values(grid.scene, own).with_heights()
+        scene = (with_values(grid.scene, own) if outer else grid.first).with_heights()
         if members is None:
             drawn = drawn._replace(seeds=np.array([scene.seed]))
         points = len(within), drawn, variation.seed, simulation
@@ -126,10 +126,11 @@ def _served_by_one_plan(
         return [], None
     places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
     scene = with_values(grid.scene, values_at(grid.axes, places)).with_heights()
-    if request.recorded(scene).output.series:
+    recorded = request.recorded(scene)
+    if recorded.output.series:
         return [], None
     try:
-        simulation = request.prepare(scene)
+        simulation = request.prepare(scene, recorded)
     except InputError:
         return [], None
     plan, pair = simulation.plan, simulation.integrator.pair is not None
@@ -175,7 +176,7 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
     try:
         simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
         kept, variation = request.kept(simulation.scene, simulation.layout), points.variation
-        runs = planned(simulation, kept, variation, points.runs, how)
+        runs = planned(request, simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
             yield points.kept.of_others(found)
