@@ -1,4 +1,4 @@
-"""Finer runs of members, with which any number of other runs of the same members are compared."""
+"""Runs of members compared with finer ones of the same members."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,64 +19,75 @@ MOST_COMPARED = 65
 
 
 class FineRuns:
-    """Fine runs of some members: their series, and the scales of errors.
-
-    Both are computed once, and serve all comparisons.
-    """
+    """Fine runs of some members, with which any number of other runs of these are compared."""
 
     def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
-        layout, samples = _at_few_times(runs)
-        self._complete, self._members = runs.complete, samples.runs
-        self._names = observables(accuracy)
-        group = self._group(layout, samples)
-        columns = series_table(layout, group, self._names)
-        names = columns.names
-        tops = dict(zip(names, columns.largest(samples.runs), strict=True))
-        (motion,), mean = group.motions, mean_velocity(layout)
-        speed, internal, path = (
-            largest_of_runs(each, samples.runs)
-            for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
-        )
-        self.scales: Scales = scales_of(layout, tops, speed, internal, path)
-        asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
-        self._compared = [name in asked for name in names]
-        units = [asked[name] * self.scales.of(name) for name in names if name in asked]
-        once = layout, columns, np.stack(np.broadcast_arrays(*units, speed)[:-1])
-        # The layout, the series and the units (names, members) of all members so many times.
-        self._repeated: dict[int, tuple[Layout, SeriesTable, np.ndarray]] = {1: once}
+        self._accuracy, self._complete = accuracy, runs.complete
+        layout, self._samples = _at_few_times(runs)
+        self._layouts = {1: layout}  # for all members so many times
+        self._scales: Scales | None = None
 
-    def excess(self, *others: MemberRuns) -> np.ndarray:
-        """The largest differences of other runs in units of the accuracy, (others, members).
+    def compare(self, *others: MemberRuns) -> tuple[Scales, np.ndarray]:
+        """The scales of errors, (members,), and the largest differences, (others, members).
 
-        They are infinite if a run stopped, or a difference is not finite.
+        Differences are in units of the accuracy; they are infinite if a run stopped, or if one is
+        not finite.  One table has the series of all runs side by side: to make it takes longer than
+        to fill it.
         """
-        number = len(others)
-        first, *rest = (_at_few_times(runs)[1] for runs in others)
-        samples = first.beside(*rest)
-        if number not in self._repeated:
-            self._repeated[number] = self._repeat(number)
-        layout, mine, units = self._repeated[number]
-        theirs = series_table(layout, self._group(layout, samples), self._names)
-        gaps = mine.minus(theirs).largest(samples.runs)[self._compared]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            relative = np.where(gaps == 0.0, 0.0, gaps / units)
-        worst = relative.max(axis=0, initial=0.0).reshape(number, self._members)
-        complete = self._complete & [runs.complete for runs in others]
-        return np.where(complete & np.isfinite(worst), worst, np.inf)
+        members, runs = self._samples.runs, 1 + len(others)
+        samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
+        layout = self._layout_of(runs)
+        group = AsperiteSeries(layout, samples, (layout.together,))
+        table = series_table(layout, group, observables(self._accuracy))
+        values = table.values.reshape(-1, runs, members, table.values.shape[1])
+        if self._scales is None:
+            self._scales = _scales(layout, group, _with(table, values[:, 0]), members)
+        with np.errstate(invalid="ignore"):  # of two infinite energies
+            gaps = _with(table, values[:, :1] - values[:, 1:]).largest(members * len(others))
+        worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
+        complete = self._complete & [each.complete for each in others]
+        return self._scales, np.where(complete & np.isfinite(worst), worst, np.inf)
 
-    @staticmethod
-    def _group(layout: Layout, samples: Samples) -> AsperiteSeries:
-        return AsperiteSeries(layout, samples, (layout.together,))
+    def _layout_of(self, runs: int) -> Layout:
+        """The layout for all members so many times, as in samples of runs side by side."""
+        if runs not in self._layouts:
+            layout = self._layouts[1]
+            if layout.numbers is not None:
+                members = np.tile(np.arange(self._samples.runs), runs)
+                layout = replace(layout, numbers=layout.numbers.of_members(members))
+            self._layouts[runs] = layout
+        return self._layouts[runs]
 
-    def _repeat(self, number: int) -> tuple[Layout, SeriesTable, np.ndarray]:
-        """All members so many times, as in samples of runs side by side."""
-        layout, columns, units = self._repeated[1]
-        if layout.numbers is not None:
-            members = np.tile(np.arange(self._members), number)
-            layout = replace(layout, numbers=layout.numbers.of_members(members))
-        each = columns.values.reshape(-1, self._members, columns.values.shape[1])
-        values = np.tile(each, (1, number, 1)).reshape(-1, each.shape[2])
-        return layout, columns._replace(values=values), np.tile(units, number)
+
+def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
+    """The table with other values, (..., columns)."""
+    return table._replace(values=values.reshape(-1, values.shape[-1]))
+
+
+def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
+    """The scales of the first runs of a group, as many as there are members."""
+    tops = dict(zip(table.names, table.largest(members), strict=True))
+    (motion,), mean, runs = group.motions, mean_velocity(layout), group.samples.runs
+    speed, internal, path = (
+        largest_of_runs(each, runs)[:members]
+        for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
+    )
+    return scales_of(layout, tops, speed, internal, path)
+
+
+def _in_units(
+    accuracy: Accuracy, scales: Scales, names: tuple[str, ...], gaps: np.ndarray, members: int
+) -> np.ndarray:
+    """The largest of differences (names, runs x members) in their units, (runs, members)."""
+    asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
+    places = [place for place, name in enumerate(names) if name in asked]
+    units = np.stack(
+        [np.broadcast_to(asked[names[k]] * scales.of(names[k]), members) for k in places]
+    )
+    chosen = gaps[places].reshape(len(places), -1, members)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
+    return np.asarray(relative.max(axis=0, initial=0.0))
 
 
 def _at_few_times(runs: MemberRuns) -> tuple[Layout, Samples]:

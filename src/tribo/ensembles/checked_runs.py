@@ -144,7 +144,7 @@ class CheckedRuns(Policy):
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
         rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
-        return np.asarray(self.fine(runs).excess(rough)[0] > AGREED)
+        return np.asarray(self.fine(runs).compare(rough)[1][0] > AGREED)
 
     def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
         """Run members by the method and tolerances of a plan; `near` in place of the method's."""
@@ -180,7 +180,7 @@ class CheckedRuns(Policy):
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self.fine(self._check(level, starts.of_members(now)))
-            scales, (excess,) = fine.scales, fine.excess(coarse)
+            scales, (excess,) = fine.compare(coarse)
             known = np.isfinite(excess)
             set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
@@ -237,7 +237,7 @@ def _cheapest(
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     exact = CheckedPlan(runs.exact, float(levels[-1]), -1, scales)
     fine = runs.run(exact, starts)
-    compared, complete = runs.fine(fine), fine.complete
+    reference, complete = runs.fine(fine), fine.complete
     # A bisection for each method, all of them side by side.
     searches = [
         _Bisection(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()
@@ -247,7 +247,7 @@ def _cheapest(
             runs.run(exact._replace(method=each.method, level=float(levels[each.middle])), starts)
             for each in tried
         ]
-        excess = compared.excess(*found)[:, complete]
+        excess = reference.compare(*found)[1][:, complete]
         for each, own, kept in zip(tried, found, np.all(excess <= CHOSEN, axis=1), strict=True):
             each.narrow(bool(kept), float(own.counts[:, EVALUATIONS].sum()))
     best = min(searches, key=lambda each: each.cost)  # the first of equal ones
@@ -296,8 +296,8 @@ def _with_most_evaluations(
         finer = plan._replace(method=method, level=runs.finer(plan.level))
 
         def excess(some: MemberStarts) -> np.ndarray:
-            (found,) = runs.fine(runs.run(finer, some)).excess(runs.run(plan, some))
-            return np.asarray(found)
+            found = runs.fine(runs.run(finer, some)).compare(runs.run(plan, some))
+            return np.asarray(found[1][0])
 
         pieces = starts.of_members(members).pieces(piece)
         return np.concatenate([np.empty(0), *in_threads(excess, pieces, threads)])
