@@ -6,10 +6,11 @@ multiple of one of them; two matrices hold the factors.
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Hashable
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import config
@@ -21,7 +22,7 @@ from tribo.integrators.methods import Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of
@@ -59,6 +60,24 @@ FIRST_STEP_FACTOR = 8.0
 UNINTERRUPTED_STEPS = 2048
 
 
+class Slots(NamedTuple):
+    """The slots of one asperite of a pair: its coordinate along x, and its accounts."""
+
+    dof_x: int
+    acc_contact: int
+    acc_ends: int
+    acc_slide: int
+    acc_block: int  # of its surface
+
+
+@once_per_layout
+def _slots_of(layout: Layout) -> tuple[Slots, ...]:
+    names = Slots._fields[:-1]
+    blocks = layout.surfaces["acc_block"].tolist()
+    each = zip(*(layout.asperites[name].tolist() for name in names), blocks, strict=True)
+    return tuple(itertools.starmap(Slots, each))
+
+
 def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
 
@@ -71,7 +90,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
         (step_rows.Q1, step_rows.V1, step_rows.X1, step_rows.Y1, step_rows.T1, ARC1),
         (step_rows.Q2, step_rows.V2, step_rows.X2, step_rows.Y2, step_rows.T2, ARC2),
     )
-    for i, (slots, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
+    for i, (slots, sign) in enumerate(zip(_slots_of(layout), (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
         a, slide = asperites[..., i], mobility[..., i]
         to_state[..., i, q] = to_state[..., n + i, v] = 1.0
@@ -86,8 +105,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
             to_state[..., slots.dof_x, step_rows.K] = to_state[
                 ..., n + slots.dof_x, step_rows.J
             ] = slide
-            block = layout.surfaces[i].acc_block
-            for slot in (slots.acc_slide, block):
+            for slot in (slots.acc_slide, slots.acc_block):
                 to_accounts[..., slot, first + step_rows.S] = sign * slide
         if slots.acc_ends >= 0:
             end = a["kappa"] / a["bar_length"]
