@@ -279,6 +279,15 @@ def test_statuses(monkeypatch):
         sweep(scene, {"interaction.strength": [2.0]})
 
 
+def test_values_that_belong_together():
+    """No scene is made between the old values and the new ones, which it might refuse."""
+    wide = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
+    scene = replace(SCENE, interactions=wide, periodic={"x": 6.0})
+    narrow = with_values(scene, {"periodic.x": 4.0, "interaction.cutoff": 1.9})
+    assert narrow.periodic.x == 4.0
+    assert narrow.interactions[0].potential.range() == 1.9
+
+
 def test_figure_of_means_over_seeds():
     """Seeds are samples of which the mean and Student's interval are drawn."""
     rng = np.random.default_rng(1)
