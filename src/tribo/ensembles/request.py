@@ -1,6 +1,6 @@
 """What is asked of each member: the quantities that are kept, and how its scene is run."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -65,8 +65,9 @@ class Request(NamedTuple):
         :meth:`search` finds those of its own run.  Raises InputError if settings miss the accuracy.
         """
         recorded = self.recorded(scene) if recorded is None else recorded
-        of_pairs = self.keep is not None
-        make = prepare_members if of_pairs else partial(prepare, progress=False, threads=1)
+        make: Callable[..., Simulation] = prepare_members
+        if self.keep is None:  # means compare single runs, which need a search
+            make = partial(prepare, progress=False, threads=1)
         simulation = make(recorded, self.accuracy, self.method, self.step)
         return self._checked(self._in_steps_of_samples(scene, simulation))
 
