@@ -7,7 +7,10 @@ than the works of every asperite, and save time.  The loops are timed in turn, a
 shortest of all calls counts.  Every loop is compiled in a process of its own with an empty cache.
 The rows of by_hand.py come first.
 
-    python benchmarks/effects.py [--json] [--rounds N] [--only EFFECT ...]
+    python benchmarks/effects.py [--json] [--quick] [--rounds N] [--only EFFECT ...]
+
+--quick takes one effect that every kick meets, and one that a plug-in computes, and compiles their
+loops once, in this process: no seconds to compile.
 """
 
 import argparse
@@ -31,6 +34,9 @@ from tribo.loops.general import GeneralLoop, compile_loop
 
 # Set in processes whose cache was empty.
 EMPTY = "TRIBO_EMPTY_CACHE"
+
+# The effects of --quick.
+QUICK = ["springs", "own drive"]
 
 # Step of all loops [time].
 STEP = 1e-3
@@ -103,9 +109,14 @@ def nanoseconds(chosen: list[str], rounds: int) -> dict[Effects, float]:
     return found
 
 
-def table(chosen: list[str], rounds: int) -> list[dict[str, Any]]:
-    """A row for the scene without effects, one for each effect, and one for all of them."""
-    compiled = {effects: compile_seconds(effects) for effects in variants(chosen)}
+def table(chosen: list[str], rounds: int, compiling: bool) -> list[dict[str, Any]]:
+    """A row for the scene without effects, one for each effect, and one for all of them.
+
+    Seconds to compile are NaN without `compiling`.
+    """
+    compiled = {
+        effects: compile_seconds(effects) if compiling else math.nan for effects in variants(chosen)
+    }
     times = nanoseconds(chosen, rounds)
     sizes = {effects: Loop(effects).bytes for effects in times}
 
@@ -133,9 +144,10 @@ def table(chosen: list[str], rounds: int) -> list[dict[str, Any]]:
     return [*found, whole("all", EVERYTHING)]
 
 
-def measure(chosen: list[str], rounds: int) -> dict[str, Any]:
-    """Both tables."""
-    return {"effects": table(chosen, rounds), "rows": by_hand.rows(rounds)}
+def measure(chosen: list[str], rounds: int, quick: bool = False) -> dict[str, Any]:
+    """Both tables; if `quick`, that of the effects alone, without seconds to compile."""
+    effects = table(chosen, rounds, compiling=not quick)
+    return {"effects": effects, "rows": [] if quick else by_hand.rows(rounds)}
 
 
 def with_empty_cache(arguments: list[str]) -> int:
@@ -170,6 +182,7 @@ def main() -> None:
     """Measure all effects, or compile one loop for it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--quick", action="store_true", help="few effects, in three minutes")
     parser.add_argument("--rounds", type=int, default=by_hand.ROUNDS)
     parser.add_argument("--only", nargs="+", choices=[*TOGETHER, *APART], metavar="EFFECT")
     parser.add_argument("--compile", nargs="*", help=argparse.SUPPRESS)
@@ -180,10 +193,10 @@ def main() -> None:
         compile_loop(layout, METHOD)
         print(time.process_time() - began)
         return
-    if EMPTY not in os.environ:
+    if EMPTY not in os.environ and not options.quick:
         sys.exit(with_empty_cache(sys.argv[1:]))
-    chosen = options.only or [*TOGETHER, *APART]
-    found = measure(chosen, options.rounds)
+    chosen = options.only or (QUICK if options.quick else [*TOGETHER, *APART])
+    found = measure(chosen, options.rounds, options.quick)
     print(json.dumps(found, indent=1) if options.json else report(found))
 
 

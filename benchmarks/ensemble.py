@@ -21,7 +21,10 @@ heyoka integrates the motion alone, as its fastest way: works follow by conserva
 momentum, by the same formulas as in benchmarks/pair.py.  Runs are interleaved, and the fastest of
 each counts.
 
-    python benchmarks/ensemble.py [--json] [--rounds 5] [--members 200000] [--cases AC,3,16]
+    python benchmarks/ensemble.py [--json] [--quick] [--rounds 5] [--members 200000]
+                                  [--cases AC,3,16]
+
+--quick takes case A with 20,000 members, which suffices to see that a change costs nothing.
 """
 
 import argparse
@@ -396,9 +399,13 @@ def main() -> None:
     """Measure both programs in one process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--members", type=int, default=200_000)
-    parser.add_argument("--cases", default="AC,3,16")
+    parser.add_argument("--quick", action="store_true", help="one case, few members")
+    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--members", type=int)
+    parser.add_argument("--cases")
+    parser.set_defaults(rounds=5, members=200_000, cases="AC,3,16")
+    if parser.parse_known_args()[0].quick:
+        parser.set_defaults(rounds=3, members=20_000, cases="A")
     options = parser.parse_args()
     cases = cases_in(options.cases)
     rows = measure(cases, options.members, options.rounds)

@@ -1,4 +1,4 @@
-"""Python calls of single runs, which cost more time than their time loops do.
+"""Python calls of runs, which cost more time than their time loops do.
 
 They hardly depend on the machine.  A bound that a change exceeds is work done for each run: find
 what is the same for all of them, and compute it once.
@@ -7,10 +7,18 @@ what is the same for all of them, and compute it once.
 import sys
 from dataclasses import replace
 
+import numpy as np
+import pytest
+from scipy import stats
+
 import tribo
 
 # Calls of functions in Python and in C, in all frames; measured: 58, 822 and 10,623.
 PREPARED, ESTIMATED, SIMULATED = 66, 900, 11700
+# The same of 100 members, and of 121 points of a grid; measured: 28,700 and 51,300.
+MEMBERS, POINTS = 32000, 57000
+# Of each further thousand of members, where these differ in starts or in numbers, and of points.
+EACH_THOUSAND, EACH_THOUSAND_OWN, EACH_THOUSAND_POINTS = 500, 1000, 1500
 
 
 def calls(function):
@@ -50,3 +58,38 @@ def test_prepared_pair():
 def test_simulate():
     scene = tribo.paper.scene("A")
     assert calls(lambda: tribo.simulate(scene, accuracy=1e-8, progress=False)) <= SIMULATED
+
+
+def ensemble(members, **vary):
+    vary = {"upper.theta": stats.norm(0.0, 0.1)} | vary
+    options = {"keep": ["upper.w1"], "seed": 1, "threads": 1, "progress": False}
+    return tribo.ensemble(tribo.paper.scene("A"), members, vary, **options)
+
+
+@pytest.mark.parametrize(
+    ("vary", "each_thousand"),
+    [({}, EACH_THOUSAND), ({"upper.asperite.kappa": stats.uniform(1.0, 2.0)}, EACH_THOUSAND_OWN)],
+)
+def test_members(vary, each_thousand):
+    """Members make no calls of their own: what grows with them are batches of some thousands."""
+    few = calls(lambda: ensemble(100, **vary))
+    if not vary:
+        assert few <= MEMBERS
+    assert calls(lambda: ensemble(4100, **vary)) - few <= 4 * each_thousand
+
+
+def test_points():
+    """As members do; a sweep is an ensemble over a grid."""
+
+    def sweep(places):
+        values = {
+            "upper.asperite.kappa": np.linspace(1.0, 3.0, places),
+            "interaction.strength": np.linspace(0.3, 0.7, places),
+        }
+        scene = tribo.paper.scene("A")
+        return tribo.sweep(scene, values, keep=["upper.w1"], threads=1, progress=False)
+
+    few = calls(lambda: sweep(11))
+    assert few <= POINTS
+    more = (33**2 - 11**2) / 1000
+    assert calls(lambda: sweep(33)) - few <= more * EACH_THOUSAND_POINTS

@@ -170,10 +170,12 @@ class Simulation:
 
     @property
     def finest(self) -> Integration:
-        """The run that found the settings.
+        """The run that found the settings, or that shows the scales of members.
 
         Raises InputError if there was none, as the step was given.
         """
+        if self.plan.pilot is not None:
+            return self.plan.pilot
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
         return self.plan.tuned.runs[-1]

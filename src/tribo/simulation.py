@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import Accuracy, check_observables
-from tribo.accuracy.plan import Plan, make_plan
+from tribo.accuracy.plan import Plan, make_plan, plan_of_members
 from tribo.analysis.deep_core import core_notes
 from tribo.files import netcdf_target
 from tribo.integrators import methods
@@ -87,7 +87,23 @@ def prepare(
     report = shown(progress, task.layout.scene.duration, "t")
     if isinstance(report, ProgressBar):
         report = report.of_runs
-    simulation = task.simulation(report)
+    return _unless_interrupted(task.simulation(report))
+
+
+def prepare_members(
+    scene: Scene, accuracy: Accuracy | None, method: str | None, step: float | None
+) -> Simulation:
+    """As :func:`prepare` without progress, in one thread, for members of an ensemble.
+
+    Members of a pair find settings of their own, and no search is made for its own run, but by
+    :func:`tribo.accuracy.plan.plan_of_members`.
+    """
+    task = _task(scene, accuracy, method, step, None, False, threads=1)
+    return _unless_interrupted(task.simulation(None, for_members=True))
+
+
+def _unless_interrupted(simulation: Simulation) -> Simulation:
+    """The simulation.  Raises KeyboardInterrupt if the search for its settings was interrupted."""
     tuned = simulation.plan.tuned
     if tuned is not None and tuned.runs[-1].status == Status.INTERRUPTED:
         raise KeyboardInterrupt
@@ -104,7 +120,12 @@ class _Task(NamedTuple):
     # How Simulation.run makes the run; None for the first result.
     changes: tuple[Start, bool] | None = None
 
-    def simulation(self, progress: Progress | None, journal: Journal | None = None) -> Simulation:
+    def simulation(
+        self,
+        progress: Progress | None,
+        journal: Journal | None = None,
+        for_members: bool = False,
+    ) -> Simulation:
         """Compile and plan, with a bar for the runs; warn of bobs that start deep in a core."""
         layout, method = self.layout, self.choice.method
         count = threads_of(layout.model, method, self.threads).number
@@ -112,7 +133,11 @@ class _Task(NamedTuple):
         for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
             warnings.warn(note, TriboWarning, stacklevel=3)
         announce = progress.announce if isinstance(progress, ProgressBar) else None
-        return Simulation(make_plan(self.choice, integrator, announce), integrator)
+        plan = None
+        if for_members and integrator.pair is not None:
+            plan = plan_of_members(self.choice, integrator)
+        plan = make_plan(self.choice, integrator, announce) if plan is None else plan
+        return Simulation(plan, integrator)
 
     def run(self, progress: Progress | None, journal: Journal | None = None) -> Result:
         """The result, which may be interrupted."""

@@ -21,7 +21,8 @@ import numpy as np
 Word = TypeVar("Word", bound=str)
 Option = TypeVar("Option")
 
-Condition = tuple[str, Callable[[float], bool]]
+# What a number must be, and whether it is, or each number of an array.
+Condition = tuple[str, Callable[[Any], Any]]
 # Takes the name of a field and its value, and returns that in the form on which the package relies.
 Check = Callable[[str, Any], Any]
 
@@ -136,9 +137,10 @@ def vector(
     for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
         number(f"{field}[{k}]", array[k], ANY, unit)
     if condition is not ANY:
-        for i, item in enumerate(array.tolist()):
-            if not condition[1](item):
-                raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {item}")
+        wrong = np.flatnonzero(~condition[1](array))
+        if wrong.size:
+            i = int(wrong[0])
+            raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {float(array[i])}")
     array.flags.writeable = False
     return array
 

@@ -3,6 +3,7 @@
 import json
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 from multiprocessing import get_context
 
 import numpy as np
@@ -13,7 +14,8 @@ import tribo
 from tribo import Initial, InputError, Output, ensemble, paper
 from tribo.accuracy.levels import ToleranceScales, setting_at
 from tribo.accuracy.plan import NEAR_ALONE
-from tribo.ensembles import batches, checked_runs
+from tribo.ensembles import batches, checked_runs, runner
+from tribo.ensembles.checked_runs import checked_plan
 from tribo.ensembles.members import Variation
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, PAUSED
@@ -345,6 +347,24 @@ def test_refusals(settings, field, words):
     with pytest.raises(InputError, match=words) as refused:
         ensemble(scene_of("A"), 3, STARTS, **settings)
     assert refused.value.field == field
+
+
+def test_one_search(monkeypatch):
+    """Members of a pair find their settings; its own run needs none, unless rounding matters."""
+
+    def search(*arguments):
+        raise AssertionError("a search")
+
+    few = partial(ensemble, scene_of("A"), 40, STARTS, keep=["upper.w1"])
+    with monkeypatch.context() as context:
+        context.setattr("tribo.accuracy.plan.find_settings", search)
+        assert (few(accuracy=1e-7)["status"] == "completed").all()
+        # Small errors that grow take levels far below the accuracy.
+        context.setattr(runner, "checked_plan", lambda *a: checked_plan(*a)._replace(level=1e-9))
+        with pytest.raises(AssertionError, match="a search"):
+            few(accuracy=1e-7)
+    with pytest.raises(InputError, match=r"out of reach.*give a method and a step"):
+        few(accuracy=1e-13)
 
 
 NUMBERS = {

@@ -278,5 +278,5 @@ def test_calls_fill_registers():
     surfaces = [upper, tribo.Surface("lower", facing="up")]
     scene = tribo.Scene(surfaces, tribo.Coulomb(0.2), 1e5, numerics=tribo.Numerics(step=0.01))
     simulation = tribo.prepare(scene)
-    kept = Kept.checked(simulation.layout, ["upper.w1"], False)
+    kept = Kept.at_end(simulation.scene, ["upper.w1"])
     assert StepRuns(simulation, kept, ()).chunk == LANES

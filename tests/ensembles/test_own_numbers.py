@@ -204,7 +204,7 @@ def runs_of(scene, keys):
     """The kind of runs of members that differ in some numbers."""
     simulation = tribo.prepare(scene)
     simulation.compute_first()
-    return policy_of(simulation, Kept.checked(simulation.layout, ["upper.w1"], False), keys)
+    return policy_of(simulation, Kept.at_end(simulation.scene, ["upper.w1"]), keys)
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,8 @@ def code_of(potential) -> tuple[str, dict[str, int]]:
     (unit,) = (
         each
         for (function, kinds, _), each in units._units.items()
-        if function is contact_forces_unit and kinds[2].kind.instance_class is kind
+        if function is contact_forces_unit
+        and kinds[2].kind.instance_class is kind
         and kinds[1] is not types.none
     )
     with global_compiler_lock:  # not from the disk cache, which keeps machine code alone

@@ -261,14 +261,14 @@ def test_statuses(monkeypatch):
     """A point that stops or is refused has its status and no value; others have theirs."""
     side_by_side = (tribo.Surface("one", bob=(-1.0, 0.0)), tribo.Surface("other", bob=(1.0, 0.0)))
     scene = tribo.Scene(side_by_side, tribo.Coulomb(1.0), 4.0)
-    prepare = request.prepare
+    prepare = request.prepare_members
 
-    def refuse_third(scene, *settings, threads):
+    def refuse_third(scene, *settings):
         if scene.interactions[0].potential.strength == 2.0:
             raise InputError("accuracy", "is out of reach")
-        return prepare(scene, *settings, threads=threads)
+        return prepare(scene, *settings)
 
-    monkeypatch.setattr(request, "prepare", refuse_third)
+    monkeypatch.setattr(request, "prepare_members", refuse_third)
     data = sweep(scene, {"interaction.strength": [-1.0, 2.0, 1.0]})
     assert data["status"].values.tolist() == ["StepUnderflow", "Refused", "completed"]
     assert np.isnan(data["one.W"]).values.tolist() == [True, True, False]
@@ -277,6 +277,15 @@ def test_statuses(monkeypatch):
     assert second == "interaction.strength = 2.0: accuracy: is out of reach"
     with pytest.raises(InputError, match="accuracy: is out of reach"):
         sweep(scene, {"interaction.strength": [2.0]})
+
+
+def test_values_that_belong_together():
+    """No scene is made between the old values and the new ones, which it might refuse."""
+    wide = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
+    scene = replace(SCENE, interactions=wide, periodic={"x": 6.0})
+    narrow = with_values(scene, {"periodic.x": 4.0, "interaction.cutoff": 1.9})
+    assert narrow.periodic.x == 4.0
+    assert narrow.interactions[0].potential.range() == 1.9
 
 
 def test_figure_of_means_over_seeds():

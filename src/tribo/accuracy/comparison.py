@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.accuracy.extremes import Extremes, extremes, member_extremes
+from tribo.accuracy.extremes import Extremes, extremes
 from tribo.accuracy.roundoff import WALK
 from tribo.accuracy.scales import (
     COMMON,
@@ -268,20 +268,3 @@ def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
         else ""
         for w, e, weak in zip(work, energy, lost, strict=True)
     ]
-
-
-def compare_members(
-    layout: Layout, fine: Samples, other: Samples, accuracy: Accuracy
-) -> tuple[Scales, np.ndarray]:
-    """Scales of members, and largest differences in units of the accuracy; NaN if not finite."""
-    found = member_extremes(layout, fine, other, observables(accuracy))
-    tops = dict(zip(found.names, found.tops, strict=True))
-    scales, worst = scales_of(layout, tops, *found[4:]), np.zeros(fine.runs)
-    for name, gap in zip(found.names, found.gaps, strict=True):
-        if isinstance(accuracy, Mapping) and name not in accuracy:
-            continue
-        relative = accuracy[name] if isinstance(accuracy, Mapping) else accuracy
-        with np.errstate(divide="ignore", invalid="ignore"):
-            excess = gap / (relative * scales.of(name))
-        worst = np.maximum(worst, np.where(gap == 0.0, 0.0, excess))
-    return scales, worst

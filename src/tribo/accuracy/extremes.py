@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import largest, largest_of_runs, without_surfaces
+from tribo.accuracy.scales import largest, without_surfaces
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
@@ -24,7 +24,7 @@ BYTES = 2500
 
 
 class Extremes(NamedTuple):
-    """The largest magnitudes in a run; arrays are (names,), of members (names, members)."""
+    """The largest magnitudes in a run; arrays are (names,)."""
 
     names: tuple[str, ...]  # of the quantities, "w1", or "upper.w1" for that of one surface
     tops: np.ndarray  # the largest magnitudes
@@ -79,21 +79,4 @@ def _extremes(
         speed=largest(motion.bob_speed(mean)[:count]),
         internal=largest(motion.energy[:count]),
         path=largest(motion.bob_path(mean)[:count]),
-    )
-
-
-def member_extremes(
-    layout: Layout, fine: Samples, other: Samples, names: tuple[str, ...]
-) -> Extremes:
-    """Those of members, (names, members) and (members,), and their differences from other runs."""
-    own, theirs = (AsperiteSeries(layout, each, (layout.together,)) for each in (fine, other))
-    columns, (motion,), runs = series_table(layout, own, names), own.motions, fine.runs
-    return Extremes(
-        columns.names,
-        tops=columns.largest(runs),
-        gaps=columns.minus(series_table(layout, theirs, names)).largest(runs),
-        terms=np.zeros(()),
-        speed=largest_of_runs(motion.bob_speed(mean_velocity(layout)), runs),
-        internal=largest_of_runs(motion.energy, runs),
-        path=largest_of_runs(motion.bob_path(mean_velocity(layout)), runs),
     )

@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.accuracy.choose_method import Choice
-from tribo.accuracy.comparison import Accuracy, error_bounds
+from tribo.accuracy.comparison import Accuracy, error_bounds, strictest
 from tribo.accuracy.cost_model import counted, evaluation_time
 from tribo.accuracy.decision import LONG_RUN
 from tribo.accuracy.levels import setting_at, tolerance_scales, work
 from tribo.accuracy.noisy_step import resolving_step
-from tribo.accuracy.search import FoundSettings, find_settings
-from tribo.accuracy.search_runs import PARTS, Announce, StopTimes
+from tribo.accuracy.search import TIGHT, FoundSettings, find_settings
+from tribo.accuracy.search_runs import PARTS, Announce, SearchRuns, StopTimes
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed
-from tribo.loops.integrate import Setting
+from tribo.loops.integrate import Integration, Setting
 from tribo.loops.select import Integrator
 from tribo.validation import InputError
 
@@ -48,13 +48,15 @@ class Plan:
     # Of a run without an error estimate, at the scene's times alone; None if none is cheaper.
     single: Setting | None = None
     automatic: bool = False  # whether a step was chosen, and is shortened if it is too long
+    # Of members that are compared with finer runs of their own: a run that shows their scales.
+    pilot: Integration | None = None
     # Steps divide it: members that record no samples take the steps of those that do [time].
     interval: float | None = None
 
     def without_runs(self, single: Setting | None) -> Plan:
         """The plan for other scenes: without the runs that found it, and with `single`."""
         tuned = None if self.tuned is None else replace(self.tuned, runs=(), errors=None)
-        return replace(self, tuned=tuned, single=single)
+        return replace(self, tuned=tuned, single=single, pilot=None)
 
     def with_step(self, step: float) -> Plan:
         """The plan with another step, or the next shorter one that divides its interval."""
@@ -86,6 +88,25 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
     tuned = find_settings(integrator, accuracy, stops, announce)
     tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)
     return Plan(name, choice.why, tuned.fine, stops.fine, accuracy, tuned)
+
+
+def plan_of_members(choice: Choice, integrator: Integrator) -> Plan | None:
+    """A plan without a search, for members that are compared with finer runs of their own.
+
+    None where a search has to tell first whether the accuracy can be kept: the step is given, the
+    accuracy is so small that rounding matters, or the pilot run stops.
+    """
+    accuracy, layout = choice.accuracy, integrator.layout
+    if accuracy is None or strictest(accuracy) < TIGHT:
+        return None
+    stops = StopTimes.for_samples(_compared(layout))
+    setting, pilot, _ = SearchRuns(integrator, None).pilot(stops.fine)
+    if pilot.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    if pilot.status != Status.COMPLETED:
+        return None
+    name = choice.method.name
+    return Plan(name, choice.why, setting, stops.fine, accuracy, pilot=pilot)
 
 
 def _compared(layout: Layout) -> np.ndarray:

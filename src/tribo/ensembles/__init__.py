@@ -10,6 +10,7 @@ import json
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,6 @@ from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution, Runs, planned, policy_of
 from tribo.ensembles.statistics import coordinates_of, variables_of
 from tribo.ensembles.stores import MemberStore, StatisticsStore, Target, in_file
-from tribo.layout.layout import lay_out
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.model.settings import names_of_quantities
@@ -171,28 +171,29 @@ def ensemble(
     if members is None:
         members = min([*lengths.values(), *[MOST_MEMBERS] * (wanted is not None)])
     most = integer("members", members, 2)
-    variation.check_lengths(most)
+    variation.check(most)
     how = Execution.checked(engine, threads)
-    kept = request.kept(lay_out(request.recorded(scene)))  # before anything is compiled
+    recorded = request.recorded(scene)
+    kept = request.kept(recorded)  # before anything is compiled
     check_series(kept, wanted or {})
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
-        simulation = request.prepare(scene)
-        runs = planned(simulation, kept, variation, most, how._replace(progress=progress))
+        simulation = request.prepare(scene, recorded)
+        runs = planned(request, simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
             return _collected(runs, statistics, most, target)
         return mean_dataset(runs, target, wanted, most)
 
     others = {"members": most, "statistics": statistics, "half_width": wanted}
-    identity = request.identity(scene, variation, others)
-    return in_file(out, resume, identity, progress, most, "members", compute)
+    identify = partial(request.identity, recorded, variation, others)
+    return in_file(out, resume, recorded, identify, progress, most, "members", compute)
 
 
 def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarray.Dataset:
     """The data set of all members or of their statistics; after an interrupt, of those so far."""
     import xarray
 
-    kept, scene, attributes = runs.policy.kept, runs.policy.simulation.scene, kept_attributes(runs)
+    kept, attributes = runs.policy.kept, kept_attributes(runs)
     level = float(attributes.get("level", "nan"))
     store: MemberStore | StatisticsStore = (
         StatisticsStore(kept, target.frames, level)
@@ -204,13 +205,13 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     plan = runs.policy.simulation.plan
     step = plan.setting if isinstance(plan.setting, float) and not plan.automatic else None
     attributes |= {"doubtful": doubtful(store.tally.statuses) if step is not None else 0}
-    attributes |= target.attributes(scene, interrupted, store.tally.notes(step))
+    attributes |= target.attributes(interrupted, store.tally.notes(step))
     if isinstance(store, StatisticsStore):
         store.flush()
         if (moments := store.moments()) is None:
             none = InputError("scene", "is completed by no member")
             raise KeyboardInterrupt if interrupted else none
-        coordinates = times_of(kept, scene) | coordinates_of(kept)
+        coordinates = times_of(kept, runs.policy.simulation.scene) | coordinates_of(kept)
         return target.saved(xarray.Dataset(variables_of(kept, moments), coordinates, attributes))
 
     def datasets(parts: Iterable[KeptValues]) -> Iterator[xarray.Dataset]:
@@ -265,7 +266,12 @@ def ensemble_member(data: xarray.Dataset, number: int) -> xarray.Dataset:
         interval = json.loads(attributes["interval"])
         given = replace(simulation.plan, automatic=True, interval=interval)
         simulation = Simulation(given, simulation.integrator)
-    kept = Kept.checked(simulation.layout, keep, "time" in data.dims)
+    at_samples = "time" in data.dims
+    kept = (
+        Kept.at_all_times(simulation.layout, keep)
+        if at_samples
+        else Kept.at_end(simulation.scene, keep)
+    )
     one = data.isel(member=found)
     names = [str(name) for name in one.coords if "." in str(name)]
     members = Members(

@@ -11,24 +11,23 @@ run at a level below the cheapest one, and compared with rougher runs.
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from tribo.accuracy.comparison import compare_members, strictest, weak_notes
+from tribo.accuracy.comparison import strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
+from tribo.accuracy.member_comparison import FineRuns
 from tribo.accuracy.plan import NEAR_ALONE
-from tribo.accuracy.scales import EPSILON, Scales
+from tribo.accuracy.scales import EPSILON
 from tribo.ensembles.batches import Policy, chunk_of, complete_members, delivered, kept_series
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS, STEPS
-from tribo.layout.layout import Layout
-from tribo.ledger.samples import Samples
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.integrate import Setting
@@ -57,8 +56,6 @@ ROUGHER_NEAR = 1.5
 # Largest difference of a run from a rougher one, in units of the accuracy, with which it is not
 # checked: most of the difference is the error of the rougher one, some three times as large.
 AGREED = 0.5
-# Times at which members are compared, at most: comparisons at 401 took longer than the runs.
-MOST_COMPARED = 65
 # Times that a member is refined before it gets a run of its own.
 REFINEMENTS = 3
 # Levels that are tried, from the loosest, in units of the accuracy.
@@ -66,7 +63,7 @@ LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
 # Members of the pilot that are run in one call, so that threads share them.
-PIECE = 512
+PIECE = 1024
 # Members of the first batch: where they suffice, 1 % are checked, in 4 % of the time.
 BATCH = 32
 # One in so many of the others is checked.
@@ -147,7 +144,7 @@ class CheckedRuns(Policy):
             return np.asarray(runs.counts[:, EVALUATIONS] > plan.most_evaluations)
         near = ROUGHER_NEAR * self.steppers[plan.method].near
         rough = self.run(plan._replace(level=ROUGHER * plan.level), starts, near)
-        return self.compared(runs, rough)[1] > AGREED
+        return np.asarray(self.fine(runs).compare(rough)[1][0] > AGREED)
 
     def run(self, plan: CheckedPlan, starts: MemberStarts, near: float | None = None) -> MemberRuns:
         """Run members by the method and tolerances of a plan; `near` in place of the method's."""
@@ -167,11 +164,9 @@ class CheckedRuns(Policy):
         layout, method = self.simulation.layout, self.simulation.method
         return setting_at(layout, method, plan.scales, plan.level, near)
 
-    def compared(self, fine: MemberRuns, runs: MemberRuns) -> tuple[Scales, np.ndarray]:
-        """Scales, and largest differences in units of the accuracy; infinite if a run stopped."""
-        scales, excess = compare_members(*_few_times(fine), _few_times(runs)[1], self._accuracy)
-        complete = runs.complete & fine.complete & np.isfinite(excess)
-        return scales, np.where(complete, excess, np.inf)
+    def fine(self, runs: MemberRuns) -> FineRuns:
+        """Runs of members, with which others of the same members are compared."""
+        return FineRuns(runs, self._accuracy)
 
     def finer(self, level: float) -> float:
         """The level of runs that check those of another level."""
@@ -184,8 +179,8 @@ class CheckedRuns(Policy):
         coarse, level = runs.of_members(now), self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
-            fine = self._check(level, starts.of_members(now))
-            scales, excess = self.compared(fine, coarse)
+            fine = self.fine(self._check(level, starts.of_members(now)))
+            scales, (excess,) = fine.compare(coarse)
             known = np.isfinite(excess)
             set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
@@ -204,18 +199,6 @@ class CheckedRuns(Policy):
             found["level"][now], found["steps"][now] = level, coarse.counts[:, STEPS]
             found["force_evaluations"][now] = coarse.counts[:, EVALUATIONS]
         found["status"][now] = UNKNOWN
-
-
-def _few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
-    """The samples by which members are compared, as single runs are where they have many."""
-    layout, samples, members = runs.layout, runs.samples, runs.samples.runs
-    times = samples.t.size // members
-    if times <= MOST_COMPARED:
-        return layout, samples
-    chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
-    rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
-    few = Samples.of_runs(members, *samples.rows(rows).columns)
-    return replace(layout, member_times=chosen.size), few
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
@@ -254,19 +237,49 @@ def _cheapest(
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     exact = CheckedPlan(runs.exact, float(levels[-1]), -1, scales)
     fine = runs.run(exact, starts)
-    best, least = exact._replace(level=max(FLOOR, FINER * runs.strictest)), np.inf
-    for method, stepper in runs.steppers.items():
-        too_loose, good = -1, levels.size - 1
-        while good - too_loose > 1:
-            k = (good + too_loose) // 2
-            found = runs.run(exact._replace(method=method, level=float(levels[k])), starts)
-            if np.all(runs.compared(fine, found)[1][fine.complete] <= CHOSEN):
-                good, cost = k, stepper.cost * float(found.counts[:, EVALUATIONS].sum())
-            else:
-                too_loose = k
-        if good < levels.size - 1 and cost < least:
-            best, least = exact._replace(method=method, level=float(levels[good])), cost
-    return best
+    reference, complete = runs.fine(fine), fine.complete
+    # A bisection for each method, all of them side by side.
+    searches = [
+        _Bisection(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()
+    ]
+    while tried := [each for each in searches if each.is_open]:
+        found = [
+            runs.run(exact._replace(method=each.method, level=float(levels[each.middle])), starts)
+            for each in tried
+        ]
+        excess = reference.compare(*found)[1][:, complete]
+        for each, own, kept in zip(tried, found, np.all(excess <= CHOSEN, axis=1), strict=True):
+            each.narrow(bool(kept), float(own.counts[:, EVALUATIONS].sum()))
+    best = min(searches, key=lambda each: each.cost)  # the first of equal ones
+    if best.cost == np.inf:
+        return exact._replace(level=max(FLOOR, FINER * runs.strictest))
+    return exact._replace(method=best.method, level=float(levels[best.good]))
+
+
+@dataclass
+class _Bisection:
+    """The search for the loosest of some levels with which a method keeps the accuracy."""
+
+    method: str
+    stepper: Stepper
+    good: int  # place of the loosest level that keeps it; the finest, if none that was tried does
+    too_loose: int = -1
+    cost: float = np.inf  # of the runs at the good level, if that was tried
+
+    @property
+    def is_open(self) -> bool:
+        return self.good - self.too_loose > 1
+
+    @property
+    def middle(self) -> int:
+        return (self.good + self.too_loose) // 2
+
+    def narrow(self, kept: bool, evaluations: float) -> None:
+        """Take in whether the level in the middle keeps the accuracy, and what its runs took."""
+        if kept:
+            self.good, self.cost = self.middle, self.stepper.cost * evaluations
+        else:
+            self.too_loose = self.middle
 
 
 def _with_most_evaluations(
@@ -283,7 +296,8 @@ def _with_most_evaluations(
         finer = plan._replace(method=method, level=runs.finer(plan.level))
 
         def excess(some: MemberStarts) -> np.ndarray:
-            return runs.compared(runs.run(finer, some), runs.run(plan, some))[1]
+            found = runs.fine(runs.run(finer, some)).compare(runs.run(plan, some))
+            return np.asarray(found[1][0])
 
         pieces = starts.of_members(members).pieces(piece)
         return np.concatenate([np.empty(0), *in_threads(excess, pieces, threads)])

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, TypeVar
 
 Task = TypeVar("Task")
@@ -41,8 +41,14 @@ def run_tasks(
 def in_threads(
     function: Callable[[Task], Value], tasks: Iterable[Task], threads: int
 ) -> Iterator[Value]:
-    """The function's values in the order of the tasks, computed by threads of this process."""
-    if threads == 1:
+    """The function's values in the order of the tasks, computed by threads of this process.
+
+    To start threads takes longer than a single task.
+    """
+    rest = iter(tasks)
+    first = list(islice(rest, 2))
+    tasks = chain(first, rest)
+    if threads == 1 or len(first) < 2:
         yield from map(function, tasks)
         return
     with ThreadPoolExecutor(threads) as pool:

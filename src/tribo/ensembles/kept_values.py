@@ -12,8 +12,6 @@ from tribo.accuracy.comparison import LOST
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities
-from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
 from tribo.result import Result
@@ -115,32 +113,44 @@ class Kept:
         return cls(dict.fromkeys(names, (times,)), True, counts=counts)
 
     @classmethod
-    def checked(
-        cls, layout: Layout, keep: Sequence[str], at_samples: bool, with_errors: bool = False
-    ) -> Self:
-        """The names, each once, of quantities of a scene.  Raises InputError."""
-        ledger, times = assemble(layout, Samples.at_zero(layout)), layout.times.size
-        if at_samples and exceeds_memory(layout, times):
+    def at_end(cls, scene: Scene, keep: Sequence[str], with_errors: bool = False) -> Self:
+        """Quantities of a scene at its end, each name once.  Raises InputError."""
+        return cls._checked(scene, keep, None, with_errors)
+
+    @classmethod
+    def at_all_times(cls, layout: Layout, keep: Sequence[str], with_errors: bool = False) -> Self:
+        """The same at all times.  Raises InputError, also if the series are too long."""
+        times = layout.times.size
+        if exceeds_memory(layout, times):
             raise InputError(
                 "at", f'"samples" would keep series that are too long: {times} times; give fewer'
             )
-        leading = (times,) if at_samples else ()
+        return cls._checked(layout.scene, keep, times, with_errors)
+
+    @classmethod
+    def _checked(
+        cls, scene: Scene, keep: Sequence[str], times: int | None, with_errors: bool
+    ) -> Self:
+        """Quantities at so many times, or at the end alone.  Raises InputError."""
+        at_samples = times is not None
+        leading = () if times is None else (times,)
+        reports = dict(_reported(scene))
         shapes: dict[str, tuple[int, ...]] = {}
         for name in map(str, keep):
-            shape = _shape(name, ledger, layout.scene)
+            shape = _shape(name, reports, scene)
             if shape is None and (at_samples or not is_interval(name)):
-                near = difflib.get_close_matches(name, _names_of(ledger), n=1)
+                near = difflib.get_close_matches(name, _names_of(reports), n=1)
                 raise InputError(
                     f"keep.{name}",
-                    f'must be a quantity of a surface, as "{next(iter(layout.parts))}.w1", or one '
+                    f'must be a quantity of a surface, as "{scene.surfaces[0].name}.w1", or one '
                     'of the system, as "contact_energy"' + "".join(f'; is it "{n}"?' for n in near),
                 )
             shapes[name] = (*leading, *(shape or ()))
             surface, _, kind = name.rpartition(".")
             if kind in quantities.AVERAGED and not at_samples:
-                _check_averaged(layout.scene)
+                _check_averaged(scene)
                 shapes[f"{name}{INTERVAL}"] = ()
-                if kind == FRICTION and _shape(f"{surface}.{SHARE}", ledger, layout.scene) == ():
+                if kind == FRICTION and _shape(f"{surface}.{SHARE}", reports, scene) == ():
                     shapes[f"{surface}.{SHARE}"] = ()
         return cls(shapes, at_samples, with_errors)
 
@@ -258,21 +268,34 @@ def is_interval(name: str) -> bool:
     return kind.endswith(INTERVAL) and kind.removesuffix(INTERVAL) in quantities.AVERAGED
 
 
-def _shape(name: str, ledger: Ledger, scene: Scene) -> tuple[int, ...] | None:
+def _shape(
+    name: str, reports: Mapping[str, quantities.Reported], scene: Scene
+) -> tuple[int, ...] | None:
     """The shape of a quantity at one time; None if the scene does not report it."""
     surface, _, kind = name.rpartition(".")
     if not surface:
-        return () if kind in ledger.system else None
-    count = {each.name: each.count for each in scene.surfaces}
-    if kind in ledger.surfaces.get(surface, ()):
-        return (count[surface],)
-    return () if kind in ledger.blocks.get(surface, ()) else None
+        return () if kind in _of_system(reports) else None
+    if surface not in reports:
+        return None
+    if kind in reports[surface].asperites:
+        return (next(each.count for each in scene.surfaces if each.name == surface),)
+    return () if kind in reports[surface].blocks else None
 
 
-def _names_of(ledger: Ledger) -> list[str]:
-    """The names of all that a ledger reports."""
-    tables = [*ledger.surfaces.items(), *ledger.blocks.items()]
-    return [*ledger.system, *(f"{surface}.{kind}" for surface, own in tables for kind in own)]
+def _of_system(reports: Mapping[str, quantities.Reported]) -> Mapping[str, quantities.Quantity]:
+    """The quantities of the system, as the ledger has them."""
+    return list(reports.values())[-1].system
+
+
+def _names_of(reports: Mapping[str, quantities.Reported]) -> list[str]:
+    """The names of all that is reported of a scene."""
+    tables = [
+        (name, table) for name, own in reports.items() for table in (own.asperites, own.blocks)
+    ]
+    return [
+        *_of_system(reports),
+        *(f"{surface}.{kind}" for surface, table in tables for kind in table),
+    ]
 
 
 def _check_averaged(scene: Scene) -> None:

@@ -53,8 +53,7 @@ def mean_dataset(
     numbers = np.flatnonzero(kept_values.completed(found))[:FIRST_STAGE]
     check = None if interrupted else _again(runs, numbers)
     means = _Means(runs, found, numbers, check, first_stage, needed)
-    scene = runs.policy.simulation.scene
-    attributes = target.attributes(scene, check is None, means.notes())
+    attributes = target.attributes(check is None, means.notes())
     attributes |= settings_attributes(runs) | {
         "confidence": CONFIDENCE,
         "half_width": json.dumps(half_width),

@@ -26,6 +26,8 @@ from tribo.validation import LARGEST_NUMBER, InputError, inside, is_list, must_b
 VELOCITY = "velocity"
 # Numbers that are drawn at once, of one quantity: calls of a distribution take about 0.1 ms.
 BLOCK = 4096
+# Blocks in memory, of some 0.1 MB: they are drawn for the runs, and again for the data set.
+MOST_BLOCKS = 128
 
 
 @runtime_checkable
@@ -175,7 +177,7 @@ class Variation:
         self._arrays = arrays | drawn
         self._swept = {key: np.asarray(each)[:, None] for key, each in swept.items()}
         self._sizes |= {key: size_of(scene, key) for key in swept}
-        self._block = lru_cache(2 + 2 * len(self._draws))(self._new_block)
+        self._block = lru_cache(MOST_BLOCKS)(self._new_block)
         self.own_numbers = tuple(key for key in (*plain, *swept) if not is_start(key))
 
     @property
@@ -183,12 +185,14 @@ class Variation:
         """The number of members that each array has values for."""
         return {key: len(rows) for key, rows in self._arrays.items()}
 
-    def check_lengths(self, members: int) -> None:
-        """Raise InputError about an array that has not a value for each of the members."""
+    def check(self, members: int) -> None:
+        """Refuse arrays without a value for each of the members, and draws that fail."""
         for key, length in self.lengths.items():
             if length != members:
                 problem = f"must have values for {members} members, got {length}"
                 raise InputError(f"vary.{key}", problem)
+        for draw in self._draws.values():
+            self._block(draw, 0)
 
     def members(self, numbers: np.ndarray) -> Members:
         """The members with some numbers, ascending."""

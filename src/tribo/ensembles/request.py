@@ -1,7 +1,8 @@
 """What is asked of each member: the quantities that are kept, and how its scene is run."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +12,13 @@ from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
 from tribo.integrators.methods import noisy
 from tribo.kernels.status import Status
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import FURTHER, needs_accounts
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
 from tribo.prepared import Simulation
-from tribo.simulation import prepare
+from tribo.simulation import prepare, prepare_members
 from tribo.validation import InputError
 
 # When quantities are kept.
@@ -57,13 +58,27 @@ class Request(NamedTuple):
                 output = Output(samples=2, series=series, ledger="none" if without else "asperites")
         return replace(scene, numerics=numerics, output=output)
 
-    def prepare(self, scene: Scene) -> Simulation:
-        """The scene with all members' settings.  Raises InputError if these miss the accuracy."""
-        simulation = prepare(
-            self.recorded(scene), self.accuracy, self.method, self.step, False, threads=1
-        )
-        simulation = self._in_steps_of_samples(scene, simulation)
-        if simulation.accuracy is None or self.with_errors:
+    def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
+        """The scene with all members' settings; it may be `recorded` already.
+
+        Members of a pair are compared with finer runs, and its settings show their scales alone;
+        :meth:`search` finds those of its own run.  Raises InputError if settings miss the accuracy.
+        """
+        recorded = self.recorded(scene) if recorded is None else recorded
+        make: Callable[..., Simulation] = prepare_members
+        if self.keep is None:  # means compare single runs, which need a search
+            make = partial(prepare, progress=False, threads=1)
+        simulation = make(recorded, self.accuracy, self.method, self.step)
+        return self._checked(self._in_steps_of_samples(scene, simulation))
+
+    def search(self, simulation: Simulation) -> Simulation:
+        """The same simulation with the settings of a search.  Raises InputError as above."""
+        scene, plan = simulation.scene, simulation.plan
+        return self._checked(prepare(scene, plan.accuracy, plan.method, progress=False, threads=1))
+
+    def _checked(self, simulation: Simulation) -> Simulation:
+        """The simulation, whose accuracy is kept or not searched for.  Raises InputError."""
+        if simulation.plan.tuned is None or self.with_errors:
             return simulation
         result = simulation.compute_first()
         if result.status == Status.INTERRUPTED:
@@ -78,16 +93,22 @@ class Request(NamedTuple):
             )
         return simulation
 
-    def kept(self, layout: Layout) -> Kept:
-        """What is kept, of a scene that records it.  Raises InputError."""
+    def kept(self, recorded: Scene, layout: Layout | None = None) -> Kept:
+        """What is kept, of a scene that records it; its layout is made if it is needed.
+
+        Raises InputError.
+        """
+        if self.keep is not None and self.at == END:
+            return Kept.at_end(recorded, self.keep, self.with_errors)
+        layout = lay_out(recorded) if layout is None else layout
         if self.keep is None:
             return Kept.sums(layout)
-        return Kept.checked(layout, self.keep, self.at == SAMPLES, self.with_errors)
+        return Kept.at_all_times(layout, self.keep, self.with_errors)
 
     def identity(
-        self, scene: Scene, variation: Variation, others: Mapping[str, object]
+        self, recorded: Scene, variation: Variation, others: Mapping[str, object]
     ) -> Identity:
-        """What tells many runs of a scene from others."""
+        """What tells many runs of a scene that records what is kept from others."""
         settings: Identity = {
             "seed": variation.seed,
             **others,
@@ -96,7 +117,7 @@ class Request(NamedTuple):
             "vary": variation.identity(),
             **settings_of(str(self.method), self.accuracy, self.step, None),
         }
-        return identity_of(self.recorded(scene), settings, version())
+        return identity_of(recorded, settings, version())
 
     def _in_steps_of_samples(self, scene: Scene, simulation: Simulation) -> Simulation:
         """The same, whose steps, with noise, divide the times between samples.

@@ -22,6 +22,7 @@ from tribo.ensembles.common_step import with_common_step
 from tribo.ensembles.engines import Engine, in_threads, run_tasks
 from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import Members, Variation
+from tribo.ensembles.request import Request
 from tribo.ensembles.stores import Store
 from tribo.layout.own_numbers import can_differ
 from tribo.ledger.sinks import exceeds_memory
@@ -96,14 +97,28 @@ class Runs(NamedTuple):
 
 
 def planned(
-    simulation: Simulation, kept: Kept, variation: Variation, count: int, how: Execution
+    request: Request,
+    simulation: Simulation,
+    kept: Kept,
+    variation: Variation,
+    count: int,
+    how: Execution,
 ) -> Runs:
-    """The runs of an ensemble of `count` members, by the policy that suits it."""
+    """The runs of an ensemble of `count` members, by the policy that suits it.
+
+    Raises InputError if the accuracy is out of reach.
+    """
+    searched = simulation.plan.pilot is None
+    if not searched and not in_batches(simulation, variation.own_numbers):
+        simulation, searched = request.search(simulation), True
     policy = policy_of(simulation, kept, variation.own_numbers)
     if simulation.plan.automatic:
         policy = with_common_step(policy, variation, count)
     if isinstance(policy, CheckedRuns):
         policy.plan = checked_plan(policy, variation, count, how.threads)
+        # Levels are far above the accuracy, unless small errors grow.
+        if not searched and policy.plan.level < policy.strictest:
+            request.search(simulation)
     return Runs(policy, variation, how)
 
 

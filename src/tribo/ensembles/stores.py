@@ -164,20 +164,19 @@ class Target(NamedTuple):
     """The file of many runs, what it is of, and the frames beside it; None without a file."""
 
     path: Path | None
-    identity: Identity
+    identity: Identity  # empty without a file
     frames: Frames | None
     began: float  # when the call did
+    scene: str  # its text
 
-    def attributes(
-        self, scene: Scene, interrupted: bool, notes: Iterable[str]
-    ) -> dict[str, str | float]:
+    def attributes(self, interrupted: bool, notes: Iterable[str]) -> dict[str, str | float]:
         """Those of the data sets of ensembles and sweeps; text is JSON where it is no word."""
         from tribo import __version__
 
         return {
             "tribo_version": __version__,
             "numpy_version": np.__version__,
-            "scene": scene.to_toml(),
+            "scene": self.scene,
             "status": str(Status.INTERRUPTED if interrupted else Status.COMPLETED),
             "notes": json.dumps(list(notes)),
             "seconds": time.perf_counter() - self.began,
@@ -226,25 +225,31 @@ def _append(path: Path, data: xarray.Dataset) -> None:
 def in_file(
     out: str | Path | None,
     resume: bool,
-    identity: Identity,
+    scene: Scene,
+    identify: Callable[[], Identity],
     progress: Shown,
     total: int,
     unit: str,
     compute: Callable[[Target, Callable[[float], None] | None], xarray.Dataset],
 ) -> xarray.Dataset:
-    """The data set of many runs: from a complete file, or computed.  Raises InputError."""
-    began = time.perf_counter()
+    """The data set of many runs of a scene: from a complete file, or computed.
+
+    Only a file needs to tell these runs from others.  Raises InputError, also if the scene has no
+    text.
+    """
+    began, text = time.perf_counter(), scene.to_toml()
     path = None if out is None else netcdf_target("out", as_path(out))
     if boolean("resume", resume) and path is None:
         raise InputError("resume", "needs out, the file to continue")
     with ExitStack() as stack, reported(progress, total, unit) as report:
-        frames = None
+        frames, identity = None, Identity()
         if path is not None:
+            identity = identify()
             part = path.with_name(path.name + PART)
             if resume and path.exists() and not part.exists():
                 return opened(path, identity)
             frames = stack.enter_context(Frames(part, identity, resume))
-        data = compute(Target(path, identity, frames, began), report)
+        data = compute(Target(path, identity, frames, began, text), report)
     if data.attrs["status"] == Status.INTERRUPTED:
         raise Interrupted(data)
     return data

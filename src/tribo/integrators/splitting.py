@@ -280,9 +280,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
             update_lists(model, neighbours, active, t, q, v, s)
         forces(model, neighbours, t)
         clock.evaluations += 1
-        kick_and_substep(
-            model, neighbours, clock, t, tau, state, work, m, noise
-        )
+        kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

@@ -305,7 +305,10 @@ def pair_energy(model, contact, k, neighbours, lane):
 def contact_energy_unit(model, neighbours, potential, n, k, lane):
     """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
     potential = fetched(potential)
-    contact, lane = acting(model.contacts, n, potential), blocks.lane_of_members(model.members, lane)
+    contact, lane = (
+        acting(model.contacts, n, potential),
+        blocks.lane_of_members(model.members, lane),
+    )
     return pair_energy(model, contact, k, neighbours, lane)
 
 
@@ -313,9 +316,7 @@ def contact_energy_unit(model, neighbours, potential, n, k, lane):
 def energy_of(model, neighbours, n, k, lane):
     """The same, from outside of the unit."""
     contacts, number = model.contacts, blocks.lane_number(lane)
-    return call_unit(
-        contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, number)
-    )
+    return call_unit(contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, number))
 
 
 @kernel

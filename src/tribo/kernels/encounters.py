@@ -141,9 +141,7 @@ def next_encounter(model, neighbours, speeds, lane):
             contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, number)
         )
     one, other = int(found[ONE]), int(found[OTHER])
-    return Encounter(
-        found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other
-    )
+    return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
 
 
 @apart

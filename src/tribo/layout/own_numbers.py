@@ -8,13 +8,12 @@ import numpy as np
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels.records import ASPERITE, OF_MEMBERS, OWN_SPEED
 from tribo.layout.contacts import are_coupled
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
 from tribo.layout.slots import slide
 from tribo.model.asperite import Asperite
 from tribo.model.drives import Custom, DrivenBars, Pulled
 from tribo.model.parameters import INTERACTION, reservoir_part, with_values
-from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import inside
 
@@ -114,7 +113,7 @@ def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.nda
         for part, name in _numbers_of_parts(layout, index).items():
             key = f"{surface.name}.{part}"
             if key in values:
-                own = _checked(layout.scene, key, values[key])
+                own = _checked(layout, key, values[key])
                 if name == "speed":
                     own = own - velocity[:, index, 0]
                 if name == "load":
@@ -123,11 +122,25 @@ def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.nda
     return table
 
 
-def _checked(scene: Scene, key: str, rows: np.ndarray) -> np.ndarray:
-    """The values of a key, (members,).  Raises InputError if one cannot be used."""
-    for extreme in (rows.min(), rows.max()):
-        with_values(scene, {key: float(extreme)})
+def _checked(layout: Layout, key: str, rows: np.ndarray) -> np.ndarray:
+    """The values of a key, (members,).  Raises InputError if one cannot be used.
+
+    The extremes of all members so far are tried, and serve for those between them.
+    """
+    known = _usable(layout)
+    low, high = known.get(key, (np.inf, -np.inf))
+    for extreme in (float(rows.min()), float(rows.max())):
+        if not low <= extreme <= high:
+            with_values(layout.scene, {key: extreme})
+            low, high = min(low, extreme), max(high, extreme)
+    known[key] = low, high
     return rows[:, 0]
+
+
+@once_per_layout
+def _usable(layout: Layout) -> dict[str, tuple[float, float]]:
+    """Key -> the smallest and the largest value of members that could be used."""
+    return {}
 
 
 def parameters_of_members(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
@@ -152,5 +165,5 @@ def _potentials(layout: Layout, members: int, values: Values) -> np.ndarray:
     for key, rows in values.items():
         part, _, name = key.rpartition(".")
         if part == INTERACTION:
-            table[:, names.index(name)] = _checked(layout.scene, key, rows)
+            table[:, names.index(name)] = _checked(layout, key, rows)
     return table

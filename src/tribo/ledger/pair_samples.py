@@ -14,7 +14,7 @@ from tribo.ledger.accounts import Integrals
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.row_products import row_product
-from tribo.ledger.samples import Samples
+from tribo.ledger.samples import Samples, interleaved
 from tribo.pair.loop import COLUMNS, ENERGY
 from tribo.pair.step_rows import Q1, Q2
 
@@ -126,6 +126,17 @@ class PairSamples(Samples):
         record = self._record.reshape(shape)[:, selected].reshape(-1, COLUMNS)
         first = self._first[selected]
         return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
+
+    def beside(self, *others: Samples) -> Samples:
+        parts = [each for each in (self, *others) if isinstance(each, PairSamples)]
+        if not others or len(parts) <= len(others):
+            return super().beside(*others)
+        runs = [each.runs for each in parts]
+        t, record = (
+            interleaved([getattr(each, name) for each in parts], runs) for name in ("t", "_record")
+        )
+        first = np.concatenate([each._first for each in parts])
+        return PairSamples(t, record, first, self._factors)
 
     def with_factors(self, state: np.ndarray, accounts: np.ndarray) -> Samples:
         """The samples where each run has factors of its own, (runs, ..., columns)."""

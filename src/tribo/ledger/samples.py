@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -88,6 +88,14 @@ class Samples:
         columns = zip(*(each.columns for each in (self, *later)), strict=True)
         return Samples(*map(_joined, columns))
 
+    def beside(self, *others: Samples) -> Samples:
+        """The samples of these runs and of others at the same times, those of a time together."""
+        if not others:
+            return self
+        runs = [each.runs for each in (self, *others)]
+        columns = zip(*(each.columns for each in (self, *others)), strict=True)
+        return Samples.of_runs(sum(runs), *(interleaved(each, runs) for each in columns))
+
     def linear(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> np.ndarray:
         """The value of a linear function of the integrals, which `key` tells from others."""
         # In a run that stopped because values were not finite, the last are infinite or NaN.
@@ -131,3 +139,11 @@ def _joined(parts: tuple[np.ndarray, ...]) -> np.ndarray:
     return np.concatenate(
         [p if p.shape[1:] == shape else np.full((len(p), *shape), np.nan) for p in parts]
     )
+
+
+def interleaved(parts: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
+    """Arrays (times x runs, ...) of several sets of runs as one, the rows of a time together."""
+    times = len(parts[0]) // runs[0]
+    sets = zip(parts, runs, strict=True)
+    together = np.concatenate([each.reshape(times, own, *each.shape[1:]) for each, own in sets], 1)
+    return together.reshape(times * sum(runs), *together.shape[2:])

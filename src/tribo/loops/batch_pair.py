@@ -21,7 +21,6 @@ from tribo.pair.forces import PAIR_NUMBERS, PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
 from tribo.pair.loop import COLUMNS, pair_members
 from tribo.pair.step_rows import FIRST, LIMITS, OF_J, OF_V1, OF_V2, STATE
-from tribo.threads.writable_memory import entry_point
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
@@ -37,7 +36,7 @@ class PairMembers:
         self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(self._record, self._numbers, starts)
-        self._loop = entry_point(pair.layout, pair_members, (potential,), examples)
+        self._loop = pair.entry_of_members(pair_members, None, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         assert isinstance(setting, Tolerance)
@@ -111,7 +110,7 @@ class PairLanes:
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
         fixed = PairScene(*record.item()), potential
-        self._loop = entry_point(pair.layout, pair_members_in_lanes, fixed, examples)
+        self._loop = pair.entry_of_members(pair_members_in_lanes, own_numbers, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         assert isinstance(setting, Tolerance)

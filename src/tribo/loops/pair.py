@@ -6,13 +6,16 @@ multiple of one of them; two matrices hold the factors.
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections.abc import Hashable
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import config
 
+from tribo.compiler.jit import EntryPoint
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import Method
@@ -59,6 +62,24 @@ LIMITS_KEPT = 4
 UNINTERRUPTED_STEPS = 2048
 
 
+class Slots(NamedTuple):
+    """The slots of one asperite of a pair: its coordinate along x, and its accounts."""
+
+    dof_x: int
+    acc_contact: int
+    acc_ends: int
+    acc_slide: int
+    acc_block: int  # of its surface
+
+
+@once_per_layout
+def _slots_of(layout: Layout) -> tuple[Slots, ...]:
+    names = Slots._fields[:-1]
+    blocks = layout.surfaces["acc_block"].tolist()
+    each = zip(*(layout.asperites[name].tolist() for name in names), blocks, strict=True)
+    return tuple(itertools.starmap(Slots, each))
+
+
 def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The factors of coordinates and of accounts, (..., 2 coordinates or accounts, columns).
 
@@ -71,7 +92,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
         (step_rows.Q1, step_rows.V1, step_rows.X1, step_rows.Y1, step_rows.T1, ARC1),
         (step_rows.Q2, step_rows.V2, step_rows.X2, step_rows.Y2, step_rows.T2, ARC2),
     )
-    for i, (slots, sign) in enumerate(zip(layout.asperites, (1.0, -1.0), strict=True)):
+    for i, (slots, sign) in enumerate(zip(_slots_of(layout), (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
         a, slide = asperites[..., i], mobility[..., i]
         to_state[..., i, q] = to_state[..., n + i, v] = 1.0
@@ -86,8 +107,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
             to_state[..., slots.dof_x, step_rows.K] = to_state[
                 ..., n + slots.dof_x, step_rows.J
             ] = slide
-            block = layout.surfaces[i].acc_block
-            for slot in (slots.acc_slide, block):
+            for slot in (slots.acc_slide, slots.acc_block):
                 to_accounts[..., slot, first + step_rows.S] = sign * slide
         if slots.acc_ends >= 0:
             end = a["kappa"] / a["bar_length"]
@@ -183,6 +203,7 @@ class Pair:
         fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
         self.entry = entry_point(layout, pair_collocation, fixed, examples)
         self._limits: tuple[tuple[Tolerance, np.ndarray], ...] = ()
+        self._members: dict[Hashable, EntryPoint] = {}
         self.loops = Pool(lambda: PairLoop(self))
         self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
@@ -193,6 +214,15 @@ class Pair:
         pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
         pair.loops = Pool(lambda: PairLoop(pair))
         return pair
+
+    def entry_of_members(
+        self, loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+    ) -> EntryPoint:
+        """The code of a loop over members, looked up once for each kind of its arguments."""
+        key = loop, kind
+        if key not in self._members:
+            self._members[key] = entry_point(self.layout, loop, fixed, examples)
+        return self._members[key].with_fixed(*fixed)
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""

@@ -26,11 +26,14 @@ LIMITS = {
 
 def _are_infinite(kappa: object) -> bool:
     """Whether a stiffness is infinite; raises InputError if it is for some asperites only."""
-    values = kappa if is_list(kappa) else [kappa]
-    infinite = [isinstance(value, float) and value == math.inf for value in values]
-    if any(infinite) and not all(infinite):
+    if isinstance(kappa, np.ndarray) and kappa.ndim > 0 and kappa.dtype.kind == "f":
+        infinite = kappa == math.inf
+    else:
+        values = kappa if is_list(kappa) else [kappa]
+        infinite = np.array([isinstance(each, float) and each == math.inf for each in values])
+    if infinite.any() and not infinite.all():
         raise must_be("kappa", "inf for all asperites of a surface or for none", kappa)
-    return any(infinite)
+    return bool(infinite.any())
 
 
 def broadcast(field: str, value: Each, count: int) -> np.ndarray:

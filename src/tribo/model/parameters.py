@@ -14,6 +14,7 @@ A star in place of the name of a surface means all surfaces; `tribo.model.bindin
 """
 
 import difflib
+import operator
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -87,20 +88,23 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     for part in PARTS_OF_SCENE:
         if part in whole or part in of_parts:
             own[part] = _changed_settings(scene, part, whole, of_parts.get(part, {}))
-    own["surfaces"] = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
+    surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
+    if any(map(operator.is_not, surfaces, scene.surfaces)):
+        own["surfaces"] = surfaces
     for part, name in ((INTERACTION, "interactions"), (FIELD, "fields")):
         if part in whole:
             own[name] = whole[part]
-    scene = replace(scene, **own)
+    if whole.keys() & {INTERACTION, FIELD}:  # of which parts may change too
+        scene, own = replace(scene, **own), {}
     if INTERACTION in of_parts:
         (interaction,) = scene.interactions
         with inside(INTERACTION):
             potential = by_key.with_values(interaction.potential, of_parts[INTERACTION])
-        scene = replace(scene, interactions=(replace(interaction, potential=potential),))
+        own["interactions"] = (replace(interaction, potential=potential),)
     if FIELD in of_parts:
         with inside(FIELD):
-            scene = replace(scene, fields=(_changed_field(scene.fields[0], of_parts[FIELD]),))
-    return scene
+            own["fields"] = (_changed_field(scene.fields[0], of_parts[FIELD]),)
+    return replace(scene, **own) if own else scene
 
 
 def reservoir_part(surface: Surface, on: str) -> str:

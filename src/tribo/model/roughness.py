@@ -18,7 +18,10 @@ import numpy as np
 from tribo import validation as check
 from tribo.validation import InputError, must_be
 
-FRACTION: check.Condition = ("must be between 0 and 1, both excluded", lambda x: 0.0 < x < 1.0)
+FRACTION: check.Condition = (
+    "must be between 0 and 1, both excluded",
+    lambda x: (x > 0.0) & (x < 1.0),
+)
 # Ratio up to which two wavelengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
 

@@ -237,6 +237,8 @@ class Scene(ComparedByValue):
 
     def with_heights(self) -> Scene:
         """The same scene with its random heights as numbers, whatever its seed becomes."""
+        if all(surface.heights is None for surface in self.surfaces):
+            return self
         surfaces = [
             replace(surface, heights=surface.drawn_heights([self.seed, index, 0]))
             for index, surface in enumerate(self.surfaces)

@@ -16,9 +16,7 @@ from tribo.ensembles.members import Sampler, Source, Variation, sources_of
 from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target, in_file
-from tribo.layout.layout import lay_out
 from tribo.model.binding import check_apart, check_arguments
-from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
@@ -105,16 +103,16 @@ def sweep(
     settings["allow_unresolved"] = allow_unresolved
     with inside("values"):
         check_arguments(grid.bound, settings)
-    first = with_values(scene, grid.point(0))
-    sources = sources_of(first, vary, sampler, members)
+    sources = sources_of(grid.first, vary, sampler, members)
     with inside("vary"):
         check_apart(scene, sources, grid.bound)
-    variation = Variation(first, sources, integer("seed", seed, 0))
+    variation = Variation(grid.first, sources, integer("seed", seed, 0))
     if number is not None:
-        variation.check_lengths(number)
+        variation.check(number)
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else names_of_quantities("keep", keep)
     request = Request(names, with_errors=number is None, **settings)
+    recorded = request.recorded(scene)
     one_run = number is None and half_width is None
     check_effects(grid, names, at != END or half_width is not None, not one_run)
     how = Execution.checked(engine, threads)
@@ -130,18 +128,17 @@ def sweep(
             ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
             return point_by_point(grid, ensemble_at, target, progress)
         # All points by one engine, those that one plan serves side by side.
-        kept = request.kept(lay_out(request.recorded(scene.with_heights())))
+        kept = request.kept(recorded)
         sets, order = point_sets(grid, request, variation, number, kept)
         by, store = how, MemberStore(target.frames)
         if progress is not None:
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)
         table = Table(grid, order, kept, store.values(), members_of(sets) if number else None)
-        given = request.recorded(scene).numerics.step
-        attributes = target.attributes(scene, interrupted, table.notes(given))
+        attributes = target.attributes(interrupted, table.notes(recorded.numerics.step))
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 
     others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
-    identity = request.identity(scene, variation, others)
-    return in_file(out, resume, identity, progress, grid.size, "points", compute).load()
+    identify = partial(request.identity, recorded, variation, others)
+    return in_file(out, resume, scene, identify, progress, grid.size, "points", compute).load()

@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -88,8 +87,8 @@ class Table:
         if self._members:
             rest = values.shape[len(self.dimensions) :]
             points = values.reshape(self._grid.size, *self._members, *rest)
-            pairs = map(_mean_and_half_width, points, self.status.reshape(self._grid.size, -1))
-            tables = np.array(list(pairs)).swapaxes(0, 1).reshape(2, *self._grid.shape, *rest)
+            pair = _means_and_half_widths(points, self.status.reshape(self._grid.size, -1))
+            tables = (each.reshape(*self._grid.shape, *rest) for each in pair)
             for table, word in zip(tables, ("mean", "half_width"), strict=True):
                 what = about | {"long_name": f"{word.replace('_', '-')} of: {about['long_name']}"}
                 variables[f"{name}_{word}"] = (*self._grid.names, *own), table, what
@@ -101,22 +100,28 @@ class Table:
 
     def notes(self, step: float | None) -> Iterator[str]:
         """What to know of all runs, and of single points, also of what a given step does."""
-        excesses = self.placed(self._found["excess"]).reshape(self._grid.size, -1)
         points = self._grid.size
         if number := int(np.count_nonzero(without_interval(self._found))):
             yield interval_note(number, self._found["status"].size, "runs")
-        of_points = zip(self.status.reshape(points, -1), self.note.reshape(points, -1), strict=True)
-        for index, (statuses, own) in enumerate(of_points):
-            without = np.count_nonzero((statuses != str(Status.COMPLETED)) & (statuses != NOT_RUN))
-            note = str(own[0]).replace("\n", "; ")
-            if self._members:
-                own_notes = [f"{without} of {statuses.size} members have no values"] * bool(without)
-                known = excesses[index][~np.isnan(excesses[index])]
-                excess = float(np.mean(known)) if known.size else 0.0
-                own_notes += step_notes(Counter(statuses.tolist()), excess, step)
-                note = "; ".join(own_notes)
-            if note:
-                yield f"{self._grid.label(index)}: {note}"
+        status, note = self.status.reshape(points, -1), self.note.reshape(points, -1)
+        stopped = (status != str(Status.COMPLETED)) & (status != NOT_RUN)
+        without = np.count_nonzero(stopped, axis=1)
+        if not self._members:
+            for index in np.flatnonzero(note[:, 0] != "").tolist():
+                own = str(note[index, 0]).replace("\n", "; ")
+                yield f"{self._grid.label(index)}: {own}"
+            return
+        excesses = self.placed(self._found["excess"]).reshape(points, -1)
+        some = range(points) if step is not None else np.flatnonzero(without).tolist()
+        for index in some:
+            own_notes = []
+            if without[index]:
+                own_notes = [f"{without[index]} of {status.shape[1]} members have no values"]
+            known = excesses[index][~np.isnan(excesses[index])]
+            excess = float(np.mean(known)) if known.size else 0.0
+            own_notes += step_notes(Counter(status[index].tolist()), excess, step)
+            if own_notes:
+                yield f"{self._grid.label(index)}: {'; '.join(own_notes)}"
 
 
 def key_coordinates(grid: Grid) -> dict[str, Variable]:
@@ -128,10 +133,16 @@ def key_coordinates(grid: Grid) -> dict[str, Variable]:
     }
 
 
-def _mean_and_half_width(values: np.ndarray, status: np.ndarray) -> tuple[Any, Any]:
-    """Mean over the members that completed, and the half-width of its interval; else NaN."""
-    complete = values[status == str(Status.COMPLETED)]
-    if len(complete) < 2:
-        nothing = np.full(values.shape[1:], np.nan)
-        return nothing, nothing
-    return interval(complete)
+def _means_and_half_widths(values: np.ndarray, status: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Means over the members that completed, and half-widths of their intervals; else NaN.
+
+    Values are (points, members, ...).  Points of which all members completed are one call.
+    """
+    complete = status == str(Status.COMPLETED)
+    number = np.count_nonzero(complete, axis=1)
+    mean, half_width = (np.full((len(values), *values.shape[2:]), np.nan) for _ in range(2))
+    every = number == status.shape[1]
+    mean[every], half_width[every] = interval(values[every].swapaxes(0, 1))
+    for place in np.flatnonzero((number > 1) & ~every).tolist():
+        mean[place], half_width[place] = interval(values[place][complete[place]])
+    return mean, half_width

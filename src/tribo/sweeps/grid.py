@@ -6,6 +6,7 @@ from typing import NamedTuple, SupportsIndex
 
 import numpy as np
 
+from tribo.ensembles.members import size_of
 from tribo.model.binding import bound, check_together
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
@@ -56,10 +57,34 @@ class Grid:
             check_together(scene, self.bound)
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
-            first = self.point(0)
+            self.first = with_values(scene, self.point(0))  # the scene of the first point
             for axis in self.axes:
-                for place in range(len(axis.rows)):
-                    with_values(scene, first | axis.at(place))
+                self._check(axis)
+
+    def _check(self, axis: Axis) -> None:
+        """Raise InputError about values that cannot be used beside the first of other keys.
+
+        Of numbers in which members may differ the extremes are tried, as of other members.
+        """
+        if not self.has_numbers(axis):
+            first = self.point(0)
+            for place in range(1, len(axis.rows)):
+                with_values(self.scene, first | axis.at(place))
+            return
+        columns = np.array(axis.rows, float).T
+        for place in sorted({*columns.argmin(axis=1).tolist(), *columns.argmax(axis=1).tolist()}):
+            own = axis.at(place)
+            if place:
+                with_values(self.first, {key: own[self.bound[key]] for key in self.bound_to(own)})
+
+    def has_numbers(self, axis: Axis) -> bool:
+        """Whether all values are numbers in which members may differ."""
+        if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
+            return False
+        try:
+            return all(size_of(self.scene, key) for key in self.bound_to(axis.keys))
+        except InputError:
+            return False
 
     def bound_to(self, keys: Iterable[str]) -> list[str]:
         """The keys, each of one surface, whose values some of the keys give."""

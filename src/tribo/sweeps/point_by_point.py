@@ -71,7 +71,7 @@ def point_by_point(
     about = {"long_name": "end of the ensemble"}
     variables["point_status"] = tuple(grid.names), np.reshape(statuses, grid.shape), about
     names = [str(name) for name in found[min(found)].data_vars]
-    attributes = target.attributes(grid.scene, interrupted, notes)
+    attributes = target.attributes(interrupted, notes)
     attributes["keep"] = json.dumps(names)
     coordinates |= key_coordinates(grid)
     return target.saved(xarray.Dataset(variables, coordinates, attributes))

@@ -7,6 +7,7 @@ engine at the same time.
 
 from __future__ import annotations
 
+import math
 import pickle
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ import numpy as np
 
 from tribo.ensembles.engines import run_tasks
 from tribo.ensembles.kept_values import REFUSED, Kept, KeptValues, joined
-from tribo.ensembles.members import Members, Source, Variation, is_start, size_of
+from tribo.ensembles.members import Members, Source, Variation, is_start
 from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution, in_batches, planned
 from tribo.ensembles.swing_states import DrawnSwings
@@ -59,18 +60,24 @@ class PointSet(NamedTuple):
         scene = self.scene_at(place)
         return self._replace(scene=scene, swept={}, points=1, simulation=None)
 
-    def values(self) -> list[dict[str, np.ndarray] | None]:
-        """What the members of each point differ in, (members, ...); None where it is refused."""
+    def values(self) -> list[tuple[int, dict[str, np.ndarray] | None]]:
+        """What the members of so many points at a time differ in, (points, members, ...).
+
+        None where a point is refused.
+        """
         try:
             runs = self.variation.members(np.arange(self.runs)).values
         except InputError:
             if self.points == 1:
-                return [None]
+                return [(1, None)]
             return [own for place in range(self.points) for own in self.point(place).values()]
-        own = {
-            key: np.split(each, self.points) for key, each in runs.items() if key not in self.swept
-        }
-        return [{key: each[k] for key, each in own.items()} for k in range(self.points)]
+        own = {key: each for key, each in runs.items() if key not in self.swept}
+        return [
+            (
+                self.points,
+                {key: each.reshape(self.points, -1, *each.shape[1:]) for key, each in own.items()},
+            )
+        ]
 
     def scene_at(self, point: int) -> Scene:
         own = {key: float(values[point]) for key, values in self.swept.items()}
@@ -95,25 +102,25 @@ def point_sets(
     """
     inner, simulation = _served_by_one_plan(grid, request, variation)
     outer = [axis for axis in grid.axes if axis not in inner]
-    outside, within = (
-        list(np.ndindex(*(len(axis.rows) for axis in axes))) for axes in (outer, inner)
-    )
+    outside, within = (tuple(len(axis.rows) for axis in axes) for axes in (outer, inner))
+    points = math.prod(within)
+    places = np.indices(within).reshape(len(within), points)
     swept = {
-        key: np.array([axis.rows[place[i]][k] for place in within], float)
+        key: np.array([row[k] for row in axis.rows], float)[places[i]]
         for i, axis in enumerate(inner)
         for k, name in enumerate(axis.keys)
         for key in grid.bound_to([name])
     }
     drawn = variation.drawn(np.arange(members or 1))
     sets = []
-    for place in outside:
+    for place in np.ndindex(outside):
         # Together with the first values of the others.
         own = values_at(outer, place) | values_at(inner, [0] * len(inner))
-        scene = with_values(grid.scene, own).with_heights()
+        scene = (with_values(grid.scene, own) if outer else grid.first).with_heights()
         if members is None:
             drawn = drawn._replace(seeds=np.array([scene.seed]))
-        points = len(within), drawn, variation.seed, simulation
-        sets.append(PointSet(scene, request, kept, swept, *points))
+        own_members = drawn, variation.seed, simulation
+        sets.append(PointSet(scene, request, kept, swept, points, *own_members))
     return sets, outer + inner
 
 
@@ -121,15 +128,16 @@ def _served_by_one_plan(
     grid: Grid, request: Request, variation: Variation
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
-    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and _has_numbers(grid, axis)]
+    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and grid.has_numbers(axis)]
     if not candidates:
         return [], None
     places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
     scene = with_values(grid.scene, values_at(grid.axes, places)).with_heights()
-    if request.recorded(scene).output.series:
+    recorded = request.recorded(scene)
+    if recorded.output.series:
         return [], None
     try:
-        simulation = request.prepare(scene)
+        simulation = request.prepare(scene, recorded)
     except InputError:
         return [], None
     plan, pair = simulation.plan, simulation.integrator.pair is not None
@@ -146,16 +154,6 @@ def _served_by_one_plan(
     if not inner or not in_batches(simulation, numbers):
         return [], None
     return inner, simulation if len(inner) == len(grid.axes) else None
-
-
-def _has_numbers(grid: Grid, axis: Axis) -> bool:
-    """Whether all values are numbers in which members may differ."""
-    if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
-        return False
-    try:
-        return all(size_of(grid.scene, key) for key in grid.bound_to(axis.keys))
-    except InputError:
-        return False
 
 
 def runs_of(sets: list[PointSet], done: int, how: Execution) -> Iterator[KeptValues]:
@@ -184,8 +182,8 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
     request = points.request
     try:
         simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
-        kept, variation = request.kept(simulation.layout), points.variation
-        runs = planned(simulation, kept, variation, points.runs, how)
+        kept, variation = request.kept(simulation.scene, simulation.layout), points.variation
+        runs = planned(request, simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
             yield points.kept.of_others(found)
@@ -206,8 +204,12 @@ def members_of(sets: list[PointSet]) -> Members:
     """
     numbers, seeds, _ = sets[0].members
     found = [own for each in sets for own in each.values()]
-    known = next((own for own in found if own is not None), {})
-    nothing = {key: np.full_like(rows, np.nan) for key, rows in known.items()}
-    values = {key: np.array([(own or nothing)[key] for own in found]) for key in known}
+    known = next((own for _, own in found if own is not None), {})
+    values = {
+        key: np.concatenate(
+            [np.full((n, *rows.shape[1:]), np.nan) if own is None else own[key] for n, own in found]
+        )
+        for key, rows in known.items()
+    }
     alike = {key: rows[0] for key, rows in values.items() if not np.ptp(rows, axis=0).any()}
     return Members(numbers, seeds, values | alike)

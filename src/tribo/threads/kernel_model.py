@@ -143,9 +143,7 @@ class Units:
         }
         _set_units(model, at, own)
 
-    def set_contact(
-        self, contacts: Contacts, n: int, each: records.Contact, shared: bool
-    ) -> None:
+    def set_contact(self, contacts: Contacts, n: int, each: records.Contact, shared: bool) -> None:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
         at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64

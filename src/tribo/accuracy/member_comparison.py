@@ -1,0 +1,102 @@
+"""Runs of members compared with finer ones of the same members."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from tribo.accuracy.comparison import Accuracy, observables
+from tribo.accuracy.scales import Scales, largest_of_runs, scales_of
+from tribo.layout.layout import Layout
+from tribo.ledger.motion import mean_velocity
+from tribo.ledger.samples import Samples
+from tribo.ledger.series_table import SeriesTable, series_table
+from tribo.ledger.totals import AsperiteSeries
+from tribo.loops.batch import MemberRuns
+
+# Times at which members are compared, at most: comparisons at 401 took longer than the runs.
+MOST_COMPARED = 65
+
+
+class FineRuns:
+    """Fine runs of some members, with which any number of other runs of these are compared."""
+
+    def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
+        self._accuracy, self._complete = accuracy, runs.complete
+        layout, self._samples = _at_few_times(runs)
+        self._layouts = {1: layout}  # for all members so many times
+        self._scales: Scales | None = None
+
+    def compare(self, *others: MemberRuns) -> tuple[Scales, np.ndarray]:
+        """The scales of errors, (members,), and the largest differences, (others, members).
+
+        Differences are in units of the accuracy; they are infinite if a run stopped, or if one is
+        not finite.  One table has the series of all runs side by side: to make it takes longer than
+        to fill it.
+        """
+        members, runs = self._samples.runs, 1 + len(others)
+        samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
+        layout = self._layout_of(runs)
+        group = AsperiteSeries(layout, samples, (layout.together,))
+        table = series_table(layout, group, observables(self._accuracy))
+        values = table.values.reshape(-1, runs, members, table.values.shape[1])
+        if self._scales is None:
+            self._scales = _scales(layout, group, _with(table, values[:, 0]), members)
+        with np.errstate(invalid="ignore"):  # of two infinite energies
+            gaps = _with(table, values[:, :1] - values[:, 1:]).largest(members * len(others))
+        worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
+        complete = self._complete & [each.complete for each in others]
+        return self._scales, np.where(complete & np.isfinite(worst), worst, np.inf)
+
+    def _layout_of(self, runs: int) -> Layout:
+        """The layout for all members so many times, as in samples of runs side by side."""
+        if runs not in self._layouts:
+            layout = self._layouts[1]
+            if layout.numbers is not None:
+                members = np.tile(np.arange(self._samples.runs), runs)
+                layout = replace(layout, numbers=layout.numbers.of_members(members))
+            self._layouts[runs] = layout
+        return self._layouts[runs]
+
+
+def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
+    """The table with other values, (..., columns)."""
+    return table._replace(values=values.reshape(-1, values.shape[-1]))
+
+
+def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
+    """The scales of the first runs of a group, as many as there are members."""
+    tops = dict(zip(table.names, table.largest(members), strict=True))
+    (motion,), mean, runs = group.motions, mean_velocity(layout), group.samples.runs
+    speed, internal, path = (
+        largest_of_runs(each, runs)[:members]
+        for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
+    )
+    return scales_of(layout, tops, speed, internal, path)
+
+
+def _in_units(
+    accuracy: Accuracy, scales: Scales, names: tuple[str, ...], gaps: np.ndarray, members: int
+) -> np.ndarray:
+    """The largest of differences (names, runs x members) in their units, (runs, members)."""
+    asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
+    places = [place for place, name in enumerate(names) if name in asked]
+    units = np.stack(
+        [np.broadcast_to(asked[names[k]] * scales.of(names[k]), members) for k in places]
+    )
+    chosen = gaps[places].reshape(len(places), -1, members)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
+    return np.asarray(relative.max(axis=0, initial=0.0))
+
+
+def _at_few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
+    """The samples by which members are compared, as single runs are where they have many."""
+    layout, samples, members = runs.layout, runs.samples, runs.samples.runs
+    times = samples.t.size // members
+    if times <= MOST_COMPARED:
+        return layout, samples
+    chosen = np.unique(np.linspace(0, times - 1, MOST_COMPARED).astype(int))
+    rows = np.arange(samples.t.size).reshape(times, members)[chosen].ravel()
+    few = Samples.of_runs(members, *samples.rows(rows).columns)
+    return replace(layout, member_times=chosen.size), few
