@@ -115,7 +115,7 @@ def test_a_damaged_file_of_an_ensemble(tmp_path):
         ensemble(**call, resume=True)
         content[len(content) // 2] ^= 1
         out.write_bytes(content)
-        with pytest.raises(InputError, match="is no such file of this version, or damaged"):
+        with pytest.raises(InputError, match="is damaged, was written again by another program"):
             ensemble(**call, resume=True)
 
 
