@@ -61,15 +61,15 @@ def load(source: bytes, place: str) -> ModuleType:
     name = f"tribo_plugin_{label}"
     if name in sys.modules:
         return sys.modules[name]
+    # Messages and derivatives of formulas read this source, also where the file is another one now,
+    # or was when an earlier version of it was loaded.
+    lines = importlib.util.decode_source(source).splitlines(keepends=True)
+    linecache.cache[place] = (len(source), None, lines, place)
     spec = importlib.util.spec_from_loader(name, None, origin=place)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     module.__file__ = place
     sys.modules[name] = module
-    # Messages and derivatives of formulas read this source, also where the file is another one now,
-    # or was when an earlier version of it was loaded.
-    lines = source.decode("utf-8-sig").splitlines(keepends=True)
-    linecache.cache[place] = (len(source), None, lines, place)
     try:
         with _importing_beside(Path(place).parent, name):
             exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)

@@ -14,6 +14,8 @@ from types import CodeType, FunctionType
 
 import numpy as np
 
+from tribo.potentials.factors import factors_by_call
+
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 # The functions that can be differentiated, and their derivatives at the argument u.
 FUNCTIONS = {
@@ -183,11 +185,11 @@ def force_from(energy: FunctionType) -> FunctionType | None:
 
 
 def factors_of(energy: FunctionType) -> tuple[str, ...]:
-    """The fields of which energy(self, r) is a multiple, by its source; none if that is unknown."""
+    """The fields of which energy(self, r) is a multiple; none if that cannot be told."""
     try:
         definition = _source(energy)
     except (NoFormulaError, OSError, TypeError, SyntaxError, ValueError, AttributeError):
-        return ()
+        return factors_by_call(energy)
     returned = [node for node in ast.walk(definition) if isinstance(node, ast.Return)]
     if len(returned) != 1 or returned[0] is not definition.body[-1] or not definition.args.args:
         return ()
