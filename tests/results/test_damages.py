@@ -156,14 +156,6 @@ def stores(folder):
     return call["out"], lambda: same_members(whole, tribo.ensemble(**call))
 
 
-def unsealed_stores(folder):
-    """The same after another program has written it again."""
-    path, read = stores(folder)
-    data = xarray.load_dataset(path)
-    data.to_netcdf(path, engine="h5netcdf")
-    return path, read
-
-
 def parts(folder):
     """The part of an ensemble that was not completed."""
     call = members(folder)
@@ -198,8 +190,7 @@ KINDS = {
     rewritten_results: 0.05,
     old_results: 0.05,
     journals: 0.2,
-    stores: 0.2,
-    unsealed_stores: 0.02,
+    stores: 0.22,
     parts: 0.1,
     bundles: 0.06,
     rewritten_bundles: 0.02,
