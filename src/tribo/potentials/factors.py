@@ -1,6 +1,7 @@
 """Fields of which an energy is a multiple, found by a call of the energy with objects for numbers.
 
-This serves functions whose source cannot be read, as those that were typed in or made by a program.
+This serves functions whose source cannot be read, as those that were typed in or made by a program,
+and those of several statements.
 """
 
 from __future__ import annotations
