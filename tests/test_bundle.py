@@ -3,6 +3,8 @@
 import hashlib
 import json
 import subprocess
+import sys
+import tomllib
 import zipfile
 
 import pytest
@@ -82,3 +84,34 @@ def test_refused(files, message, tmp_path, monkeypatch, capsys):
     assert main(["bundle", *files, "-o", "all.zip"]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "all.zip").exists()
+
+
+def test_an_archive_is_repeated_elsewhere(folder, capsys):
+    """From the files in it: those of the author are gone, or have changed there."""
+    (folder / "data.txt").write_text("1.0", encoding="utf-8")
+    read = "FACTOR = float(Path(__file__).with_name('data.txt').read_text())\n\nclass"
+    plugin = PLUGIN.replace("class", read, 1).replace("self.strength", "FACTOR * self.strength")
+    (folder / "soft.py").write_text("from pathlib import Path\n" + plugin, encoding="utf-8")
+    assert main(["run", "a scene.toml", "--out", "run.nc", "--json"]) == 0
+    assert main(["bundle", "run.nc", "data.txt", "-o", "all.zip"]) == 0
+    with zipfile.ZipFile("all.zip") as archive:
+        archive.extractall("elsewhere")
+    scene = tomllib.loads((folder / "elsewhere" / "run.nc.toml").read_text(encoding="utf-8"))
+    assert scene["interaction"][0]["potential"] == "soft.py:Soft"
+    capsys.readouterr()
+
+    def repeated():
+        code = main(["run", "elsewhere/run.nc", "--json"])
+        return code, capsys.readouterr().err
+
+    assert repeated() == (0, "elsewhere/run.nc: repeated, bit for bit\n")
+    (folder / "soft.py").write_text(PLUGIN, encoding="utf-8")
+    assert repeated() == (0, "elsewhere/run.nc: repeated, bit for bit\n")
+    (folder / "soft.py").unlink()
+    assert repeated() == (0, "elsewhere/run.nc: repeated, bit for bit\n")
+    (folder / "elsewhere" / "data.txt").write_text("2.0", encoding="utf-8")
+    # A module is loaded once in a process as long as its source is the same.
+    for name in [name for name in sys.modules if name.startswith("tribo_plugin_")]:
+        del sys.modules[name]
+    code, message = repeated()
+    assert code == 2 and "soft.py:Soft, or a value that it reads, has changed since" in message

@@ -421,3 +421,12 @@ def test_wrong_input():
     noisy = two_rows({"langevin": {"gamma": 0.1, "temperature": 1.0}}, numerics=numerics)
     with pytest.raises(tribo.InputError, match=r"numerics\.method"):
         tribo.explain(noisy)
+
+
+def test_a_scene_that_ends_where_it_starts():
+    """Bobs at one place: no evaluation is made, and the text says so."""
+    pendulums = (tribo.Surface("one"), tribo.Surface("other", facing="up"))
+    found = tribo.explain(tribo.Scene(pendulums, tribo.Coulomb(0.2), 1.0))
+    assert found.predicted.force_evaluations == 0 and found.predicted.seconds == 0.0
+    text = " ".join(str(found).split())
+    assert "will stop as BobsCoincide: it ends where it starts, at t = 0; change the start." in text

@@ -19,6 +19,24 @@ class Own(tribo.Potential):
         return 2.0 * self.k * np.exp(-x) / r
 
 
+UNREADABLE = """
+class Unreadable(tribo.Potential):
+    k: float
+    a: float
+
+    def energy(self, r):
+        x = r / self.a
+        return -(2.0 * self.k * np.exp(-x) - self.k) / r + 3.0 * self.k * {factor}
+"""
+
+
+def unreadable(factor):
+    """A class whose source no file contains."""
+    scope = {"tribo": tribo, "np": np, "__name__": __name__}
+    exec(UNREADABLE.format(factor=factor), scope)
+    return scope["Unreadable"]
+
+
 ZERO = {
     "strength": (Coulomb(0.0), 1.0),
     "charge": (Coulomb(0.2), 0.0),
@@ -26,6 +44,7 @@ ZERO = {
     "sum": (Coulomb(0.0) + 0.0 * LennardJones(1.0, 0.5), 1.0),
     "cutoff": (LennardJones(0.0, 0.5).with_cutoff(1.25), 1.0),
     "own": (Own(0.0, 1.0), 1.0),
+    "unreadable": (unreadable("r**-2")(0.0, 1.0), 1.0),
     "expression": (expression("k/r", k=0.0), 1.0),
 }
 
@@ -69,6 +88,8 @@ def test_an_energy_of_ones_own_acts_unless_a_factor_is_zero():
 
     assert Shifted(0.0).acts_between(1.0, 1.0)
     assert Own(1.0, 2.0).acts_between(1.0, 1.0)
+    for unknown in ("r**-2 + 1.0 / r", "1.0 + np.exp(self.k)", "(1.0 if r > 1.0 else 0.0)"):
+        assert unreadable(unknown)(0.0, 1.0).acts_between(1.0, 1.0)
 
 
 def test_zero_parts_of_sums_have_no_encounter():

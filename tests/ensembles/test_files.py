@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 import xarray
@@ -107,7 +108,7 @@ def test_other_ensembles_are_refused(settings, tmp_path):
 
 
 def test_a_damaged_file_of_an_ensemble(tmp_path):
-    """A byte that was changed, in a file written at once or in parts, is told by one sentence."""
+    """A byte that was changed, or a value by another program, is told by one sentence."""
     for out, settings in ((tmp_path / "a.nc", {}), (tmp_path / "b.nc", {"statistics": True})):
         call = {"scene": SCENE, "members": 70, "vary": VARY, "keep": KEEP, "out": out} | settings
         ensemble(**call)
@@ -115,7 +116,14 @@ def test_a_damaged_file_of_an_ensemble(tmp_path):
         ensemble(**call, resume=True)
         content[len(content) // 2] ^= 1
         out.write_bytes(content)
-        with pytest.raises(InputError, match="is no such file of this version, or damaged"):
+        message = "is damaged, was written again by another program"
+        with pytest.raises(InputError, match=message):
+            ensemble(**call, resume=True)
+        content[len(content) // 2] ^= 1
+        out.write_bytes(content)
+        with h5py.File(out, "r+") as file:
+            file.attrs["mine"] = 1
+        with pytest.raises(InputError, match=message):
             ensemble(**call, resume=True)
 
 

@@ -1,5 +1,6 @@
 """Scene files: a loaded scene equals the saved one, and missing keys have their defaults."""
 
+import codecs
 import copy
 import math
 import tomllib
@@ -280,3 +281,22 @@ def test_short_text_and_file(tmp_path):
     assert len(repr(scene)) < 120 and "upper (1), lower (1), Coulomb" in repr(scene)
     assert repr(scene.surfaces[0]).startswith("<Surface 'upper': 1 asperite facing down, free")
     assert len(repr(tribo.explain(scene))) < 200
+
+
+def test_files_that_begin_with_a_mark(tmp_path):
+    """Notepad writes one before UTF-8: in scene files and in plug-ins, whose force is derived."""
+    plugin = "import tribo\nclass Own(tribo.Potential):\n    s: float\n"
+    plugin += "    def energy(self, r):\n        return self.s / r\n"
+    (tmp_path / "own.py").write_bytes(codecs.BOM_UTF8 + plugin.encode())
+    scene = 'title = "µ"\nduration = 1.0\ninteraction = { potential = "own.py:Own", s = 0.2 }\n'
+    scene += 'surface = [{ name = "upper" }, { name = "lower", facing = "up" }]\n'
+    (tmp_path / "scene.toml").write_bytes(codecs.BOM_UTF8 + scene.encode())
+    found = tribo.load_scene(tmp_path / "scene.toml")
+    (interaction,) = found.interactions
+    assert found.title == "µ" and interaction.potential.force(2.0) == 0.2 / 4.0
+    assert type(interaction.potential).force.__qualname__ == "force"  # from the formula
+    # The same in this process after an edit.
+    (tmp_path / "own.py").write_text(plugin.replace("/ r", "/ r**2"))
+    (interaction,) = tribo.load_scene(tmp_path / "scene.toml").interactions
+    assert interaction.potential.force(2.0) == pytest.approx(0.4 / 8.0, abs=1e-16)
+    assert type(interaction.potential).force.__qualname__ == "force"

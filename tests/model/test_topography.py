@@ -1,5 +1,6 @@
 """Heights from a scan: resampled, in the scene's unit, without its tilt; files; what is refused."""
 
+import codecs
 import shutil
 import sys
 from dataclasses import dataclass, replace
@@ -252,6 +253,9 @@ def test_channels_and_sizes_of_files(tmp_path):
     np.savetxt(path, np.arange(20.0).reshape(4, 5))
     found = heights(path, (5, 4), (0.5, 2.0), size=(2.5, 8.0))
     assert np.ptp(found) == 19.0
+    marked = tmp_path / "marked.txt"  # as programs of Windows write it
+    marked.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
+    np.testing.assert_array_equal(heights(marked, (5, 4), (0.5, 2.0), size=(2.5, 8.0)), found)
     (name,) = (channel.name for channel in opened_channels(path))
     for channel in (0, name):
         again = heights(path, (5, 4), (0.5, 2.0), size=(2.5, 8.0), channel=channel)

@@ -18,6 +18,8 @@ from tribo import seals
 from tribo.commands.doctor import versions
 from tribo.files import NETCDF, checked_target, read_file, replace_file, strict_json
 from tribo.interrupts import COMPLETED
+from tribo.model.identity import name_in_folder, renamed
+from tribo.model.scene_writer import toml
 from tribo.plugins.sources import files_beside
 from tribo.validation import InputError
 
@@ -74,12 +76,13 @@ def _with_companions(path: Path) -> Iterator[tuple[str, bytes]]:
     _, text = _attributes_and_scene(path.name, content)
     if text is None:
         return
-    if path.suffix.lower() == NETCDF:
-        yield path.name + ".toml", text.encode()
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(path), f"is no scene file ({error})") from None
+    if path.suffix.lower() == NETCDF:
+        # Its plug-ins, which are absolute places there, are beside it in the archive.
+        yield path.name + ".toml", toml(renamed(table, name_in_folder))
     for place in _strings(table):
         file, _, _ = place.partition(".py:")
         named = Path(file + ".py" if file != place else place)

@@ -259,14 +259,26 @@ def opened(path: Path, identity: Identity) -> xarray.Dataset:
     """The data set in a file, read when it is used.  Raises InputError if it is something else."""
     import xarray
 
-    try:
-        seals.check(path)
-        with h5py.File(path) as file:
-            before: Identity = json.loads(file.attrs[IDENTITY])
-    except (OSError, KeyError, ValueError):  # an InputError is one of them
+    before = _identity_in(path)
+    if before is None:
         raise InputError(
-            str(path), "is no such file of this version, or damaged; start again without resume"
-        ) from None
+            str(path),
+            "is damaged, was written again by another program, or is no such file of this version; "
+            "start again without resume",
+        )
     refuse_other(path, before, json.loads(json.dumps(identity)))
     # A file object, since HDF5 would not let this process write to a file that it has open.
     return xarray.open_dataset(open(path, "rb"), engine="h5netcdf")
+
+
+def _identity_in(path: Path) -> Identity | None:
+    """What a file is of; None if it has no seal, as its values have no checksums of their own."""
+    try:
+        with open(path, "rb") as stream:
+            if not seals.is_sealed(stream, str(path)):
+                return None
+    except (OSError, InputError):
+        return None
+    with h5py.File(path) as file:
+        text = file.attrs.get(IDENTITY)
+    return None if text is None else json.loads(text)

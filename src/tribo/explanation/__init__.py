@@ -198,7 +198,7 @@ class Explanation:
             "extrapolated": f"Extrapolated from the first {used} of the search for settings",
         }[cost.basis]
         if cost.stop:
-            return f"{basis}. The run will stop as NoProgress: {cost.stop}"
+            return f"{basis}. The run will stop as {cost.status}: {cost.stop}"
         return basis + ". The run will fall short of its accuracy" * (cost.met is False)
 
 

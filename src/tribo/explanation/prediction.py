@@ -57,7 +57,9 @@ class Predicted:
     met : bool or None
         Whether the run will meet its accuracy; None if the search is not complete, or with a step.
     stop : str
-        Why the run will stop as NoProgress, and what would do; empty if it should not.
+        Why the run will stop, and what would do; empty if it should not.
+    status : str
+        The status with which it will stop; "completed" if it should not.
     """
 
     force_evaluations: int
@@ -66,6 +68,7 @@ class Predicted:
     basis: str
     met: bool | None
     stop: str = ""
+    status: str = str(Status.COMPLETED)
 
 
 class OverBudgetError(Exception):
@@ -129,18 +132,23 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         samples = 2 * sum(times.size for times in StopTimes.for_samples(layout.times))
     seconds = time.perf_counter() - began
     step = setting if isinstance(setting, float) else choice.step
-    each = seconds / search.evaluations if search.evaluations else _measured(search, step)
+    if search.evaluations:
+        each = seconds / search.evaluations
+    else:  # nothing is measured of a run that ends where it starts
+        each = 0.0 if tuned is not None else _measured(search, step)
     if choice.step is not None:
         assert isinstance(step, float)
         basis, samples = "counted", layout.times.size
         evaluations = counted(layout, method, step, layout.times)
+    stop, status = _stop(search, tuned)
     predicted = Predicted(
         force_evaluations=round(evaluations),
         seconds=each * evaluations,
         memory_bytes=bytes_of_run(layout, method, samples, choice.step is None),
         basis=basis,
         met=None if tuned is None else tuned.met,
-        stop=_stop(search, tuned),
+        stop=stop,
+        status=str(status),
     )
     return predicted, step
 
@@ -157,16 +165,21 @@ def _measured(search: Search, step: float | None) -> float:
     return (time.perf_counter() - began) / max(1, int(evaluations[0]) - before)
 
 
-def _stop(search: Search, tuned: FoundSettings | None) -> str:
-    """Why the run will stop as NoProgress, and what would do; empty if it should not."""
+def _stop(search: Search, tuned: FoundSettings | None) -> tuple[str, Status]:
+    """Why a run will stop, and what would do; empty if it should not.  Its status."""
+    last = None if tuned is None else tuned.runs[-1]
+    if last is not None and last.evaluations == 0:
+        where = f"it ends where it starts, at t = {last.samples.t[0]:g}; change the start"
+        return where, last.status
     scene, whole = search.layout.scene, search.runs[-1][1] if search.runs else 0.0
     too_many = search.method.adaptive and whole > MOST_PREDICTED * most_evaluations(scene)
-    if not too_many and (tuned is None or tuned.runs[-1].status != Status.NO_PROGRESS):
-        return ""
-    return (
+    if not too_many and (last is None or last.status != Status.NO_PROGRESS):
+        return "", Status.COMPLETED
+    reason = (
         f"{reach_of(scene, whole, search.layout.beginning)}; give a lower accuracy, a shorter "
         "duration, more max_evaluations, or a method and a step"
     )
+    return reason, Status.NO_PROGRESS
 
 
 def _extrapolated(choice: Choice, search: Search) -> float:

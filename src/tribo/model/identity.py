@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def identity_of(scene: Scene, settings: Identity, by: str) -> Identity:
     """What a run depends on; `by` is the version of this package."""
     return {
         "version": by,
-        "scene": plain_table(scene),
+        "scene": renamed(plain_table(scene), name_in_folder),
         "settings": settings,
         "plugin": plugin_stamps(scene),
     }
@@ -89,16 +90,59 @@ def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path
         scene = scene_from(table, folder)
     for place, item in plugins_of(scene):
         if isinstance(item, Unloaded):
-            item.stamp = stamps.get(place)
+            item.stamp, item.folder = stamps.get(place), folder.absolute()
     return scene
 
 
 def loaded(scene: Scene) -> Scene:
-    """The scene with the code of all its plug-ins; InputError if that has changed."""
+    """The scene with the code of all its plug-ins; InputError if that has changed.
+
+    Files that have left their place, or that have changed there, are those in the folder of the
+    result, where they lie in an archive that was unpacked.
+    """
     before = {place: item for place, item in plugins_of(scene) if isinstance(item, Unloaded)}
     if not before:
         return scene
-    scene = scene_from(plain_table(scene))
+    table = plain_table(scene)
+    beside = next(iter(before.values())).folder
+    moved = renamed(table, partial(_moved, folder=beside, changed=False))
+    try:
+        return _unchanged(moved, before)
+    except InputError:
+        elsewhere = renamed(table, partial(_moved, folder=beside, changed=True))
+        if elsewhere == moved:
+            raise
+        with suppress(InputError):
+            return _unchanged(elsewhere, before)
+        raise
+
+
+def _moved(name: str, folder: Path, changed: bool) -> str:
+    """The name of code, in a folder if it is there and its file has been moved, or `changed`."""
+    place, _, cls = name.rpartition(":")
+    file = folder / Path(place).name
+    use = file.is_file() and (changed or not Path(place).is_file())
+    return f"{file}:{cls}" if use else name
+
+
+def name_in_folder(name: str) -> str:
+    """The name of code without its folder: its stamp tells it from other code."""
+    place, _, cls = name.rpartition(":")
+    return f"{Path(place).name}:{cls}"
+
+
+def renamed(table: Any, rename: Callable[[str], str]) -> Any:
+    """A table of a scene, with other names of classes in files."""
+    if isinstance(table, dict):
+        return {key: renamed(value, rename) for key, value in table.items()}
+    if isinstance(table, list):
+        return [renamed(value, rename) for value in table]
+    return rename(table) if isinstance(table, str) and ".py:" in table else table
+
+
+def _unchanged(table: dict[str, Any], before: Mapping[str, Unloaded]) -> Scene:
+    """The scene of a table with its code.  Raises InputError if that is not the code `before`."""
+    scene = scene_from(table)
     now = plugin_stamps(scene)
     for place, item in before.items():
         if not is_same(item.stamp, now.get(place)):

@@ -6,6 +6,8 @@ heights with the opposite sign.  x of the scan is x of the surface, and y of the
 
 from __future__ import annotations
 
+import codecs
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from os import PathLike
@@ -243,7 +245,7 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
     if size is not None:
         settings["physical_sizes"] = tuple(np.atleast_1d(size).tolist())
     try:
-        with open_topography(path) as reader:
+        with open_topography(_without_mark(path)) as reader:
             if channel is not None:
                 settings["channel_index"] = _index_of(channel, [c.name for c in reader.channels])
             return reader.topography(**settings)
@@ -263,6 +265,13 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             f"{path} cannot be read ({problem}); in Python, give the object "
             "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
+
+
+def _without_mark(path: str) -> str | io.BytesIO:
+    """The file, or its content behind a byte order mark, with which readers of text lose a row."""
+    with open(path, "rb") as file:
+        marked = file.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8
+        return io.BytesIO(file.read()) if marked else path
 
 
 def _index_of(channel: str | int, names: list[str]) -> int:

@@ -61,14 +61,15 @@ def load(source: bytes, place: str) -> ModuleType:
     name = f"tribo_plugin_{label}"
     if name in sys.modules:
         return sys.modules[name]
+    # Messages and derivatives of formulas read this source, also where the file is another one now,
+    # or was when an earlier version of it was loaded.
+    lines = importlib.util.decode_source(source).splitlines(keepends=True)
+    linecache.cache[place] = (len(source), None, lines, place)
     spec = importlib.util.spec_from_loader(name, None, origin=place)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     module.__file__ = place
     sys.modules[name] = module
-    if not Path(place).is_file():  # messages and derivatives of formulas read the source
-        lines = source.decode().splitlines(keepends=True)
-        linecache.cache[place] = (len(source), None, lines, place)
     try:
         with _importing_beside(Path(place).parent, name):
             exec(compile(source, place, "exec", dont_inherit=True), module.__dict__)
@@ -188,9 +189,12 @@ def _stamp_of(plugin: NamedTuple) -> str | None:
         _collect(sys.modules.get(cls.__module__), cls.__module__, sources)
     if not sources:
         return None
-    digest = hashlib.blake2b(f"{cls.__module__}.{cls.__qualname__}".encode(), digest_size=8)
-    for name in sorted(sources):
-        digest.update(sources[name])
+    # The name of a module that was loaded from a file contains a hash of its folder, and the file
+    # may have been moved since.
+    module = "" if cls.__module__ in _LOADED else f"{cls.__module__}."
+    digest = hashlib.blake2b(f"{module}{cls.__qualname__}".encode(), digest_size=8)
+    for source in sorted(sources.values()):
+        digest.update(source)
     return inner + digest.hexdigest()
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import Enum
+from pathlib import Path
 from typing import Any
 
 from tribo.validation import InputError
@@ -26,13 +27,14 @@ class Unloaded:
 
     `name` is ``file.py:Class``, ``package.module:Class``, or a potential that is made of such;
     `parameters` are the other keys of its table in a scene file.  `stamp` is the hash of its
-    sources when they last ran, None if unknown.
+    sources when they last ran, None if unknown; `folder` is that of the result.
     """
 
     def __init__(self, name: str, parameters: dict[str, Any]) -> None:
         self.name = name
         self.parameters = parameters
         self.stamp: str | None = None
+        self.folder = Path()
 
     def _asdict(self) -> dict[str, Any]:
         return self.parameters

@@ -26,6 +26,7 @@ from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.derivative import factors_of, force_from
+from tribo.potentials.factors import factors_by_call
 from tribo.validation import NOT_NEGATIVE, POSITIVE, InputError, choice, must_be, number, short_repr
 
 # A float, an array or SIMD lanes; numba compiles a method for the type with which it is called.
@@ -114,8 +115,10 @@ def following(own: Mapping[str, Any]) -> dict[str, Callable[..., Any]]:
     if own.keys() & sources and "force_between" not in own:
         found["force_between"] = _complex_step_between if between else _force_of_charges
     if own.keys() & sources and "acts_between" not in own:
-        known = "energy" in own and not between
-        found["acts_between"] = _acts_by(factors_of(own["energy"]) if known else ())
+        factors = ()
+        if "energy" in own and not between:
+            factors = factors_of(own["energy"]) or factors_by_call(own["energy"])
+        found["acts_between"] = _acts_by(factors)
     return found
 
 
