@@ -13,7 +13,7 @@ import numpy as np
 import tribo
 from support.mixed.comparison import ACCURACY, ROUNDING, Findings, compare, same
 from support.mixed.draw import Draw, Scene, Table, drive_of
-from support.mixed.solver import SYSTEM, Model, Start
+from support.mixed.solver import SYSTEM, Model, Start, Surface, vectors
 from tribo.model.scene_file import scene_from
 
 NUMBERS = ("x_cm", "y_cm", "vx_cm", "vy_cm", "theta", "omega", "phi", "nu")
@@ -142,12 +142,13 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
     t = float(one.t[-1])
     start = Start(t, {}, fields=[])
     old = {each["name"]: each for each in first["surface"]}
-    baths = {s.name: len(s.bath) for s in Model(first).surfaces}
+    model = Model(first)
+    own = {s.name: s for s in model.surfaces}
     for surface in second["surface"]:
         name, before = surface["name"], old[surface["name"]]
         start.surfaces[name] = {key: one[name][key][-1] for key in NUMBERS}
-        if baths[name]:
-            start.surfaces[name]["bath"] = bath_of(one, name)
+        if len(own[name].bath):
+            start.surfaces[name]["bath"] = bath_of(one, own[name], model)
         stood = before["drive"] if isinstance(before["drive"], dict) else {}
         start.stages[name] = stood.get("speed", 0.0) * t
         start.zeros[name] = 0.0 if surface["drive"] == before["drive"] else t
@@ -158,10 +159,18 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
     return start
 
 
-def bath_of(result: tribo.Result, name: str) -> np.ndarray:
-    """Positions and velocities of a surface's oscillators at the end, (asperites, n, 4)."""
-    values = np.asarray(result.oscillators(name))
-    return values[-1]
+def bath_of(one: tribo.Result, surface: Surface, model: Model) -> np.ndarray:
+    """Positions and velocities of a surface's oscillators at the end, (asperites, n, 4).
+
+    Rates are those of the state, which has them alone; positions are those that were recorded.
+    """
+    own, part = one[surface.name], surface.part
+    theta, lever = own["theta"][-1], model.l2[part]
+    bar = vectors(own["x_cm"][-1] - lever * np.sin(theta), own["y_cm"][-1] + lever * np.cos(theta))
+    positions = bar[:, None] + one.oscillators(surface.name)[-1]
+    table = one.state().baths[surface.name]
+    rates = surface.velocity + np.stack([table["vx"], table["vy"]], axis=-1)
+    return np.concatenate([positions, rates], axis=-1)
 
 
 def check_relax(findings: Findings, scene: Scene, draw: Draw) -> None:
