@@ -15,32 +15,22 @@ from typing import Any
 
 import numpy as np
 
+from support import draws
 from support.mixed.potentials import PLUGINS
 
 Table = dict[str, Any]
 
 
-class Draw:
-    """Random numbers."""
-
-    def __init__(self, *seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
-
-    def chance(self, probability: float) -> bool:
-        """True with a probability."""
-        return bool(self.rng.random() < probability)
+class Draw(draws.Draw):
+    """Random numbers with four digits, so that scripts that repeat a case stay short."""
 
     def between(self, low: float, high: float) -> float:
-        """A number with four digits, so that scripts that repeat a case stay short."""
-        return float(f"{self.rng.uniform(low, high):.4g}")
+        """A number from low to high."""
+        return float(f"{super().between(low, high):.4g}")
 
     def each(self, low: float, high: float, n: int) -> list[float]:
         """Several such numbers."""
         return [self.between(low, high) for _ in range(n)]
-
-    def pick(self, *options: Any) -> Any:
-        """One of the options."""
-        return options[self.rng.integers(len(options))]
 
 
 @dataclass(frozen=True)
