@@ -144,7 +144,9 @@ def check_copies(findings: Findings, scene: Scene, draw: Draw) -> None:
     if "rigid" in scene.structure.effects:
         return
     n = table["surface"][0]["shape"][0]
-    key = draw.pick("upper.theta", "upper.swing", "upper.omega", "upper.phi")
+    turns = "turning" in scene.structure.effects
+    angle = "upper.phi" if turns else "upper.swing"  # clamped bars keep their angle
+    key = draw.pick("upper.theta", "upper.swing", "upper.omega", angle)
     values = draw.each(-0.2, 0.2, n)
     put(table, key, values)
     changed = simulation.run({key: values})

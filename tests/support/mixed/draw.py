@@ -228,7 +228,10 @@ def _surface(draw: Draw, structure: Structure, name: str) -> Table:
     if n > 1 and draw.chance(0.5):
         surface["heights"] = draw.each(-0.08, 0.08, n)
     if "species" in str(structure.potentials):
-        surface["species"] = [draw.pick("a", "b") for _ in range(n)]
+        species = [draw.pick("a", "b") for _ in range(n)]
+        if upper:  # which has several, and so both kinds
+            species[:2] = draw.pick(["a", "b"], ["b", "a"])
+        surface["species"] = species
     if "turning" in effects:
         surface["bars"] = "free"
     if "springs" in effects and n > 1:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tribo
-from support.mixed.comparison import Findings
+from support.mixed.comparison import Findings, doubted
 from support.mixed.draw import Draw
 from support.mixed.plugins import Trap
 
@@ -210,7 +210,7 @@ def check_noise(findings: Findings, name: str) -> None:
             return None
         for each in longer.means(result):
             if each.name in suspects and each.excess > SUSPECT:
-                verdict = "noted" if result.notes else "silent"
+                verdict = "noted" if doubted(result.notes) else "silent"
                 value = f"{each.mean:.4g} +- {each.half_width:.2g} for {each.expected:.4g}"
                 findings.add(verdict, check, f"{each.name}: {value}")
     return None
@@ -243,8 +243,9 @@ def _ensemble(findings: Findings, name: str) -> None:
     findings.checks.append(check)
     done = data["status"].values == "completed"
     notes = str(data.attrs.get("notes", ""))
-    if not done.all() and "doubt" not in notes:
-        findings.add("silent", check, f"{(~done).sum()} of {done.size} members stopped: {notes!r}")
+    if not done.all():
+        verdict = "stopped" if doubted((notes,)) else "silent"
+        findings.add(verdict, check, f"{(~done).sum()} of {done.size} members stopped: {notes!r}")
         return
     for surface, full in zip(scene.surfaces, keep, strict=True):
         asperite = surface.asperite
@@ -254,7 +255,7 @@ def _ensemble(findings: Findings, name: str) -> None:
             whole = float(asperite.m1) * float(asperite.length) ** 2
             weight = whole if name == "noise bond" else whole * float(asperite.m2) / mass
         value = f"{full}_end" if f"{full}_end" in data else full
-        energy = weight * data[value].values[done].ravel() ** 2
+        energy = weight * data[value].values.ravel() ** 2
         expected = float(np.ravel(_temperature(surface))[0])
         half = 1.96 * float(energy.std(ddof=1)) / energy.size**0.5
         found = Mean(f"m <{full}^2>", float(energy.mean()), half, expected)
@@ -294,7 +295,7 @@ def _halved(findings: Findings, name: str) -> None:
         if not wrong:
             return
     for each in wrong:
-        verdict = "noted" if one.notes else "silent"
+        verdict = "noted" if doubted(one.notes) else "silent"
         text = (
             f"{each.mean:.4g} with the step, {each.expected:.4g} with half, {each.half_width:.2g}"
         )
