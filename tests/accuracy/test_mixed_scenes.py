@@ -7,7 +7,7 @@ import tribo
 from support import reference
 from support.mixed import solver
 from support.mixed.comparison import ACCURACY, Findings, compare
-from support.mixed.draw import drawn
+from support.mixed.draw import STRUCTURES, drawn
 from support.mixed.judge import judged
 from support.random_scenes import random_scene
 from tribo.model.scene_file import scene_from
@@ -17,6 +17,15 @@ from tribo.model.scene_file import scene_from
 def test_right_scenes(seed):
     """A pair of asperites, by itself, and its potential."""
     findings = judged(seed, ["pair"], ["run", "potentials"])
+    assert findings.verdict == "right", findings.found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", STRUCTURES)
+def test_right_scenes_of_every_kind(kind):
+    """Continued in the same scene, from what the first run recorded, with oscillators too."""
+    findings = judged(3, [kind], ["state"])
+    assert findings.checks == ["state, same"]
     assert findings.verdict == "right", findings.found
 
 
