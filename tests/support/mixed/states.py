@@ -151,12 +151,19 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
             start.surfaces[name]["bath"] = bath_of(one, own[name], model)
         stood = before["drive"] if isinstance(before["drive"], dict) else {}
         start.stages[name] = stood.get("speed", 0.0) * t
-        start.zeros[name] = 0.0 if surface["drive"] == before["drive"] else t
+        start.zeros[name] = 0.0 if _timed(surface["drive"]) == _timed(before["drive"]) else t
     moved = [np.array(f.get("velocity", (0.0, 0.0))) * t for f in first.get("field", [])]
     if len(second.get("field", [])) == len(moved):
         same_order = [s["name"] for s in second["surface"]] == [s["name"] for s in first["surface"]]
         start.fields = moved if same_order else moved[::-1]
     return start
+
+
+def _timed(drive: Any) -> Any:
+    """What depends on the time of a drive: all but its load, which is constant."""
+    if isinstance(drive, dict):
+        return {key: value for key, value in drive.items() if key != "load"}
+    return drive
 
 
 def bath_of(one: tribo.Result, surface: Surface, model: Model) -> np.ndarray:
