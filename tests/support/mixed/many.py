@@ -177,7 +177,10 @@ def _clash(one: str, other: str) -> bool:
 def check_ensemble(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Arrays of starts and parameters; all members, and one against the second solution."""
     keys, names, members = keys_of(scene, draw), kept(scene), 3
-    fit = [key for key in keys if not key.startswith(("duration", "*.asperite"))]
+    others = ("duration", "*.asperite")
+    if "turning" not in scene.structure.effects:
+        others += ("upper.phi",)  # of clamped bars, which each need a scene
+    fit = [key for key in keys if not key.startswith(others)]
     chosen = [str(key) for key in draw.rng.permutation(fit)[: draw.pick(1, 2)]]
     if len(chosen) == 2 and _clash(*chosen):
         chosen = chosen[:1]
