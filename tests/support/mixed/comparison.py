@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -136,6 +137,15 @@ def compare(
         return True
     verdict = "noted" if doubted(result.notes) else "silent"
     findings.add(verdict, check, f"{name} differs by {gap:.3g}, allowed {allowed:.1g}")
+    return False
+
+
+def is_refused(run: Callable[[], object]) -> bool:
+    """Whether a call is refused with one sentence."""
+    try:
+        run()
+    except tribo.InputError as problem:
+        return len(str(problem).splitlines()) == 1
     return False
 
 

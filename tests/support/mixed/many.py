@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 import tribo
-from support.mixed.comparison import ACCURACY, Findings, compare, same
+from support.mixed.comparison import ACCURACY, Findings, compare, is_refused, same
 from support.mixed.draw import Draw, Scene, Table
 from tribo.model.scene_file import scene_from
 
@@ -234,7 +234,7 @@ def check_drawn_starts(findings: Findings, scene: Scene, draw: Draw) -> None:
     how |= {"members": members, "vary": {f"{where}.swing_state": state}}
     how |= {"keep": ["upper.swing_energy"], "at": "samples"}
     if kind == "clash":
-        if not _refused(scene_from(table), swept, how):
+        if not is_refused(lambda: tribo.sweep(scene_from(table), swept, **how)):
             findings.add("silent", check, "two starts of the same swings were both accepted")
         return
     data = tribo.sweep(scene_from(table), swept, **how)
@@ -263,7 +263,7 @@ def check_settings(findings: Findings, scene: Scene, draw: Draw) -> None:
     findings.checks.append(check)
     if beside:
         # Equal steps at all points, if the argument replaced the key.
-        if not _refused(scene_from(table), swept, how | {"step": 0.05}):
+        if not is_refused(lambda: tribo.sweep(scene_from(table), swept, **how, step=0.05)):
             findings.add("silent", check, "two steps were both accepted")
         return
     data = tribo.sweep(scene_from(table), swept, **how)
@@ -273,12 +273,3 @@ def check_settings(findings: Findings, scene: Scene, draw: Draw) -> None:
     steps = data["steps"].values
     if not steps[1] > 2 * steps[0]:
         findings.add("silent", check, f"points took {steps.tolist()} steps")
-
-
-def _refused(scene: tribo.Scene, values: dict[str, Any], how: dict[str, Any]) -> bool:
-    """Whether a sweep is refused with one sentence."""
-    try:
-        tribo.sweep(scene, values, **how)
-    except tribo.InputError as problem:
-        return len(str(problem).splitlines()) == 1
-    return False

@@ -227,10 +227,13 @@ WARM = {
     "noise held": held,
     "noise composed": composed,
 }
-# Kinds whose starts are drawn in equilibrium, but for the place of a tip along its row.
-DRAWN = ("noise trap", "noise bond", "noise held", "noise composed")
+# Kinds whose kinetic energy is that of one velocity of each surface.
+PLAIN = ("noise trap", "noise bond", "noise held", "noise composed")
 CHECKS = ("run", "run", "ensemble", "continued", "halved", "sweep")
 MEMBERS = 2048
+# Duration of members in units of the slowest damping: starts are drawn without contact and field,
+# and are up to a hundred times too hot.
+SETTLED = 12.0
 # Temperatures of a sweep, relative to that of the scene.
 COLDER = (1.0, 0.25)
 
@@ -239,7 +242,7 @@ def check_noise(findings: Findings, name: str) -> None:
     """One scene with noise, judged by its temperatures; a suspect is run again for longer."""
     draw = Draw(findings.seed, 2)
     check = draw.pick(*CHECKS)
-    if check in ("ensemble", "sweep") and name in DRAWN:
+    if check in ("ensemble", "sweep") and name in PLAIN:
         return _ensemble(findings, name, check == "sweep")
     if check == "halved":
         return _halved(findings, name)
@@ -279,11 +282,12 @@ def _run(
 
 
 def _ensemble(findings: Findings, name: str, swept: bool) -> None:
-    """The kinetic energy of many members at the end of short runs, at each temperature."""
+    """The kinetic energy of many members at the end of their runs, at each temperature."""
     warm = WARM[name](Draw(findings.seed, 3), 1.0)
     check = f"{name}, {'sweep' if swept else 'ensemble'}: {warm.text}"
-    scene = replace(warm.scene, duration=20.0, output=tribo.Output(samples=2))
-    moving = [each for each in scene.surfaces if each.langevin is not None]
+    moving = [each for each in warm.scene.surfaces if each.langevin is not None]
+    duration = SETTLED * max(map(_slowest, moving))
+    scene = replace(warm.scene, duration=duration, output=tribo.Output(samples=2))
     quantity = "vx_cm" if name in ("noise trap", "noise composed") else "omega"
     keep = [f"{surface.name}.{quantity}" for surface in moving]
     findings.checks.append(check)
@@ -317,6 +321,17 @@ def _ensemble(findings: Findings, name: str, swept: bool) -> None:
             if found.excess > 2.5:
                 text = f"{found.mean:.4g} +- {half:.2g} for {expected:.4g}, notes {notes!r}"
                 findings.add("silent", check, f"{found.name}: {text}")
+
+
+def _slowest(surface: tribo.Surface) -> float:
+    """The longest time in which a reservoir of a surface damps energy."""
+    own = surface.asperite
+    inertia = {"bar": own.m1 + own.m2, "swing": own.m1 * own.length**2}
+    given = surface.langevin
+    return max(
+        float(inertia[each.on]) / each.gamma
+        for each in (given if isinstance(given, tuple) else (given,))
+    )
 
 
 def _temperature(surface: tribo.Surface) -> float:

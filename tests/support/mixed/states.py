@@ -5,18 +5,21 @@ from __future__ import annotations
 import copy
 import pickle
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import tribo
-from support.mixed.comparison import ACCURACY, ROUNDING, Findings, compare, same
+from support.mixed.comparison import ACCURACY, ROUNDING, Findings, compare, is_refused, same
 from support.mixed.draw import Draw, Scene, Table, drive_of
 from support.mixed.solver import SYSTEM, Model, Start, Surface, vectors
 from tribo.model.scene_file import scene_from
 
 NUMBERS = ("x_cm", "y_cm", "vx_cm", "vy_cm", "theta", "omega", "phi", "nu")
+# Least difference of velocities of asperites that are no rigid body.
+APART = 1e-6
 # Ways in which a state is passed on, and what else the second scene is.
 CARRIED = ("as it is", "pickled", "copied", "from a file")
 CHANGES = ("same", "same", "order", "drive", "stage", "ramp", "load", "fields", "rest", "potential")
@@ -42,7 +45,14 @@ def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
         findings.add("stopped", check, str(one.status))
         return
     state = carried(one, draw.pick(*CARRIED))
-    other = tribo.simulate(scene_from(copy.deepcopy(second)), **how, start=state)
+    run = partial(tribo.simulate, scene_from(copy.deepcopy(second)), **how, start=state)
+    drive = second["surface"][0]["drive"]
+    if "rigid" in drive and np.ptp(one["upper"]["vx_cm"][-1]) > APART:
+        findings.checks.append(f"{check} to a rigid body")
+        if not is_refused(run):
+            findings.add("silent", check, "asperites that move apart were made a rigid body")
+        return
+    other = run()
     if change == "same" and other.status == "completed":
         works_continue(findings, check, one, other)
     start = named_start(one, first, second)
