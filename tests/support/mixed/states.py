@@ -46,8 +46,9 @@ def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
         return
     state = carried(one, draw.pick(*CARRIED))
     run = partial(tribo.simulate, scene_from(copy.deepcopy(second)), **how, start=state)
-    drive = second["surface"][0]["drive"]
-    if "rigid" in drive and np.ptp(one["upper"]["vx_cm"][-1]) > APART:
+    body = change == "drive" and "rigid" in second["surface"][0]["drive"]
+    body = body and "rigid" not in first["surface"][0]["drive"]
+    if body and np.ptp(one["upper"]["vx_cm"][-1]) > APART:
         findings.checks.append(f"{check} to a rigid body")
         if not is_refused(run):
             findings.add("silent", check, "asperites that move apart were made a rigid body")
