@@ -74,8 +74,9 @@ def ensemble(
         length of the arrays in `vary`.
     vary : mapping, optional
         Quantities that differ between members: "surface.theta" (or another initial value),
-        "surface.velocity", or a number of the scene as "surface.asperite.kappa",
-        "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
+        "surface.velocity", or a number of the scene as "surface.asperite.kappa" (of all its
+        asperites), "surface.langevin.temperature" (or of its drive or bath) or
+        "interaction.strength" -> an
         array of shape (members,), (members, asperites) or, for velocities, (members, 2); or a
         distribution with ``rvs(size=, random_state=)``, as those of scipy.stats, from which each
         asperite of each member draws. ``"*.theta"`` stands for that key of every surface without
