@@ -4,7 +4,7 @@
     python benchmarks/crossed_scenes.py --seeds 0:200 --kinds box,tips --checks state,depinning
     python benchmarks/crossed_scenes.py --show 17
 
-Each seed is a scene of one of sixteen kinds (their time loops are compiled once; numbers, drives
+Each seed is a scene of one of seventeen kinds (their time loops are compiled once; numbers, drives
 and starts are random) that goes through a few of these checks:
 
 - state: runs in two pieces, with another drive, ramp, stage, load, field or order of surfaces, from
@@ -15,8 +15,9 @@ and starts are random) that goes through a few of these checks:
   formulae in numpy;
 - averages, depinning, files, copies, subclass: against the recorded series, bit for bit where
   nothing may change;
-- noise: kinetic and configurational temperatures, momentum balance, and half the step, for the step
-  that tribo chooses; what is off by more than 1 % and its interval is run again for longer.
+- noise: kinetic and configurational temperatures, momentum balance, and half the step, in runs,
+  ensembles and sweeps of the temperature, for the step that tribo chooses; what is off by more than
+  1 % and its interval is run again for longer.
 
 The second solution (tests/support/mixed/solver.py) shares no code with the package: equations and
 potentials are written out again in numpy and integrated by scipy.

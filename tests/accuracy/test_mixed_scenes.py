@@ -7,8 +7,9 @@ import tribo
 from support import reference
 from support.mixed import solver
 from support.mixed.comparison import ACCURACY, Findings, compare
-from support.mixed.draw import drawn
+from support.mixed.draw import STRUCTURES, drawn
 from support.mixed.judge import judged
+from support.mixed.noise import WARM
 from support.random_scenes import random_scene
 from tribo.model.scene_file import scene_from
 
@@ -18,6 +19,23 @@ def test_right_scenes(seed):
     """A pair of asperites, by itself, and its potential."""
     findings = judged(seed, ["pair"], ["run", "potentials"])
     assert findings.verdict == "right", findings.found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", STRUCTURES)
+def test_right_scenes_of_every_kind(kind):
+    """Continued in the same scene, from what the first run recorded, with oscillators too."""
+    findings = judged(3, [kind], ["state"])
+    assert findings.checks == ["state, same"]
+    assert findings.verdict == "right", findings.found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", WARM)
+def test_right_noise_of_every_kind(kind):
+    """Temperatures at two points of a sweep, or the mean force of a load."""
+    findings = judged(0, [kind])
+    assert findings.checks and findings.verdict == "right", findings.found
 
 
 def test_a_planted_error_is_silent():

@@ -249,6 +249,21 @@ def test_every_other_number_differs(upper, key):
     assert len(np.unique(data["upper.w1"].values)) == 9
 
 
+def test_one_number_in_place_of_one_for_each_asperite():
+    """As in sweeps: all asperites of a member have its number."""
+    upper = {"asperite": tribo.Asperite(m2=[1.0, 2.0, 3.0], kappa=[1.0, 2.0, 1.5])}
+    vary = {"upper.asperite.m2": [1.5, 2.5], "upper.asperite.kappa": [1.2, 0.9]}
+    members = tribo.ensemble(scene_of(upper=upper), vary=vary, keep=["upper.w1"])
+    points = tribo.sweep(
+        scene_of(upper=upper),
+        {tuple(vary): list(zip(*vary.values(), strict=True))},
+        keep=["upper.w1"],
+        progress=False,
+    )
+    np.testing.assert_allclose(members["upper.w1"], points["upper.w1"], atol=1e-6)
+    assert len(np.unique(members["upper.w1"])) == 6
+
+
 def test_masses_of_a_sliding_pair():
     """The loop of a pair has them; with a given step each member has a scene of its own."""
     scene = scene_of(upper={"drive": "free", "shape": (1, 1)}, lower={"shape": (1, 1)})

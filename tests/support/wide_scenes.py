@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from support import draws
 from support.random_scenes import POTENTIALS
 from support.scene_units import in_other_units
 
@@ -17,23 +18,8 @@ ENERGIES = ("strength", "D", "epsilon", "A", "C", "factor")
 LONGEST = 1500.0
 
 
-class Draw:
+class Draw(draws.Draw):
     """Random numbers: most within a decade of a usual value, some over twelve decades."""
-
-    def __init__(self, *seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
-
-    def chance(self, probability: float) -> bool:
-        """True with a probability."""
-        return bool(self.rng.random() < probability)
-
-    def between(self, low: float, high: float) -> float:
-        """A number from low to high."""
-        return float(self.rng.uniform(low, high))
-
-    def pick(self, *options):
-        """One of the options."""
-        return options[self.rng.integers(len(options))]
 
     def around(self, usual: float) -> float:
         """A positive number: from a third to three times the usual, or six decades off."""

@@ -74,13 +74,13 @@ def ensemble(
         length of the arrays in `vary`.
     vary : mapping, optional
         Quantities that differ between members: "surface.theta" (or another initial value),
-        "surface.velocity", or a number of the scene as "surface.asperite.kappa",
-        "surface.langevin.temperature" (or of its drive or bath) or "interaction.strength" -> an
-        array of shape (members,), (members, asperites) or, for velocities, (members, 2); or a
-        distribution with ``rvs(size=, random_state=)``, as those of scipy.stats, from which each
-        asperite of each member draws. ``"*.theta"`` stands for that key of every surface without
-        values of its own: arrays give all the same values, and each surface draws its own from a
-        distribution.  Keys that exclude each other are refused.
+        "surface.velocity", or a number of the scene as "surface.asperite.kappa" (of all its
+        asperites), "surface.langevin.temperature" (or of its drive or bath) or
+        "interaction.strength" -> an array of shape (members,), (members, asperites) or, for
+        velocities, (members, 2); or a distribution with ``rvs(size=, random_state=)``, as those of
+        scipy.stats, from which each asperite of each member draws. ``"*.theta"`` stands for that
+        key of every surface without values of its own: arrays give all the same values, and each
+        surface draws its own from a distribution.  Keys that exclude each other are refused.
     keep : sequence of str, optional
         The only quantities of each member to keep, as "upper.w1" or "contact_energy".
         Forces and energies as series need no ``output.series`` here.  At the end,

@@ -36,12 +36,10 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
         part = layout.parts[surface.name]
         own, table = layout.asperites[part], dict(state.surfaces[surface.name])
         _move_centres(table, own, surface.facing_sign, before[surface.name])
-        for problem, size, speed in _held(surface, own, table):
+        for problem, size, speed in _held(surface, before[surface.name], own, table):
             if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
-                raise InputError(
-                    "start",
-                    f"{problem}, but they are displaced by {size:.3g} and move at {speed:.3g}",
-                )
+                moved = f"are displaced by {size:.3g} and move" if size else "move"
+                raise InputError("start", f"{problem}, but they {moved} at {speed:.3g}")
         slots = {"swing": np.arange(part.start, part.stop)}
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
         for name, places in slots.items():
@@ -78,9 +76,12 @@ def _about_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> tuple[np.ndarr
 
 
 def _held(
-    surface: Surface, own: Any, table: dict[str, np.ndarray]
+    surface: Surface, before: Surface, own: Any, table: dict[str, np.ndarray]
 ) -> Iterator[tuple[str, float, float]]:
-    """What a scene holds: what a state must have, its largest displacement and velocity."""
+    """What a scene holds: what a state must have, its largest displacement and velocity.
+
+    The displacement is 0 where that is not held.
+    """
     name = f'"{surface.name}"'
     if isinstance(surface.drive, DrivenBars):
         x, y, vx, vy = _about_bars(table, surface.facing_sign * own.l2)
@@ -96,7 +97,8 @@ def _held(
                     f"the drive holds them ({cure})"
                 )
                 yield problem, _largest(table[axis]), _largest(table[f"v{axis}"])
-    if surface.moves_as_one:
+    # Forces other than those of contact move asperites of such a body apart: it goes on from there.
+    if surface.moves_as_one and not before.moves_as_one:
         problem = f"must have asperites of {name} that move as one, as drive.rigid = true"
         yield problem, 0.0, float(np.ptp(table["vx"]))
     if surface.asperite.is_rigid:

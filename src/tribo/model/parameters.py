@@ -20,6 +20,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.bath import as_table as bath_table
@@ -58,7 +60,11 @@ OF_FIELD = ("on", "origin", "velocity")
 
 
 def is_parameter(scene: Scene, key: str) -> bool:
-    """Whether a key names one number of a part of a surface, of the interaction or of the field."""
+    """Whether one number may take the place of what a key names.
+
+    That is a number of a part of a surface, of the interaction or of the field, or a parameter of
+    asperites, also where each of them has its own.
+    """
     part, _, parameter = key.partition(".")
     if part in (INTERACTION, FIELD):
         return _is_number(_values_of_only(scene, part).get(parameter))
@@ -68,7 +74,9 @@ def is_parameter(scene: Scene, key: str) -> bool:
     if found is None or part not in parts_of(found):
         return False
     without_load = key.endswith(".drive.load") and found.drive.load is None
-    return without_load or _is_number(_value_of_part(found, part, parameter))
+    value = _value_of_part(found, part, parameter)
+    of_each = part == "asperite" and isinstance(value, np.ndarray)
+    return without_load or of_each or _is_number(value)
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:

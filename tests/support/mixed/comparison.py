@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -134,17 +135,26 @@ def compare(
     excess, name, gap, allowed = worst[0]
     if excess <= 1.0:
         return True
-    noted = bool(result.notes) and _is_about_numbers(result.notes)
-    verdict = "noted" if noted else "silent"
+    verdict = "noted" if doubted(result.notes) else "silent"
     findings.add(verdict, check, f"{name} differs by {gap:.3g}, allowed {allowed:.1g}")
     return False
 
 
+def is_refused(run: Callable[[], object]) -> bool:
+    """Whether a call is refused with one sentence."""
+    try:
+        run()
+    except tribo.InputError as problem:
+        return len(str(problem).splitlines()) == 1
+    return False
+
+
 # Words of notes that say that numbers may be off.
-DOUBTS = ("exceed", "out of reach", "does not close", "doubt")
+DOUBTS = ("exceed", "out of reach", "does not close", "doubt", "heat: by")
 
 
-def _is_about_numbers(notes: tuple[str, ...]) -> bool:
+def doubted(notes: tuple[str, ...]) -> bool:
+    """Whether notes say that numbers may be off."""
     return any(word in note for note in notes for word in DOUBTS)
 
 

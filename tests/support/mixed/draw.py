@@ -15,32 +15,22 @@ from typing import Any
 
 import numpy as np
 
+from support import draws
 from support.mixed.potentials import PLUGINS
 
 Table = dict[str, Any]
 
 
-class Draw:
-    """Random numbers."""
-
-    def __init__(self, *seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
-
-    def chance(self, probability: float) -> bool:
-        """True with a probability."""
-        return bool(self.rng.random() < probability)
+class Draw(draws.Draw):
+    """Random numbers with four digits, so that scripts that repeat a case stay short."""
 
     def between(self, low: float, high: float) -> float:
-        """A number with four digits, so that scripts that repeat a case stay short."""
-        return float(f"{self.rng.uniform(low, high):.4g}")
+        """A number from low to high."""
+        return float(f"{super().between(low, high):.4g}")
 
     def each(self, low: float, high: float, n: int) -> list[float]:
         """Several such numbers."""
         return [self.between(low, high) for _ in range(n)]
-
-    def pick(self, *options: Any) -> Any:
-        """One of the options."""
-        return options[self.rng.integers(len(options))]
 
 
 @dataclass(frozen=True)
@@ -238,7 +228,10 @@ def _surface(draw: Draw, structure: Structure, name: str) -> Table:
     if n > 1 and draw.chance(0.5):
         surface["heights"] = draw.each(-0.08, 0.08, n)
     if "species" in str(structure.potentials):
-        surface["species"] = [draw.pick("a", "b") for _ in range(n)]
+        species = [draw.pick("a", "b") for _ in range(n)]
+        if upper:  # which has several, and so both kinds
+            species[:2] = draw.pick(["a", "b"], ["b", "a"])
+        surface["species"] = species
     if "turning" in effects:
         surface["bars"] = "free"
     if "springs" in effects and n > 1:

@@ -65,10 +65,13 @@ def judged(
             return findings
         draw, scene = Draw(seed, 4), drawn(seed, kind)
         chosen = [name for name, (_, share) in CHECKS.items() if draw.chance(share)]
-        for number, name in enumerate(chosen or ["run"]):
+        for number, name in enumerate(chosen):
             if name in checks:
                 check, own = CHECKS[name][0], Draw(seed, 5, number)
                 _guarded(findings, name, lambda check=check, own=own: check(findings, scene, own))
+        if not (findings.checks or findings.found) and "run" in checks:
+            # None was chosen, or the scene has nothing that they look at.
+            _guarded(findings, "run", lambda: check_run(findings, scene, Draw(seed, 6)))
     return findings
 
 

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tribo
-from support.mixed.comparison import Findings
+from support.mixed.comparison import Findings, doubted
 from support.mixed.draw import Draw
 from support.mixed.plugins import Trap
+from tribo.potentials import from_points
 
 # What a step may change of a mean, relative to it, beside the interval.
 BIAS = 0.01
@@ -183,17 +184,66 @@ def held(draw: Draw, longer: float) -> Warm:
     return Warm(scene, means, text)
 
 
-WARM = {"noise trap": trap, "noise bond": bond, "noise load": pressed, "noise held": held}
-CHECKS = ("run", "run", "ensemble", "continued", "halved")
+def composed(draw: Draw, longer: float) -> Warm:
+    """A tip with a bath, pressed on a row by a sum of a table and a scaled hill, over a field."""
+    load, temperature = draw.between(0.2, 1.0), draw.between(0.03, 0.15)
+    r = np.linspace(0.3, 3.0, 400)
+    depth, hill = draw.between(0.5, 5.0), draw.between(0.5, 3.0)
+    table = from_points(r, depth * (np.exp(-4.0 * (r - 1.0)) - 2.0 * np.exp(-2.0 * (r - 1.0))))
+    contact = (table + hill * tribo.Gaussian(0.2, 0.4)).with_cutoff(2.5)
+    oscillators = draw.each(0.1, 0.5, 2), draw.each(0.5, 6.0, 2)
+    tip = tribo.Surface(
+        "tip",
+        bob=(0.0, 1.0),
+        asperite=tribo.Asperite(m1=1.0, m2=draw.between(1.0, 2.0), kappa=np.inf),
+        drive=tribo.Free(load=load),
+        bath=tribo.Bath(*oscillators, temperature=temperature),
+        langevin=tribo.Langevin(draw.between(1.0, 3.0), temperature),
+        initial=tribo.Initial(temperature=temperature),
+    )
+    mass = float(np.sum([tip.asperite.m1, tip.asperite.m2]))
+    rigid = tribo.Asperite(kappa=np.inf)
+    shape = {"shape": (6, 1), "spacing": (1.0, 0.0), "asperite": rigid}
+    row = tribo.Surface("row", facing="up", drive="bars", **shape)
+    field = tribo.Field(tribo.Corrugation(draw.between(0.02, 0.3), 1.0), on=["tip"])
+    how = _output(2e3 * longer, forces=True) | {"seed": draw.pick(1, 2, 3), "fields": [field]}
+    scene = tribo.Scene([tip, row], contact, periodic={"x": 6.0}, **how)
+
+    def means(result: tribo.Result) -> list[Mean]:
+        own = result["tip"]
+        return [
+            _average(result, own.f1_y, "<f1_y>", load),
+            _average(result, mass * own.vx_cm**2, "M <vx^2>", temperature),
+            _average(result, mass * own.vy_cm**2, "M <vy^2>", temperature),
+        ]
+
+    return Warm(scene, means, f"load {load}, depth {depth}, hill {hill}, T = {temperature}")
+
+
+WARM = {
+    "noise trap": trap,
+    "noise bond": bond,
+    "noise load": pressed,
+    "noise held": held,
+    "noise composed": composed,
+}
+# Kinds whose kinetic energy is that of one velocity of each surface.
+PLAIN = ("noise trap", "noise bond", "noise held", "noise composed")
+CHECKS = ("run", "run", "ensemble", "continued", "halved", "sweep")
 MEMBERS = 2048
+# Duration of members in units of the slowest damping: starts are drawn without contact and field,
+# and are up to a hundred times too hot.
+SETTLED = 12.0
+# Temperatures of a sweep, relative to that of the scene.
+COLDER = (1.0, 0.25)
 
 
 def check_noise(findings: Findings, name: str) -> None:
     """One scene with noise, judged by its temperatures; a suspect is run again for longer."""
     draw = Draw(findings.seed, 2)
     check = draw.pick(*CHECKS)
-    if check == "ensemble" and name != "noise load":
-        return _ensemble(findings, name)
+    if check in ("ensemble", "sweep") and name in PLAIN:
+        return _ensemble(findings, name, check == "sweep")
     if check == "halved":
         return _halved(findings, name)
     warm = WARM[name](Draw(findings.seed, 3), 1.0)
@@ -210,7 +260,7 @@ def check_noise(findings: Findings, name: str) -> None:
             return None
         for each in longer.means(result):
             if each.name in suspects and each.excess > SUSPECT:
-                verdict = "noted" if result.notes else "silent"
+                verdict = "noted" if doubted(result.notes) else "silent"
                 value = f"{each.mean:.4g} +- {each.half_width:.2g} for {each.expected:.4g}"
                 findings.add(verdict, check, f"{each.name}: {value}")
     return None
@@ -231,42 +281,86 @@ def _run(
     return result
 
 
-def _ensemble(findings: Findings, name: str) -> None:
-    """The kinetic energy of many members at the end of short runs."""
+def _ensemble(findings: Findings, name: str, swept: bool) -> None:
+    """Kinetic energies of many members at the end of their runs; of suspects after longer ones."""
     warm = WARM[name](Draw(findings.seed, 3), 1.0)
-    check = f"{name}, ensemble: {warm.text}"
-    scene = replace(warm.scene, duration=20.0, output=tribo.Output(samples=2))
-    surfaces = [each.name for each in scene.surfaces]
-    quantity = "vx_cm" if name == "noise trap" else "omega"
-    keep = [f"{surface}.{quantity}" for surface in surfaces]
-    data = tribo.ensemble(scene, MEMBERS, keep=keep, progress=False)
+    check = f"{name}, {'sweep' if swept else 'ensemble'}: {warm.text}"
     findings.checks.append(check)
-    done = data["status"].values == "completed"
-    notes = str(data.attrs.get("notes", ""))
-    if not done.all() and "doubt" not in notes:
-        findings.add("silent", check, f"{(~done).sum()} of {done.size} members stopped: {notes!r}")
-        return
-    for surface, full in zip(scene.surfaces, keep, strict=True):
-        asperite = surface.asperite
-        mass = float(np.sum([asperite.m1, asperite.m2]))
-        weight = mass
+    moving = [each for each in warm.scene.surfaces if each.langevin is not None]
+    settled = SETTLED * max(map(_slowest, moving))
+    for duration in (settled, LONGER * settled):  # where a bath keeps what it had at the start
+        scene = replace(warm.scene, duration=duration, output=tribo.Output(samples=2))
+        found, problem = _hot_members(scene, name, swept)
+        if problem is not None:
+            verdict, text = problem
+            findings.add(verdict, check, text)
+            return
+        if not found:
+            return
+    for text in found:
+        findings.add("silent", check, text)
+
+
+def _hot_members(
+    scene: tribo.Scene, name: str, swept: bool
+) -> tuple[list[str], tuple[str, str] | None]:
+    """Mean energies that are off, at each temperature; a verdict and text if members stopped."""
+    moving = [each for each in scene.surfaces if each.langevin is not None]
+    quantity = "vx_cm" if name in ("noise trap", "noise composed") else "omega"
+    keep = [f"{surface.name}.{quantity}" for surface in moving]
+    how: dict[str, Any] = {"keep": keep, "progress": False}
+    if swept:
+        temperatures = [part * _temperature(moving[0]) for part in COLDER]
+        keys = tuple(key for surface in moving for key in _temperatures(surface))
+        values = {keys: [(each,) * len(keys) for each in temperatures]}
+        data = tribo.sweep(scene, values, members=MEMBERS, **how)
+    else:
+        temperatures = [_temperature(moving[0])]
+        data = tribo.ensemble(scene, MEMBERS, **how)
+    done, notes = data["status"].values == "completed", str(data.attrs.get("notes", ""))
+    if not done.all():
+        verdict = "stopped" if doubted((notes,)) else "silent"
+        return [], (verdict, f"{(~done).sum()} of {done.size} members stopped: {notes!r}")
+    wrong = []
+    for surface, full in zip(moving, keep, strict=True):
+        own = surface.asperite
+        weight = mass = float(np.sum([own.m1, own.m2]))
         if quantity == "omega":
-            whole = float(asperite.m1) * float(asperite.length) ** 2
-            weight = whole if name == "noise bond" else whole * float(asperite.m2) / mass
-        value = f"{full}_end" if f"{full}_end" in data else full
-        energy = weight * data[value].values[done].ravel() ** 2
-        expected = float(np.ravel(_temperature(surface))[0])
-        half = 1.96 * float(energy.std(ddof=1)) / energy.size**0.5
-        found = Mean(f"m <{full}^2>", float(energy.mean()), half, expected)
-        if found.excess > 2.5:
-            bias = data.attrs.get("notes", ())
-            text = f"{found.mean:.4g} +- {half:.2g} for {expected:.4g}, notes {bias!r}"
-            findings.add("silent", check, f"{found.name}: {text}")
+            whole = float(own.m1) * float(own.length) ** 2
+            weight = whole if name == "noise bond" else whole * float(own.m2) / mass
+        rates = data[f"{full}_end" if f"{full}_end" in data else full].values
+        for expected, each in zip(temperatures, rates.reshape(-1, MEMBERS), strict=True):
+            energy = weight * each**2
+            half = 1.96 * float(energy.std(ddof=1)) / energy.size**0.5
+            found = Mean(f"m <{full}^2>", float(energy.mean()), half, expected)
+            if found.excess > 2.5:
+                value = f"{found.mean:.4g} +- {half:.2g} for {expected:.4g}"
+                wrong.append(f"{found.name}: {value}, notes {notes!r}")
+    return wrong, None
+
+
+def _slowest(surface: tribo.Surface) -> float:
+    """The longest time in which a reservoir of a surface damps energy."""
+    own = surface.asperite
+    inertia = {"bar": own.m1 + own.m2, "swing": own.m1 * own.length**2}
+    given = surface.langevin
+    return max(
+        float(inertia[each.on]) / each.gamma
+        for each in (given if isinstance(given, tuple) else (given,))
+    )
 
 
 def _temperature(surface: tribo.Surface) -> float:
     given = surface.langevin
     return (given[0] if isinstance(given, tuple) else given).temperature
+
+
+def _temperatures(surface: tribo.Surface) -> list[str]:
+    """Keys of all temperatures of a surface."""
+    both = isinstance(surface.langevin, tuple)
+    keys = ["langevin.bar", "langevin.swing"] if both else ["langevin"]
+    keys += ["bath"] if surface.bath else []
+    return [f"{surface.name}.{key}.temperature" for key in keys] + [f"{surface.name}.temperature"]
 
 
 def _halved(findings: Findings, name: str) -> None:
@@ -294,7 +388,7 @@ def _halved(findings: Findings, name: str) -> None:
         if not wrong:
             return
     for each in wrong:
-        verdict = "noted" if one.notes else "silent"
+        verdict = "noted" if doubted(one.notes) else "silent"
         text = (
             f"{each.mean:.4g} with the step, {each.expected:.4g} with half, {each.half_width:.2g}"
         )

@@ -5,18 +5,21 @@ from __future__ import annotations
 import copy
 import pickle
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import tribo
-from support.mixed.comparison import ACCURACY, ROUNDING, Findings, compare, same
+from support.mixed.comparison import ACCURACY, ROUNDING, Findings, compare, is_refused, same
 from support.mixed.draw import Draw, Scene, Table, drive_of
-from support.mixed.solver import SYSTEM, Model, Start
+from support.mixed.solver import SYSTEM, Model, Start, Surface, vectors
 from tribo.model.scene_file import scene_from
 
 NUMBERS = ("x_cm", "y_cm", "vx_cm", "vy_cm", "theta", "omega", "phi", "nu")
+# Least difference of velocities of asperites that are no rigid body.
+APART = 1e-6
 # Ways in which a state is passed on, and what else the second scene is.
 CARRIED = ("as it is", "pickled", "copied", "from a file")
 CHANGES = ("same", "same", "order", "drive", "stage", "ramp", "load", "fields", "rest", "potential")
@@ -42,7 +45,15 @@ def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
         findings.add("stopped", check, str(one.status))
         return
     state = carried(one, draw.pick(*CARRIED))
-    other = tribo.simulate(scene_from(copy.deepcopy(second)), **how, start=state)
+    run = partial(tribo.simulate, scene_from(copy.deepcopy(second)), **how, start=state)
+    body = change == "drive" and "rigid" in second["surface"][0]["drive"]
+    body = body and "rigid" not in first["surface"][0]["drive"]
+    if body and np.ptp(one["upper"]["vx_cm"][-1]) > APART:
+        findings.checks.append(f"{check} to a rigid body")
+        if not is_refused(run):
+            findings.add("silent", check, "asperites that move apart were made a rigid body")
+        return
+    other = run()
     if change == "same" and other.status == "completed":
         works_continue(findings, check, one, other)
     start = named_start(one, first, second)
@@ -142,15 +153,16 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
     t = float(one.t[-1])
     start = Start(t, {}, fields=[])
     old = {each["name"]: each for each in first["surface"]}
-    baths = {s.name: len(s.bath) for s in Model(first).surfaces}
+    model = Model(first)
+    own = {s.name: s for s in model.surfaces}
     for surface in second["surface"]:
         name, before = surface["name"], old[surface["name"]]
         start.surfaces[name] = {key: one[name][key][-1] for key in NUMBERS}
-        if baths[name]:
-            start.surfaces[name]["bath"] = bath_of(one, name)
+        if len(own[name].bath):
+            start.surfaces[name]["bath"] = bath_of(one, own[name], model)
         stood = before["drive"] if isinstance(before["drive"], dict) else {}
         start.stages[name] = stood.get("speed", 0.0) * t
-        start.zeros[name] = 0.0 if surface["drive"] == before["drive"] else t
+        start.zeros[name] = 0.0 if _timed(surface["drive"]) == _timed(before["drive"]) else t
     moved = [np.array(f.get("velocity", (0.0, 0.0))) * t for f in first.get("field", [])]
     if len(second.get("field", [])) == len(moved):
         same_order = [s["name"] for s in second["surface"]] == [s["name"] for s in first["surface"]]
@@ -158,10 +170,25 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
     return start
 
 
-def bath_of(result: tribo.Result, name: str) -> np.ndarray:
-    """Positions and velocities of a surface's oscillators at the end, (asperites, n, 4)."""
-    values = np.asarray(result.oscillators(name))
-    return values[-1]
+def _timed(drive: Any) -> Any:
+    """What depends on the time of a drive: all but its load, which is constant."""
+    if isinstance(drive, dict):
+        return {key: value for key, value in drive.items() if key != "load"}
+    return drive
+
+
+def bath_of(one: tribo.Result, surface: Surface, model: Model) -> np.ndarray:
+    """Positions and velocities of a surface's oscillators at the end, (asperites, n, 4).
+
+    Rates are those of the state, which has them alone; positions are those that were recorded.
+    """
+    own, part = one[surface.name], surface.part
+    theta, lever = own["theta"][-1], model.l2[part]
+    bar = vectors(own["x_cm"][-1] - lever * np.sin(theta), own["y_cm"][-1] + lever * np.cos(theta))
+    positions = bar[:, None] + one.oscillators(surface.name)[-1]
+    table = one.state().baths[surface.name]
+    rates = surface.velocity + np.stack([table["vx"], table["vy"]], axis=-1)
+    return np.concatenate([positions, rates], axis=-1)
 
 
 def check_relax(findings: Findings, scene: Scene, draw: Draw) -> None:
