@@ -234,7 +234,7 @@ class Simulation:
             run = self.integrator(setting, times, y, resolved=resolved)
             if self._may_pass:
                 run = up_to_passing(layout, run)
-            return run, self._reported(run), None
+            return run, self._reported(run, layout), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed, resolved=resolved)
         return run, partial(itself, streamed.whole(run.samples)), streamed.watched
@@ -273,16 +273,19 @@ class Simulation:
             cost = partial(cost_of, run, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
         cost = partial(cost_of, runs[-1], spent, seconds, ratio)
-        return self._result(fine, self._reported(fine), cost, notes, known, bounds)
+        return self._result(fine, self._reported(fine, self.layout), cost, notes, known, bounds)
 
     @cached_property
     def _recorded_of_plan(self) -> np.ndarray | None:
         """Which of the plan's times are to record; None if all are."""
         return _recorded(self.layout, self.plan.times)
 
-    def _reported(self, run: Integration) -> Callable[[], Ledger]:
-        """What makes the ledger of a run at the scene's times and at its end, without this."""
-        layout, t = self.layout, run.samples.t
+    def _reported(self, run: Integration, layout: Layout) -> Callable[[], Ledger]:
+        """What makes the ledger of a run at the scene's times and at its end, without this.
+
+        `layout` is that of the scene, or like it for the forces of runs with noise.
+        """
+        t = run.samples.t
         if t is layout.times:
             return partial(_ledger_of, layout, run, None)
         known = t is self.plan.times

@@ -1,5 +1,7 @@
 """The contacts of a scene at given positions of its bobs, through the kernels that runs use."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tribo.compiler.lanes_memory import with_spare_lanes
@@ -19,9 +21,9 @@ class ContactProbe:
 
     def __init__(self, scene: Scene) -> None:
         self.layout = lay_out(scene)
-        self._probe = Probe(self.layout, contact_probe)
-        model = self._probe.model
-        self._probe.model = model._replace(each=with_spare_lanes(model.each))
+        tables = self.layout.model
+        own = tables._replace(each=with_spare_lanes(tables.each))  # which the kernel writes
+        self._probe = Probe(replace(self.layout, model=own), contact_probe)
         self.charges = self.layout.model.each[CHARGE, self.layout.places.columns]  # (n,)
         self.depths = self.layout.depths  # (n,) z of the bobs, from the first bob [length]
 

@@ -61,7 +61,7 @@ class Kept:
 
 
 def keep(item: Any) -> Any:
-    """A tuple as an argument of time loops; what is no tuple, and where nothing is compiled, as is."""
+    """A tuple as an argument of time loops; as it is if it is none, or nothing is compiled."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return checked(item)
     return Kept(item, kept_type(item)) if isinstance(item, tuple) else item
@@ -96,7 +96,7 @@ def _unbox(kind: KeptType, item: Any, c: Any) -> Any:
 class _Fields(AttributeTemplate):
     key = KeptType
 
-    def generic_resolve(self, kept: KeptType, name: str) -> Any:
+    def generic_resolve(self, kept: KeptType, name: str) -> Any:  # type: ignore[override]
         if name not in kept.places:
             return None
         return _type_of_field(kept.places[name][0])
@@ -148,7 +148,7 @@ def read_words(context: Any, builder: Any, kind: Any, words: Any, n: int) -> tup
         return context.get_dummy_value(), n
     if isinstance(kind, types.BaseTuple):
         values = []
-        for each in kind:
+        for each in kind:  # type: ignore[attr-defined]
             value, n = read_words(context, builder, each, words, n)
             values.append(value)
         return context.make_tuple(builder, kind, values), n

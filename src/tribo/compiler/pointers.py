@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import config, extending, types
+from numba import config, extending, typeof, types
 
 from tribo.compiler.jit import KERNEL
 from tribo.compiler.numba_private import NATIVE, cgutils, own_reference
@@ -58,12 +58,24 @@ def pointer_type(kind: Any) -> Any:
     return types.BaseTuple.from_types(members, getattr(kind, "instance_class", None))
 
 
+def type_of_pointers(item: Any) -> Any:
+    """The type of nested tuples of arrays with pointers in their place."""
+    return pointer_type(typeof(item))
+
+
 def make_pointer(context, builder, kind: PointerType, data, shape: list) -> Any:
     """The instructions of a pointer of a type with these data and shape."""
     made = cgutils.create_struct_proxy(kind)(context, builder)
     made.data = data
     made.shape = cgutils.pack_array(builder, shape)
     return made._getvalue()
+
+
+def pointer_to(context, builder, kind, value):
+    """The pointer to a C-contiguous array of a type."""
+    array = context.make_array(kind)(context, builder, value)
+    shape = cgutils.unpack_tuple(builder, array.shape)
+    return make_pointer(context, builder, pointer_type(kind), array.data, shape)
 
 
 def _argument_type(kind: Any) -> Any:
@@ -81,10 +93,7 @@ def _value_of(context, builder, kind, new, value):
     if new == kind:
         return value
     if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value)
-        return make_pointer(
-            context, builder, new, array.data, cgutils.unpack_tuple(builder, array.shape)
-        )
+        return pointer_to(context, builder, kind, value)
     members = cgutils.unpack_tuple(builder, value)
     each = zip(kind, new, members, strict=True)
     converted = [_value_of(context, builder, *one) for one in each]

@@ -11,6 +11,7 @@ and takes a plug-in as it is.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from types import FunctionType
 from typing import Any
 
@@ -24,6 +25,7 @@ from tribo.compiler.lanes import lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.numba_private import NATIVE, cgutils
 from tribo.compiler.plugin_methods import like
+from tribo.compiler.pointers import pointer_to
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
@@ -94,6 +96,8 @@ def _call_unit(typing_context, address, arguments):
         for kind, value in zip(sig.args[1], values, strict=True):
             if isinstance(kind, types.Literal):
                 value = context.cast(builder, value, kind, types.unliteral(kind))
+            elif isinstance(kind, types.Array):
+                value = pointer_to(context, builder, kind, value)
             passed.append(value)
         result = ir.DoubleType()
         function = ir.FunctionType(result, [value.type for value in passed])
@@ -156,12 +160,12 @@ def _compiled(function: FunctionType, kinds: tuple[Any, ...], stamp: str | None)
         return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
     clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
     options = {**NUMPY_ERRORS, **UNCOUNTED}
-    unit = CFunc(clone, (sig.args, sig.return_type), {}, options, pipeline_class=LoopCompiler)
+    kinds, result = sig.args, sig.return_type
+    unit: Any = CFunc(clone, (kinds, result), {}, options, pipeline_class=LoopCompiler)  # type: ignore[arg-type]
     if stamp is not None:
         remove_stale(function)
-        try:
+        # With no folder that can be written, each process compiles.
+        with suppress(RuntimeError):
             unit._cache = KernelCache(clone)
-        except RuntimeError:  # with no folder that can be written, each process compiles
-            pass
     unit.compile()
     return unit

@@ -197,24 +197,24 @@ def table_of(model, n):
     return model.f1
 
 
-@inlined
-def add_to_table(model, members, contact, table, neighbours):
-    for k in range(contact.first, contact.stop):
-        if members is not None:
-            add_lane_by_lane(model, contact, k, table)
-            continue
-        own = contact.pairs[k, 0]
-        one = model.surfaces[own]
-        active = blocks.active_of(neighbours)
-        begin, end = blocks.active_range(active, one, own)
-        add_rows(model, contact, k, begin, end, table, table, neighbours)
-
-
 def contact_forces_unit(model, neighbours, potential, n):
     """Add the forces of the nth interaction."""
     potential = fetched(potential)
     contact, table = acting(model.contacts, n, potential), table_of(model, n)
-    add_to_table(model, model.members, contact, table, neighbours)
+    active = blocks.active_of(neighbours)
+    for k in range(contact.first, contact.stop):
+        own = contact.pairs[k, 0]
+        begin, end = blocks.active_range(active, model.surfaces[own], own)
+        add_rows(model, contact, k, begin, end, table, table, neighbours)
+    return 0.0
+
+
+def contact_forces_of_members_unit(model, neighbours, potential, n):
+    """The same where each lane is a member of an ensemble; no neighbours are listed."""
+    potential = fetched(potential)
+    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    for k in range(contact.first, contact.stop):
+        add_lane_by_lane(model, contact, k, table)
     return 0.0
 
 

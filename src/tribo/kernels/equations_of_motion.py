@@ -175,7 +175,8 @@ def drive_forces(model, active, t, q):
 def update_neighbours(model, neighbours, t, q):
     """Place the bobs and list their neighbours; returns whether there was room for all of them."""
     place_bobs(model, t, q)
-    refresh(model, neighbours)
+    if has_lists(neighbours):
+        refresh(model, neighbours)
     return not crowded(neighbours)
 
 

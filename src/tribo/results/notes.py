@@ -282,7 +282,7 @@ def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
             )
         elif smoothness < method.smoothness:
             yield (
-                f"{name} has {smoothness} continuous derivatives; {method.name} needs "
+                f"{name} has {smoothness:g} continuous derivatives; {method.name} needs "
                 f"{method.smoothness} for errors of order {method.order}"
             )
 

@@ -3,13 +3,13 @@
 from typing import Any
 
 import numpy as np
-from numba import config, typeof, types
+from numba import config, types
 
 from tribo.compiler.kept import kept_type
 from tribo.compiler.lanes import lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import type_of
-from tribo.compiler.pointers import PointerType, pointer_type
+from tribo.compiler.pointers import PointerType, type_of_pointers
 from tribo.compiler.team import NO_TEAM, Team
 from tribo.compiler.units import WordsInLanesType, WordsType, address_of, memory_of
 from tribo.integrators import inactive, kicks, splitting
@@ -147,7 +147,10 @@ class Units:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
         at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64
-        contacts.forces[n] = known.unit(contact.contact_forces_unit, at)
+        forces = contact.contact_forces_unit
+        if self.model.members is not None:
+            forces = contact.contact_forces_of_members_unit
+        contacts.forces[n] = known.unit(forces, at)
         contacts.energy[n] = known.unit(contact.contact_energy_unit, (*at, number, number))
         contacts.encounter[n] = known.unit(encounters.encounter_unit, (*at, TABLE, number))
         if shared:
@@ -214,7 +217,7 @@ def _kind(item: Any) -> Any:
 
 def _kind_of_noise(noise: Any) -> Any:
     """The type of random numbers for kicks: the address of a generator, or deviates."""
-    return pointer_type(typeof(noise)) if isinstance(noise, tuple) else types.int64
+    return types.int64 if isinstance(noise, int) else type_of_pointers(noise)
 
 
 class Known:

@@ -4,6 +4,7 @@ A layout is only read, so that several threads can run it.
 """
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -93,16 +94,20 @@ class Probe:
 
     def __init__(self, layout: Layout, kernel: Any) -> None:
         self._layout, self._neighbours = layout, layout.neighbours()
-        self.model, self._calls = own_model(layout)
         self._kernel = shared_loop(kernel)
+
+    @cached_property
+    def _model(self) -> tuple[Model, tuple[Call, ...]]:
+        """The model, whose units are compiled with the first arrangements."""
+        return own_model(self._layout)
 
     def __call__(self, count: int, *arguments: Any) -> None:
         """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
-        done = 0
+        done, (model, calls) = 0, self._model
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)
-                done = self._kernel(keep(self.model), keep(self._neighbours), done, *arguments)
-        for call in self._calls:
+                done = self._kernel(keep(model), keep(self._neighbours), done, *arguments)
+        for call in calls:
             if call.error is not None:
                 raise InputError("potential", f"the calculator raises {call.failure}")
