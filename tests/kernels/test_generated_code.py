@@ -57,11 +57,11 @@ def scenes() -> dict[str, tribo.Scene]:
         "bath": rows(bath=tribo.Bath([0.1], [2.0])),
         "reservoir": rows(langevin=reservoir),
         "springs": rows(springs=tribo.Springs(1.0)),
-        "pulled": rows(drive=tribo.Pulled(1.0, 0.1, load=0.1)),
+        "pulled": rows(drive=tribo.Pulled(stiffness=1.0, speed=0.1, load=0.1)),
         "driven": rows(drive="bars"),
         "turning": rows(initial=turning),
         "field": replace(rows(), fields=[field]),
-        "periodic": replace(rows(tribo.Coulomb(0.1)), periodic=tribo.Periodic(x=12.0)),
+        "periodic": replace(rows(cut_off), periodic=tribo.Periodic(x=12.0)),
     }
 
 

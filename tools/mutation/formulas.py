@@ -70,7 +70,7 @@ class Recorder(NamedTuple):
 def arguments_of_a_drive() -> str:
     """A drive is told of place and velocity of the bar in the laboratory, and of f1."""
     from tribo.kernels.equations_of_motion import place_bobs
-    from tribo.kernels.user_forces import custom_drives
+    from tribo.kernels.user_forces import set_customs
     from tribo.layout.layout import lay_out
     from tribo.model.drives import Custom
     from tribo.model.scene_file import scene_from
@@ -88,7 +88,7 @@ def arguments_of_a_drive() -> str:
     fx, fy = 1.0 + np.arange(count), -2.0 - np.arange(count)
     model.f1[:, layout.places.columns] = fx, fy
     CALLS.clear()
-    custom_drives(model, model.drives, t, q, v)
+    set_customs(model, model.drives, t, q, v)
     start = start_of(table)
     bar = start.bar + start.velocity * t
     expected = [np.full(count, t), *bar, *start.bar_velocity, fx, fy]
@@ -131,14 +131,18 @@ def closing_speeds() -> str:
     ]
     model = SimpleNamespace(surfaces=surfaces)
     every = [*range(8, 19), 32, 33]
-    none = SimpleNamespace(blocks=[0], first=[0, 1, 1, 1])
+
+    def some(active: list[int], first: list[int]) -> SimpleNamespace:
+        return SimpleNamespace(blocks=np.array(active), first=first)
+
+    none = some([0], [0, 1, 1, 1])
     if closing_speed(model, none, (1, 2), np.ones((3, 48))) != 0.0:
         return "of blocks that are not active"
     for sign, active, columns in (
         (1.0, None, every),
         (-1.0, None, every),
-        (1.0, SimpleNamespace(blocks=[0, 1, 4], first=[0, 1, 2, 3]), [*range(8, 16), 32, 33]),
-        (-1.0, SimpleNamespace(blocks=[4], first=[0, 0, 0, 1]), [32, 33]),
+        (1.0, some([0, 1, 4], [0, 1, 2, 3]), [*range(8, 16), 32, 33]),
+        (-1.0, some([4], [0, 0, 0, 1]), [32, 33]),
     ):
         speeds = np.full((3, 48), 1e3)  # of other surfaces
         own = rng.normal(2.0 * sign, 1.0, (3, len(columns)))
@@ -469,7 +473,7 @@ def cells() -> str:
         halves = np.array([[size_x - reach], [0.0], [size_z - reach]])
         own = Boxes(np.array([1]), np.zeros((3, 1)), 0.75 * halves)
         theirs = points._replace(halves=np.repeat(0.25 * halves, 60, axis=1))
-        sort_boxes(box if box_x or box_z else None, own, theirs, reach, cells)
+        sort_boxes(box, own, theirs, reach, cells)
         (width_x, width_z), (nx, nz) = cells.widths, cells.counts
         if expected is None:
             if not 60 <= nx * nz <= 2 * 60 + 16:
@@ -520,7 +524,7 @@ def boxes_within_reach() -> str:
             for count in (25, 300)
         )
         periods = x * unit, z * unit
-        lengths = SimpleNamespace(x=periods[0], z=periods[1]) if x or z else None
+        lengths = SimpleNamespace(x=periods[0], z=periods[1])
         cells = empty_cells(310)
         sort_boxes(lengths, own, theirs, reach, cells)
         away = theirs.centres[:, None, :300] - own.centres[:, :25, None]
@@ -541,7 +545,7 @@ def lists_in_chunks() -> str:
     """Rows of a list that are filled in chunks, and moved together, are those of one thread."""
     import tribo
     from support.sliding import POTENTIAL, scene
-    from tribo.compiler.team import COUNTERS, PAIR
+    from tribo.compiler.team import COUNTERS, NO_TEAM, PAIR
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.neighbours import join_chunks, list_chunk, list_pair, rebuild
     from tribo.layout.layout import lay_out
@@ -560,7 +564,7 @@ def lists_in_chunks() -> str:
     team.begins = np.zeros(6, np.int64)
     end = 0
     for k, stop in enumerate(stops):
-        list_pair(model, None, shared, k, end)  # for its boxes and cells
+        list_pair(model, NO_TEAM, shared, k, end)  # for its boxes and cells
         rows = slice(shared.pairs[k, 2], stop)
         shared.start[rows], shared.index[end:] = -1, -1
         team.counters[PAIR] = k
@@ -634,13 +638,14 @@ def partners() -> str:
     from tribo.kernels.neighbours import is_partner, partner_species
 
     species = np.array([0, 1, 2, 1])
-    for kinds in (None, (-1, -1), (0, 1), (1, 0), (1, 1), (2, 1)):
+    for kinds in ((-1, -1), (0, 1), (1, 0), (1, 1), (2, 1)):
         for i, j in np.ndindex(4, 4):
             found = is_partner(species, partner_species(species, kinds, i), j)
             pair = sorted((species[i], species[j]))
-            if found != (kinds in (None, (-1, -1)) or pair == sorted(kinds)):
+            if found != (kinds == (-1, -1) or pair == sorted(kinds)):
                 return f"bobs {i} and {j} of {species} for {kinds}"
-    if not is_partner(None, partner_species(None, (0, 1), 2), 3):
+    none = np.zeros(0)
+    if not is_partner(none, partner_species(none, (0, 1), 2), 3):
         return "a scene without species"
     return ""
 
