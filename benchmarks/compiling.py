@@ -3,7 +3,10 @@
 Every kind runs in a process of its own with an empty cache.  The time is that of the first run less
 that of a second one, in seconds of the processor.
 
-    python benchmarks/compiling.py [--json]
+    python benchmarks/compiling.py [--json] [--after]
+
+--after takes more kinds, in the native way alone, one after another with one cache: what each of
+them compiles beyond those before it.
 """
 
 import argparse
@@ -47,9 +50,32 @@ def scenes() -> dict[str, tuple[tribo.Scene, dict]]:
     }
 
 
+def later_scenes() -> dict[str, tuple[tribo.Scene, dict]]:
+    """Scenes by verlet, each with something that those before it do not have."""
+    verlet = {"method": "verlet", "step": 0.05}
+    cut_off = tribo.LennardJones(0.1, 1.0).with_cutoff(2.5)
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), ["upper"])
+    kinds = {
+        "the first": rows(3),
+        "springs": rows(3, springs=tribo.Springs(1.0)),
+        "pulled": rows(3, drive=tribo.Pulled(stiffness=1.0, speed=0.5)),
+        "driven bars": rows(3, drive="bars"),
+        "no ledger": replace(rows(3), output=tribo.Output(samples=3, ledger="none")),
+        "another potential": replace(rows(3), interactions=cut_off),
+        "a periodic box": replace(rows(3), interactions=cut_off, periodic=tribo.Periodic(x=9.0)),
+        "a field": replace(rows(3), fields=[field]),
+        "a reservoir": rows(3, langevin=tribo.Langevin(1.0, 0.1)),
+        "a bath": rows(3, bath=tribo.Bath(masses=[1.0], frequencies=[1.0])),
+        "lists of neighbours": replace(rows(80), interactions=cut_off),
+        "for an accuracy": rows(3),
+    }
+    other = {"for an accuracy": {"accuracy": 1e-6}}
+    return {name: (scene, other.get(name, verlet)) for name, scene in kinds.items()}
+
+
 def compiling(kind: str) -> float:
     """Seconds of the processor by which the first run of this process exceeds the second."""
-    scene, settings = scenes()[kind]
+    scene, settings = (scenes() | later_scenes())[kind]
     taken = []
     for _ in range(2):
         began = time.process_time()
@@ -58,15 +84,26 @@ def compiling(kind: str) -> float:
     return taken[0] - taken[1]
 
 
-def measured(kind: str, way: str) -> float:
-    """The same in a new process with an empty cache."""
+def measured(kind: str, way: str, cache: str) -> float:
+    """The same in a new process with a cache in this folder."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    environment.pop("TRIBO_NUMBA", None)
+    if way == "plain":
+        environment["TRIBO_NUMBA"] = way
+    command = [sys.executable, __file__, "--kind", kind]
+    return float(subprocess.check_output(command, env=environment, text=True))
+
+
+def alone(kind: str, way: str) -> float:
+    """The same with an empty cache."""
     with tempfile.TemporaryDirectory() as cache:
-        environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
-        environment.pop("TRIBO_NUMBA", None)
-        if way == "plain":
-            environment["TRIBO_NUMBA"] = way
-        command = [sys.executable, __file__, "--kind", kind]
-        return float(subprocess.check_output(command, env=environment, text=True))
+        return measured(kind, way, cache)
+
+
+def one_after_another() -> dict[str, float]:
+    """Seconds of each of the later scenes, which share a cache."""
+    with tempfile.TemporaryDirectory() as cache:
+        return {kind: measured(kind, "native", cache) for kind in later_scenes()}
 
 
 def main() -> None:
@@ -74,13 +111,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--kind", help="measure this kind in this process")
+    parser.add_argument("--after", action="store_true")
     options = parser.parse_args()
     if options.kind:
         print(compiling(options.kind))
         return
-    table = {}
+    if options.after:
+        later = one_after_another()
+        lines = (f"{kind:24} {seconds:5.1f} s" for kind, seconds in later.items())
+        print(json.dumps(later, indent=1) if options.json else "\n".join(lines))
+        return
+    table: dict[str, dict[str, float]] = {}
     for kind in scenes():
-        table[kind] = {way: measured(kind, way) for way in WAYS}
+        table[kind] = {way: alone(kind, way) for way in WAYS}
         if not options.json:
             native, plain = table[kind].values()
             ratio = plain / native

@@ -74,8 +74,8 @@ _kinds: dict[Any, KeptType] = {}
 def kept_type(item: Any) -> KeptType:
     """The type of a tuple that is kept; a class has one for each choice of absent fields."""
     key = type(item), *(len(each) if type(each) is tuple else each is None for each in item)
-    if key not in _kinds:
-        _kinds[key] = KeptType(pointer_type(typeof(item)))
+    if key not in _kinds:  # threads that find the same type at once must all take one of theirs
+        _kinds.setdefault(key, KeptType(pointer_type(typeof(item))))
     return _kinds[key]
 
 
