@@ -107,7 +107,7 @@ def add_half_shared_works(model, t, tau, state):
         shared_powers(model, model.ledger, t, blocks.halves(state.y)[1], power)
 
 
-@apart
+@inlined
 def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
     """Kick some active blocks of a surface; works are added unless the forces act twice."""
     if twice:

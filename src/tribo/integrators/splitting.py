@@ -107,7 +107,7 @@ def alternating(drifts: np.ndarray, kicks: np.ndarray) -> Splitting:
     )
 
 
-@inlined
+@apart
 def drift(model, neighbours, team, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
     active = blocks.active_of(neighbours)
@@ -122,7 +122,7 @@ def drift(model, neighbours, team, now, tau, state, work):
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
 
 
-@apart
+@inlined
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
     q, v = blocks.halves(state.y)
     rotations = work.rotations[0]

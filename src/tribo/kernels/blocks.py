@@ -174,6 +174,14 @@ def plus(one, other):
 
 
 @inlined
+def plus_if_any(x, table, i):
+    """Vectors and those of a block of a table, if its effect is present."""
+    if absent(table):
+        return x
+    return plus(x, vectors(table, i))
+
+
+@inlined
 def constant(model, row, s, i):
     return block(model.constants[row], column_of_constants(s, i))
 
@@ -183,14 +191,6 @@ def halves(y):
     """Coordinates and velocities, of which a state consists."""
     n = y.size // 2
     return y[:n], y[n:]
-
-
-@inlined
-def numbers(table, i):
-    """A block of a table of one row; -0, which changes no sum, where its effect is absent."""
-    if absent(table):
-        return broadcast(-0.0)
-    return block(table[0], i)
 
 
 @kernel

@@ -97,8 +97,11 @@ def block_of(neighbours, is_listed, n):
 
 
 @inlined
-def without_others(force, species, partners, m):
-    """Forces where a block of bobs is of a species by `partner_species`, 0 elsewhere."""
+def without_others(force, species, kinds, i, m):
+    """The forces of bob i where a block of bobs is of a kind that it acts on, 0 elsewhere."""
+    if species is None:
+        return force
+    partners = partner_species(species, kinds, i)
     if partners == -1:
         return force
     away = absolute(block(species, m) - float(partners))
@@ -106,11 +109,11 @@ def without_others(force, species, partners, m):
 
 
 @inlined
-def differences(model, x, y, i, m):
+def differences(model, box, x, y, i, m):
     """Vectors from the nearest images of a block of bobs to bob i, or to eight at its depth."""
     zs = model.each[Z]
-    dx = image(x - block(model.bobs[X], m), model.box, 0)
-    dz = image(zs[i] - block(zs, m), model.box, 1)
+    dx = image(x - block(model.bobs[X], m), box, 0)
+    dz = image(zs[i] - block(zs, m), box, 1)
     return dx, y - block(model.bobs[Y], m), dz
 
 
@@ -137,10 +140,10 @@ def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
 def add_block_forces(model, contact, table, i, m, low, high):
     """Add the forces of bob i on some lanes of a block of bobs; returns the forces on bob i."""
     charges = model.each[CHARGE]
-    dx, dy, dz = differences(model, model.bobs[X, i], model.bobs[Y, i], i, m)
+    dx, dy, dz = differences(model, contact.box, model.bobs[X, i], model.bobs[Y, i], i, m)
     others = block(charges, m)
     f = block_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
-    f = without_others(f, model.species, partner_species(model.species, contact.species, i), m)
+    f = without_others(f, contact.species, contact.kinds, i, m)
     x, y = blocks.vectors(table, m)
     blocks.set_vectors(table, m, x - f * dx, y - f * dy)
     return f * dx, f * dy
@@ -183,10 +186,11 @@ def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
 
 
 @inlined
-def acting(contacts, n, potential):
+def acting(model, n, potential, box, species):
     """The nth interaction, with its potential."""
+    contacts = model.contacts
     pairs = contacts.first[n], contacts.first[n + 1], contacts.pairs, contacts.rows
-    return Acting(potential, contacts.species[n], *pairs)
+    return Acting(potential, box, species, contacts.species[n], *pairs)
 
 
 @inlined
@@ -199,20 +203,32 @@ def table_of(model, n):
 
 def contact_forces_unit(model, neighbours, potential, n):
     """Add the forces of the nth interaction."""
-    potential = fetched(potential)
-    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    contact = acting(model, n, fetched(potential), model.box, model.species)
+    add_contact(model, neighbours, contact, table_of(model, n))
+    return 0.0
+
+
+def open_contact_forces_unit(model, neighbours, potential, n):
+    """The same without a periodic box and without species, whose tests each block would pay for."""
+    contact = acting(model, n, fetched(potential), None, None)
+    add_contact(model, neighbours, contact, table_of(model, n))
+    return 0.0
+
+
+@inlined
+def add_contact(model, neighbours, contact, table):
+    """Add the forces of an interaction on the active blocks of all its pairs of surfaces."""
     active = blocks.active_of(neighbours)
     for k in range(contact.first, contact.stop):
         own = contact.pairs[k, 0]
         begin, end = blocks.active_range(active, model.surfaces[own], own)
         add_rows(model, contact, k, begin, end, table, table, neighbours)
-    return 0.0
 
 
 def contact_forces_of_members_unit(model, neighbours, potential, n):
     """The same where each lane is a member of an ensemble; no neighbours are listed."""
-    potential = fetched(potential)
-    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    contact = acting(model, n, fetched(potential), model.box, model.species)
+    table = table_of(model, n)
     for k in range(contact.first, contact.stop):
         add_lane_by_lane(model, contact, k, table)
     return 0.0
@@ -225,13 +241,13 @@ def add_lane_by_lane(model, contact, k, table):
     other = model.surfaces[contact.pairs[k, 1]]
     charges = model.each[CHARGE]
     for i in range(one.start, one.stop, LANES):
-        partners = partner_species(model.species, contact.species, i)
+        partners = partner_species(contact.species, contact.kinds, i)
         x, y, own = block(model.bobs[X], i), block(model.bobs[Y], i), block(charges, i)
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for m in range(max(other.start, i + LANES), other.stop, LANES):
-            if is_partner(model.species, partners, m):
-                dx, dy, dz = differences(model, x, y, i, m)
+            if is_partner(contact.species, partners, m):
+                dx, dy, dz = differences(model, contact.box, x, y, i, m)
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
                 f = over_distances(contact.potential, square, dx, dy, dz, own, others, 0, LANES)
@@ -288,13 +304,13 @@ def pair_energy(model, contact, k, neighbours, lane):
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
     for i in range(*blocks.column_range(one, lane)):
-        partners = partner_species(model.species, contact.species, i)
+        partners = partner_species(contact.species, contact.kinds, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
         for n in range(first, last):
             low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
             for j in range(max(start, low), min(high, other.end)):
-                if not is_partner(model.species, partners, j):
+                if not is_partner(contact.species, partners, j):
                     continue
                 r = distance_of(model, i, j)
                 if r < potential.range_between(charges[i], charges[j]):
@@ -304,11 +320,8 @@ def pair_energy(model, contact, k, neighbours, lane):
 
 def contact_energy_unit(model, neighbours, potential, n, k, lane):
     """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
-    potential = fetched(potential)
-    contact, lane = (
-        acting(model.contacts, n, potential),
-        blocks.lane_of_members(model.members, lane),
-    )
+    contact = acting(model, n, fetched(potential), model.box, model.species)
+    lane = blocks.lane_of_members(model.members, lane)
     return pair_energy(model, contact, k, neighbours, lane)
 
 

@@ -72,9 +72,15 @@ def contact_piece(model, team, neighbours, piece):
 
 def contact_piece_unit(model, neighbours, potential, n, piece):
     """Do a chunk of rows of the nth interaction in the present pair of surfaces."""
-    potential = fetched(potential)
-    contact, table, team = acting(model.contacts, n, potential), table_of(model, n), model.team
-    add_chunk(model, team, contact, team.counters[teams.PAIR], table, neighbours, piece)
+    contact = acting(model, n, fetched(potential), model.box, model.species)
+    add_chunk(model, model.team, contact, table_of(model, n), neighbours, piece)
+    return 0.0
+
+
+def open_contact_piece_unit(model, neighbours, potential, n, piece):
+    """The same without a periodic box and without species."""
+    contact = acting(model, n, fetched(potential), None, None)
+    add_chunk(model, model.team, contact, table_of(model, n), neighbours, piece)
     return 0.0
 
 
@@ -95,8 +101,9 @@ def add_reactions(model, team, pairs, table, piece):
 
 
 @inlined
-def add_chunk(model, team, contact, k, table, neighbours, chunk):
+def add_chunk(model, team, contact, table, neighbours, chunk):
     """Add the forces on the bobs of a chunk of rows, and set the table of the reactions."""
+    k = team.counters[teams.PAIR]
     own = contact.pairs[k, 0]
     one = model.surfaces[own]
     active = blocks.active_of(neighbours)

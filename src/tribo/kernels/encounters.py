@@ -79,13 +79,13 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(*blocks.column_range(one, lane)):
-            partners = partner_species(model.species, contact.species, i)
+            partners = partner_species(contact.species, contact.kinds, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             for n in range(first, last):
                 low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
                 for j in range(max(start, low), min(high, other.end)):
-                    if not is_partner(model.species, partners, j):
+                    if not is_partner(contact.species, partners, j):
                         continue
                     r = distance_of(model, i, j)
                     vx = speeds[0, i] - speeds[0, j]
@@ -116,8 +116,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
 
 def encounter_unit(model, neighbours, potential, n, speeds, lane):
     """Find the encounters of the nth interaction, for `lane` of one member."""
-    potential = fetched(potential)
-    contact = acting(model.contacts, n, potential)
+    contact = acting(model, n, fetched(potential), model.box, model.species)
     lane = blocks.lane_of_members(model.members, lane)
     encounter_of_contact(model, contact, neighbours, speeds, model.found, lane)
     return 0.0

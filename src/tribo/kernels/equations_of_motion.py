@@ -20,13 +20,12 @@ from tribo.kernels.blocks import (
     column_of,
     constant,
     coordinates,
-    numbers,
     own_number,
     plus,
+    plus_if_any,
     set_all,
     set_vectors,
     vectors,
-    vectors_if_any,
 )
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
@@ -206,8 +205,11 @@ def bar_forces(model, i, drive):
     """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
     if not model.on_bars:
         return drive[0], drive[1]
-    force = plus(plus(drive, vectors_if_any(model.internal, i)), vectors_if_any(model.friction, i))
-    return plus(force, plus(vectors_if_any(model.left, i), vectors_if_any(model.right, i)))
+    force = plus_if_any(drive, model.internal, i)
+    force = plus_if_any(force, model.friction, i)
+    if absent(model.left):
+        return force
+    return plus(force, plus(vectors(model.left, i), vectors(model.right, i)))
 
 
 @inlined
@@ -216,7 +218,7 @@ def bob_forces(model, i):
     f1 = vectors(model.f1, i)
     if not model.on_bobs:
         return f1
-    return plus(plus(f1, vectors_if_any(model.inner, i)), vectors_if_any(model.external, i))
+    return plus_if_any(plus_if_any(f1, model.inner, i), model.external, i)
 
 
 @inlined
@@ -225,7 +227,9 @@ def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
     tx, ty = vectors(model.directions, i)
     torque = constant(model, rows.L1, s, i) * (tx * bob_x + ty * bob_y)
     torque = torque - constant(model, rows.L2, s, i) * (tx * bar_x + ty * bar_y)
-    return torque + numbers(model.swing_friction, i)
+    if absent(model.swing_friction):
+        return torque
+    return torque + block(model.swing_friction[0], i)
 
 
 @inlined

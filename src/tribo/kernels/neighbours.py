@@ -26,7 +26,9 @@ from tribo.kernels.records import REBUILD, X, Y, Z
 
 @inlined
 def image(difference, box, axis):
-    """Separations from the nearest images along x (axis 0) or z (axis 1) of a scene's box."""
+    """Separations from the nearest images along x (axis 0) or z (axis 1) of a box, if any."""
+    if box is None:
+        return difference
     return nearest_image(difference, box.x if axis == 0 else box.z)
 
 

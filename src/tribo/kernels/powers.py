@@ -45,6 +45,7 @@ from tribo.kernels.blocks import (
     constant,
     coordinates,
     plus,
+    plus_if_any,
     vectors,
     vectors_if_any,
 )
@@ -311,10 +312,10 @@ def external_force(model, s):
     total = broadcast(0.0), broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         total = plus(plus(total, vectors(model.f1, i)), vectors(model.drive, i))
-        total = plus(total, vectors_if_any(model.external, i))
-        total = plus(total, vectors_if_any(model.friction, i))
-        ends = plus(vectors_if_any(model.left, i), vectors_if_any(model.right, i))
-        total = plus(total, ends)
+        total = plus_if_any(total, model.external, i)
+        total = plus_if_any(total, model.friction, i)
+        if not absent(model.left):
+            total = plus(total, plus(vectors(model.left, i), vectors(model.right, i)))
     return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
 
 

@@ -211,7 +211,9 @@ class Acting(NamedTuple):
     """One of all interactions, in a unit of its potential."""
 
     potential: Any
-    species: np.ndarray  # (2,) between bobs of which species; -1: of any
+    box: Any  # Box; None where space is known to be open
+    species: Any  # (n,) of each bob; None where it is known not to matter
+    kinds: np.ndarray  # (2,) between bobs of which species; -1: of any
     first: int  # its pairs are first <= k < stop
     stop: int
     pairs: np.ndarray  # (pairs, 2) of all interactions

@@ -147,14 +147,18 @@ class Units:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
         at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64
-        forces = contact.contact_forces_unit
+        is_open = self.model.box == Box(0.0, 0.0) and self.model.species.size == 0
+        forces, pieces = contact.contact_forces_unit, contact_forces.contact_piece_unit
         if self.model.members is not None:
             forces = contact.contact_forces_of_members_unit
+        elif is_open:
+            forces = contact.open_contact_forces_unit
+            pieces = contact_forces.open_contact_piece_unit
         contacts.forces[n] = known.unit(forces, at)
         contacts.energy[n] = known.unit(contact.contact_energy_unit, (*at, number, number))
         contacts.encounter[n] = known.unit(encounters.encounter_unit, (*at, TABLE, number))
         if shared:
-            contacts.pieces[n] = known.unit(contact_forces.contact_piece_unit, (*at, number))
+            contacts.pieces[n] = known.unit(pieces, (*at, number))
 
     def set_field(self, found: Fields, n: int, potential: Any) -> None:
         known = Known(self._scene, potential)
