@@ -3,10 +3,10 @@
 Every kind runs in a process of its own with an empty cache.  The time is that of the first run less
 that of a second one, in seconds of the processor.
 
-    python benchmarks/compiling.py [--json] [--after]
+    python benchmarks/compiling.py [--json] [--after [--markdown]]
 
 --after takes more kinds, in the native way alone, one after another with one cache: what each of
-them compiles beyond those before it.
+them compiles beyond those before it.  --markdown prints that as in docs/measured/compiling.md.
 """
 
 import argparse
@@ -16,7 +16,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+
+import numpy as np
 
 import tribo
 from tribo import paper
@@ -50,13 +54,18 @@ def scenes() -> dict[str, tuple[tribo.Scene, dict]]:
     }
 
 
-def later_scenes() -> dict[str, tuple[tribo.Scene, dict]]:
-    """Scenes by verlet, each with something that those before it do not have."""
+def simulated(scene: tribo.Scene, **settings: object) -> Callable[[], object]:
+    return partial(tribo.simulate, scene, **settings)
+
+
+def kinds_one_after_another() -> dict[str, Callable[[], object]]:
+    """Runs of scenes, each with something that those before it do not have."""
     verlet = {"method": "verlet", "step": 0.05}
     cut_off = tribo.LennardJones(0.1, 1.0).with_cutoff(2.5)
     field = tribo.Field(tribo.Corrugation(0.1, 1.0), ["upper"])
-    kinds = {
-        "the first": rows(3),
+    pair = replace(paper.scene("A"), duration=1.0)
+    scenes = {
+        "the first scene, by verlet": rows(3),
         "springs": rows(3, springs=tribo.Springs(1.0)),
         "pulled": rows(3, drive=tribo.Pulled(stiffness=1.0, speed=0.5)),
         "driven bars": rows(3, drive="bars"),
@@ -67,19 +76,30 @@ def later_scenes() -> dict[str, tuple[tribo.Scene, dict]]:
         "a reservoir": rows(3, langevin=tribo.Langevin(1.0, 0.1)),
         "a bath": rows(3, bath=tribo.Bath(masses=[1.0], frequencies=[1.0])),
         "lists of neighbours": replace(rows(80), interactions=cut_off),
-        "for an accuracy": rows(3),
     }
-    other = {"for an accuracy": {"accuracy": 1e-6}}
-    return {name: (scene, other.get(name, verlet)) for name, scene in kinds.items()}
+    runs = {name: simulated(scene, **verlet) for name, scene in scenes.items()}
+    swings = {"upper.swing": np.linspace(0.0, 0.1, 64)}
+    return runs | {
+        "members, by verlet": partial(tribo.ensemble, rows(3), 64, vary=swings, **verlet),
+        "the first scene for an accuracy": simulated(rows(3), accuracy=1e-6),
+        "members, for an accuracy": partial(
+            tribo.ensemble, rows(3), 64, vary=swings, accuracy=1e-6
+        ),
+        "one asperite on one": simulated(pair, accuracy=1e-8),
+        "one on one, another potential": simulated(
+            replace(pair, interactions=tribo.Morse(0.1, 1.0, 1.5)), accuracy=1e-8
+        ),
+    }
 
 
 def compiling(kind: str) -> float:
     """Seconds of the processor by which the first run of this process exceeds the second."""
-    scene, settings = (scenes() | later_scenes())[kind]
+    alone = {name: simulated(scene, **settings) for name, (scene, settings) in scenes().items()}
+    run = (alone | kinds_one_after_another())[kind]
     taken = []
     for _ in range(2):
         began = time.process_time()
-        tribo.simulate(scene, **settings)
+        run()
         taken.append(time.process_time() - began)
     return taken[0] - taken[1]
 
@@ -103,7 +123,7 @@ def alone(kind: str, way: str) -> float:
 def one_after_another() -> dict[str, float]:
     """Seconds of each of the later scenes, which share a cache."""
     with tempfile.TemporaryDirectory() as cache:
-        return {kind: measured(kind, "native", cache) for kind in later_scenes()}
+        return {kind: measured(kind, "native", cache) for kind in kinds_one_after_another()}
 
 
 def main() -> None:
@@ -112,14 +132,20 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--kind", help="measure this kind in this process")
     parser.add_argument("--after", action="store_true")
+    parser.add_argument("--markdown", action="store_true")
     options = parser.parse_args()
     if options.kind:
         print(compiling(options.kind))
         return
     if options.after:
         later = one_after_another()
-        lines = (f"{kind:24} {seconds:5.1f} s" for kind, seconds in later.items())
-        print(json.dumps(later, indent=1) if options.json else "\n".join(lines))
+        if options.json:
+            print(json.dumps(later, indent=1))
+        elif options.markdown:
+            print("| scene | seconds |\n| --- | --- |")
+            print("\n".join(f"| {kind} | {taken:.1f} |" for kind, taken in later.items()))
+        else:
+            print("\n".join(f"{kind:34} {taken:5.1f} s" for kind, taken in later.items()))
         return
     table: dict[str, dict[str, float]] = {}
     for kind in scenes():

@@ -22,12 +22,24 @@ ACCURACY = 1e-8
 TOLERANCE = 1e-6
 
 
-def run_doctor(_: argparse.Namespace) -> int:
+def add_doctor(doctor: argparse.ArgumentParser) -> None:
+    compiling = "compile all common kinds of scenes now, which takes one to three minutes"
+    doctor.add_argument("--compile", action="store_true", help=compiling)
+    doctor.set_defaults(command=run_doctor)
+
+
+def run_doctor(options: argparse.Namespace) -> int:
     """Print versions, the machine, and whether the paper's case A gives its known work."""
     from tribo.paper import scene
     from tribo.simulation import simulate
 
-    for name, value in (*versions().items(), *_machine().items()):
+    for name, value in versions().items():
+        print(f"{name:<12} {value}")
+    if options.compile:
+        from tribo.commands.compile_ahead import compile_ahead
+
+        compile_ahead()
+    for name, value in _machine().items():
         print(f"{name:<12} {value}")
     result = simulate(scene("A"), accuracy=ACCURACY)
     work, cost = float(result.end["surfaces"]["upper"]["w"][0]), result.cost

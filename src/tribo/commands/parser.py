@@ -13,7 +13,7 @@ from tribo.commands import scene_options as shared
 from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
 from tribo.commands.bundle import add_bundle
-from tribo.commands.doctor import run_doctor
+from tribo.commands.doctor import add_doctor
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.sweep import run_sweep
@@ -157,7 +157,7 @@ def _add_others(add: Add) -> None:
 
     add_bundle(add("bundle", "pack scenes and results in one archive with checksums"))
     add_new(add("new", "print or write a commented scene file to start from"))
-    add("doctor", "print versions, cores, cache and speed", run_doctor)
+    add_doctor(add("doctor", "print versions, cores, cache and speed"))
 
 
 def _add_completion(
