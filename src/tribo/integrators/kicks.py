@@ -20,6 +20,9 @@ from tribo.kernels.user_forces import custom_forces
 # force that rotates a velocity by z in a kick should not change its square: with one or two
 # iterations it does so by z^4 / 4, with three by z^6 / 16.
 ITERATIONS = 3
+# Parts of a kick: whole, with its works; the first half, and the same forces again, with the works
+# of both halves.
+WHOLE, FIRST_HALF, AGAIN = range(3)
 
 
 def settle_custom_forces(model, neighbours, t, tau, q, v, work):
@@ -108,9 +111,9 @@ def add_half_shared_works(model, t, tau, state):
 
 
 @inlined
-def kick_part(model, twice, active, s, begin, end, t, tau, state, work):
-    """Kick some active blocks of a surface; works are added unless the forces act twice."""
-    if twice:
+def kick_part(model, part, active, s, begin, end, t, tau, state, work):
+    """Kick some active blocks of a surface; works are added unless the forces act again."""
+    if part == FIRST_HALF:
         kick_first_half(model, active, s, begin, end, t, tau, state, work)
         return
     q, v = blocks.halves(state.y)
@@ -139,9 +142,10 @@ def kick_first_half(model, active, s, begin, end, t, tau, state, work):
 
 
 @apart
-def repeat_kick(model, reservoirs, active, t, tau, state, work):
+def repeat_kick(model, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
     q, v = blocks.halves(state.y)
+    reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     power = Powers(state.s, model.sums, 2.0 * tau)
     if blocks.absent(model.friction):
         shared_powers(model, model.ledger, t, v, power)

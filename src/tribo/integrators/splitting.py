@@ -32,6 +32,9 @@ from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
 from tribo.integrators.jumps import acts, jump, keep_velocities
 from tribo.integrators.kicks import (
+    AGAIN,
+    FIRST_HALF,
+    WHOLE,
     add_half_shared_works,
     kick_part,
     repeat_kick,
@@ -107,12 +110,17 @@ def alternating(drifts: np.ndarray, kicks: np.ndarray) -> Splitting:
     )
 
 
-@apart
-def drift(model, neighbours, team, now, tau, state, work):
+@inlined
+def drift(model, neighbours, now, tau, state, work):
     """Drift of all active asperites for tau, which ends now, and the bobs' places then."""
+    call_unit(model.units[rows.DRIFT], (model, neighbours, now, tau, state, work))
+
+
+def drift_unit(model, neighbours, now, tau, state, work):
+    """The same."""
     active = blocks.active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
-    if team.counters.size == 0:
+    if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = blocks.active_range(active, s, k)
@@ -120,6 +128,7 @@ def drift(model, neighbours, team, now, tau, state, work):
     else:
         phase = teams.DRIFT, now, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
+    return 0.0
 
 
 @inlined
@@ -140,33 +149,42 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
             neighbours.crossed[0] = 1
 
 
-@apart
-def kick(model, twice, neighbours, team, t, tau, state, work):
-    """Contact, fields and springs, in place, and the drive act for tau; `twice` as in `Work`."""
+@inlined
+def kick(model, neighbours, part, t, tau, state, work):
+    """Contact, fields and springs, in place, and the drive act for tau; `part` as in `kicks`."""
+    call_unit(model.units[rows.KICK], (model, neighbours, part, t, tau, state, work))
+
+
+def kick_unit(model, neighbours, part, t, tau, state, work):
+    """The same."""
     active = blocks.active_of(neighbours)
+    if part == AGAIN:
+        repeat_kick(model, active, t, tau, state, work)
+        return 0.0
     gather_contact(model, model.members)
     q, v = blocks.halves(state.y)
     if has_customs(model):
         call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, t, tau, q, v, work))
-    if team.counters.size == 0:
+    if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             begin, end = blocks.active_range(active, s, k)
-            kick_part(model, twice, active, s, begin, end, t, tau, state, work)
+            kick_part(model, part, active, s, begin, end, t, tau, state, work)
     else:
         phase = teams.KICK, t, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
-    if not twice:
+    if part == WHOLE:
         shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
     else:
         add_half_shared_works(model, t, tau, state)
+    return 0.0
 
 
 @inlined
 def kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise):
     """The mth kick of a step, in halves before and after a substep where there is one."""
     if not work.substep:
-        kick(model, False, neighbours, model.team, t, tau, state, work)
+        kick(model, neighbours, WHOLE, t, tau, state, work)
     else:
         step = clock.steps, t, tau, state, work, m, noise
         call_unit(model.units[rows.KICK_AROUND], (model, neighbours, *step))
@@ -174,17 +192,14 @@ def kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise):
 
 def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise):
     """The mth kick in halves, before and after a substep."""
-    twice, noise = work.twice, generator_at(noise)
+    noise = generator_at(noise)
     q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, tau)
     keep_velocities(reservoirs, v)
-    kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
+    kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
     rotations = work.bath[m], work.torsional[m]
     bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
-    if not twice:
-        kick(model, twice, neighbours, model.team, t, 0.5 * tau, state, work)
-    else:
-        repeat_kick(model, reservoirs, blocks.active_of(neighbours), t, 0.5 * tau, state, work)
+    kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
     if acts(reservoirs):
         if m == 0:
             watch_kick(model, steps, q, state.memory, work.acceleration)
@@ -215,7 +230,8 @@ def step_piece(model, neighbours, team, piece, state, work):
     if phase == teams.DRIFT:
         drift_part(model, neighbours, s, begin, end, t, tau, state, work)
     else:
-        kick_part(model, work.twice, active, s, begin, end, t, tau, state, work)
+        part = FIRST_HALF if work.twice else WHOLE
+        kick_part(model, part, active, s, begin, end, t, tau, state, work)
 
 
 def assist(model, neighbours, state, work):
@@ -256,7 +272,7 @@ def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
     q, v = blocks.halves(state.y)
     active = blocks.active_of(neighbours)
-    drift(model, neighbours, model.team, clock.t, clock.drift_lag, state, work)
+    drift(model, neighbours, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
     advance_inactive(model, neighbours, clock.t, q, v, state.s)
     settle_end_works(model, q, state.s, state.memory[0])
@@ -274,7 +290,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
         t += ahead
-        drift(model, neighbours, model.team, t, clock.drift_lag + ahead, state, work)
+        drift(model, neighbours, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
         if has_lists(neighbours):
             update_lists(model, neighbours, active, t, q, v, s)

@@ -391,16 +391,17 @@ class Tables(NamedTuple):
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
 
 
-# Places in `Model.units` of the addresses of units that only some scenes need: lists of neighbours,
-# baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads.
+# Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
+# neighbours, baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads;
+# and of drifts and kicks, which several loops and units share.
 UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
-    *("share_contacts", "share_step"),
+    *("share_contacts", "share_step", "drift", "kick"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
-SHARE_CONTACTS, SHARE_STEP = range(10, len(UNITS))
+SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK = range(10, len(UNITS))
 
 
 class Model(NamedTuple):

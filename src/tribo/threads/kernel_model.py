@@ -186,6 +186,8 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
     listed = bool(model.units[records.REBUILD])
     customs = len(model.drives.forces) + len(model.ends.forces)
     own = {
+        records.DRIFT: (True, splitting.drift_unit, (lists, *step)),
+        records.KICK: (True, splitting.kick_unit, (lists, types.int64, *step)),
         records.MAKE_LISTS: (listed, inactive.make_lists_unit, (lists, *moving)),
         records.ADVANCE_INACTIVE: (listed, inactive.advance_inactive_unit, (lists, *moving)),
         records.KICK_AROUND: (
