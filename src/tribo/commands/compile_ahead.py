@@ -51,7 +51,7 @@ def runs() -> dict[str, Callable[[], object]]:
     swings = {"upper.swing": SWINGS}
     found: dict[str, Callable[[], object]] = {}
     for potential in POTENTIALS:
-        scene = replace(pair, interactions=Interaction(potential))
+        scene = replace(pair, interactions=(Interaction(potential),))
         found[f"a pair, {potential}"] = lambda scene=scene: simulate(scene)  # type: ignore[misc]
     found["members of a pair"] = lambda: ensemble(pair, SWINGS.size, vary=swings)
     for kind in ("row", "rough", "bath", "pulled"):
@@ -59,7 +59,7 @@ def runs() -> dict[str, Callable[[], object]]:
     free, noisy = with_reservoir(row, None), with_reservoir(row, Langevin(0.5, 0.01))
     found["a row without reservoirs, for an accuracy"] = lambda: simulate(free)
     for potential in POTENTIALS:
-        scene = replace(noisy, interactions=Interaction(potential))
+        scene = replace(noisy, interactions=(Interaction(potential),))
         found[f"a row with noise, {potential}"] = lambda scene=scene: simulate(  # type: ignore[misc]
             scene, method="verlet", step=STEP
         )

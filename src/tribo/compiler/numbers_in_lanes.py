@@ -11,7 +11,7 @@ from numba.extending import overload
 from tribo.compiler.jit import OVERLOAD
 from tribo.compiler.lanes import _INDEX, LANES, in_kernels, lane, lanes, maximum, sum_of_lanes
 from tribo.compiler.lanes_functions import for_lanes
-from tribo.compiler.lanes_memory import add_block, element, set_block
+from tribo.compiler.lanes_memory import element
 from tribo.compiler.numba_private import cgutils, own_reference
 from tribo.compiler.plugin_methods import like
 
@@ -87,38 +87,22 @@ for_lanes(lane_of, lambda x, i: lane(x, i & (LANES - 1)), lambda x, i: x)
 
 
 def _of_all_lanes(function: Any) -> Any:
-    """Let kernels call a function of all lanes of one run, which leaves those of members alone."""
+    """Let kernels call a function of all lanes of one run; it leaves those of members alone."""
 
     @overload(function, **OVERLOAD)
-    def find(members, x):
-        return function if isinstance(members, types.NoneType) else (lambda members, x: x)
+    def find(h, x):
+        return (lambda h, x: x) if h == lanes else function
 
     return function
 
 
 @_of_all_lanes
-def sum_of_runs(members, x):
-    """The sum over all lanes for one run; where the lanes are `members`, the sum of each."""
+def sum_of_runs(h, x):
+    """The sum over all lanes for one run; x itself where each lane has a step `h` of its own."""
     return sum_of_lanes(x)
 
 
 @_of_all_lanes
-def largest_of_runs(members, x):
-    """The largest of all lanes for one run; where the lanes are `members`, that of each."""
+def largest_of_runs(h, x):
+    """The largest of all lanes for one run; x itself where each lane has a step of its own."""
     return maximum(x)
-
-
-def set_numbers(array, k, x):
-    """Set element k of an array to a number, or eight elements from there on to Lanes."""
-    array[k] = x
-
-
-for_lanes(set_numbers, lambda array, k, x: set_block(array, k, x), set_numbers)
-
-
-def add_numbers(array, k, x):
-    """Add to them likewise."""
-    array[k] += x
-
-
-for_lanes(add_numbers, lambda array, k, x: add_block(array, k, x), add_numbers)

@@ -205,8 +205,8 @@ def error_weight(level):
 def estimate_error(method, h, state, work, tolerance):
     """The error that goes with the polynomials' highest terms, in units of the tolerance."""
     n = state.acceleration.size
-    velocities = largest(None, h, method.last, work.accelerations, state.y[n:], tolerance.y[n:])
-    accounts = largest(None, h, method.last, work.powers, state.s, tolerance.s)
+    velocities = largest(h, method.last, work.accelerations, state.y[n:], tolerance.y[n:])
+    accounts = largest(h, method.last, work.powers, state.s, tolerance.s)
     return error_weight(tolerance.level) * (velocities + accounts)
 
 

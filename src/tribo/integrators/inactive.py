@@ -27,19 +27,17 @@ from tribo.kernels.records import ADVANCE_INACTIVE, FREQUENCY, L1, MAKE_LISTS, R
 @apart
 def update_lists(model, neighbours, active, t, q, v, accounts):
     """Rebuild the list of neighbours after a drift in which bobs have moved too far."""
-    if neighbours is not None:
+    if neighbours.reach.size > 0:
         age = t - neighbours.listed[0]
-        if neighbours.reach.size > 0:
-            crossed = neighbours.crossed[0] == 1
-            if crossed or inactive_have_crossed(model, active, neighbours.skin, age):
-                make_lists(model, neighbours, t, q, v, accounts)
+        crossed = neighbours.crossed[0] == 1
+        if crossed or inactive_have_crossed(model, active, neighbours.skin, age):
+            make_lists(model, neighbours, t, q, v, accounts)
 
 
 @inlined
 def make_lists(model, neighbours, t, q, v, accounts):
-    """Build the list of neighbours for the bobs where they are, if there is a list."""
-    if neighbours is not None:
-        call_unit(model.units[MAKE_LISTS], (model, neighbours, t, q, v, accounts))
+    """Build the list of neighbours for the bobs where they are."""
+    call_unit(model.units[MAKE_LISTS], (model, neighbours, t, q, v, accounts))
 
 
 def make_lists_unit(model, neighbours, t, q, v, accounts):
@@ -59,9 +57,8 @@ def make_lists_unit(model, neighbours, t, q, v, accounts):
 @inlined
 def advance_inactive(model, neighbours, t, q, v, accounts):
     """Let all inactive blocks, if there are any, drift to the time t."""
-    if neighbours is not None:
-        if neighbours.active.blocks.size > 0:
-            call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, q, v, accounts))
+    if neighbours.active.blocks.size > 0:
+        call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, q, v, accounts))
 
 
 def advance_inactive_unit(model, neighbours, t, q, v, accounts):

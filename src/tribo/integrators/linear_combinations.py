@@ -60,10 +60,10 @@ def add_twice(q, low, h, v, v_low, weights, derivatives):
 
 
 @kernel
-def largest(members, h, weights, derivatives, scale_of, tolerance):
+def largest(h, weights, derivatives, scale_of, tolerance):
     """Largest |h sum_j weights_j rates_j| in units of the tolerance (never below round-off).
 
-    That of one run, or of each lane where the lanes are `members`; nan where a rate is not finite.
+    That of all lanes, or of each where h is that of each; nan where a rate is not finite.
     """
     worst = broadcast(0.0)
     not_finite = broadcast(0.0)
@@ -72,4 +72,4 @@ def largest(members, h, weights, derivatives, scale_of, tolerance):
         error = absolute(h * weighted_sum(weights, derivatives, m)) / unit
         worst = where_less(worst, error, error, worst)
         not_finite = not_finite + (error - error)  # nan for inf and nan
-    return largest_of_runs(members, worst) + sum_of_runs(members, not_finite)
+    return largest_of_runs(h, worst) + sum_of_runs(h, not_finite)

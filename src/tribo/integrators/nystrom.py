@@ -109,7 +109,7 @@ def try_step(method, model, neighbours, t, h, end, state, new, tolerance, work):
     copy_state(state, new)
     evaluate_stages(method, model, neighbours, t, h, end, state, new, work)
     evaluate_powers(method, model, t, h, state, work)
-    error = estimate_error(method, model.members, h, state, work, tolerance)
+    error = estimate_error(method, h, state, work, tolerance)
     add(new.s, new.s_low, h, method.v, work.powers)
     return error
 
@@ -149,11 +149,11 @@ def evaluate_powers(method, model, t, h, state, work):
 
 
 @expanded
-def estimate_error(method, members, h, state, work, tolerance):
+def estimate_error(method, h, state, work, tolerance):
     """The step's error by the embedded method, in units of the tolerance; nan where one is."""
     n = state.acceleration.size
     q, v, f = state.y[:n], state.y[n:], work.accelerations
-    coordinates = largest(members, h * h, method.eb, f, q, tolerance.y[:n])
-    velocities = largest(members, h, method.ev, f, v, tolerance.y[n:])
-    accounts = largest(members, h, method.ev, work.powers, state.s, tolerance.s)
+    coordinates = largest(h * h, method.eb, f, q, tolerance.y[:n])
+    velocities = largest(h, method.ev, f, v, tolerance.y[n:])
+    accounts = largest(h, method.ev, work.powers, state.s, tolerance.s)
     return coordinates + velocities + accounts

@@ -15,7 +15,6 @@ from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.compiler.numbers_in_lanes import add_numbers
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
@@ -23,7 +22,7 @@ from tribo.kernels import records as rows
 from tribo.kernels.blocks import absent, column_of_constants, constant, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
-from tribo.kernels.powers import add_works, momentum
+from tribo.kernels.powers import add_total, add_works, momentum
 
 
 @inlined
@@ -132,7 +131,7 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
             py = after_y - before_y
             if s.acc_block >= 0:
                 work = 0.5 * (px * (before_x + after_x) + py * (before_y + after_y))
-                add_numbers(accounts, s.acc_block, work * s.inverse_total_mass)
+                add_total(model.members, accounts, s.acc_block, work * s.inverse_total_mass)
 
 
 @apart

@@ -94,6 +94,6 @@ def complete_step(method, model, neighbours, clock, h, end, state, work):
 def largest_error(weights, h, state, work, tolerance):
     """Largest error that these weights estimate, in units of the tolerance."""
     return max(
-        largest(None, h, weights, work.derivatives, state.y, tolerance.y),
-        largest(None, h, weights, work.powers, state.s, tolerance.s),
+        largest(h, weights, work.derivatives, state.y, tolerance.y),
+        largest(h, weights, work.powers, state.s, tolerance.s),
     )

@@ -141,12 +141,10 @@ def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
         i = blocks.column_of(active, n)
         turn = rotation_of(rotations, blocks.column_of_constants(s, i))
         drift_block(model, s, i, now, tau, q, v, state.s, turn)
-        if neighbours is not None:
-            if neighbours.reach.size > 0:
-                crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
-    if neighbours is not None:
-        if sum_of_lanes(crossed) > 0.0:
-            neighbours.crossed[0] = 1
+        if has_lists(neighbours):
+            crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
+    if sum_of_lanes(crossed) > 0.0:
+        neighbours.crossed[0] = 1
 
 
 @inlined

@@ -10,7 +10,7 @@ from tribo.compiler.jit import NUMPY_ERRORS, apart, expanded, inlined, kernel
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels import status as codes
-from tribo.kernels.blocks import active_of, halves
+from tribo.kernels.blocks import ONE_RUN, active_of, halves
 from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
 from tribo.kernels.neighbours import crowded, is_empty, refresh
@@ -56,7 +56,7 @@ def stricter(tolerance: Tolerance, factor: float) -> Tolerance:
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
     top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
-    found = next_encounter(model, neighbours, speeds, None)
+    found = next_encounter(model, neighbours, speeds, ONE_RUN)
     return found.rate, found.closest
 
 
@@ -72,7 +72,7 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
     clearance = least_clearance(model, clock.clearance)
     if clearance > 0.0 and h * speed <= ENCOUNTER_UPDATE * clearance:
         return speed / clearance
-    found = next_encounter(model, neighbours, speeds, None)
+    found = next_encounter(model, neighbours, speeds, ONE_RUN)
     clock.clearance = found.clearance
     if h * found.ignored > 1.0:
         clock.passages += 1
@@ -139,7 +139,7 @@ def record_due(model, neighbours, clock, state, times, record):
         left = time_left(clock, times[clock.sample])
         if left > 0.0:
             return left
-        write_row(model, neighbours, clock.t, state, record, clock.sample, None)
+        write_row(model, neighbours, clock.t, state, record, clock.sample, ONE_RUN)
         clock.sample += 1
     return 0.0
 

@@ -4,7 +4,7 @@ A block is (s, i): the surface's record, and the column of its first asperite.  
 the last block of a surface have asperites without forces, which never move.
 
 Members of an ensemble can be computed side by side instead: then the lanes of every block are one
-asperite of eight members, and nothing acts between lanes.  `lane` is None where there is one run.
+asperite of eight members, and nothing acts between lanes.  `lane` is ONE_RUN where there is one.
 """
 
 from tribo.compiler.jit import inlined, kernel
@@ -13,12 +13,13 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.records import X, Y
 
+# In place of the lane of a member, where there is one run.
+ONE_RUN = -1
+
 
 @inlined
 def active_of(neighbours):
-    """The active blocks; None where all are."""
-    if neighbours is None:
-        return None
+    """The active blocks; there are none where all are."""
     return neighbours.active
 
 
@@ -49,25 +50,9 @@ def column_of(active, n):
 
 
 @inlined
-def lane_number(lane):
-    """A lane as units take it: -1 where there is one run."""
-    if lane is None:
-        return -1
-    return lane
-
-
-@inlined
-def lane_of_members(members, lane):
-    """A lane as functions take it, from its number in a unit; None where there is one run."""
-    if members is None:
-        return None
-    return lane
-
-
-@inlined
 def column_range(s, lane):
     """The range of the columns of a surface, or of a member of an ensemble in a lane."""
-    if lane is None:
+    if lane == ONE_RUN:
         return s.start, s.end, 1
     return s.start + lane, s.end, LANES
 
@@ -75,7 +60,7 @@ def column_range(s, lane):
 @inlined
 def columns_at(m, lane):
     """The first and the last + 1 of the columns of a block from m on, or of a member's one."""
-    if lane is None:
+    if lane == ONE_RUN:
         return m, m + LANES
     return m + lane, m + lane + 1
 
@@ -83,15 +68,23 @@ def columns_at(m, lane):
 @inlined
 def sum_at(lane, x):
     """The sum over the asperites of a block: over all lanes, or of a member's one."""
-    if lane is None:
+    if lane == ONE_RUN:
         return sum_of_lanes(x)
     return lane_of(x, lane)
 
 
 @inlined
+def totals(members, x):
+    """The sum over all lanes, in each of them; where the lanes are `members`, x of each."""
+    if members.size == 0:
+        return broadcast(sum_of_lanes(x))
+    return x
+
+
+@inlined
 def own_number(own, row, number, i):
     """A number of a surface, or those of a block whose lanes are members that differ in it."""
-    if own is None:
+    if absent(own):
         return broadcast(number)
     return block(own[row], i)
 

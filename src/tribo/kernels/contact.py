@@ -74,11 +74,10 @@ def row_of(contact, k, other, i, first, neighbours):
 
     `first` is the first bob of the pair's first surface.
     """
-    if neighbours is not None:
-        if contact.rows[k] >= 0:
-            row = contact.rows[k] + i - first
-            if neighbours.start[row + 1] <= neighbours.index.size:
-                return neighbours.start[row], neighbours.start[row + 1], True
+    if contact.rows[k] >= 0:
+        row = contact.rows[k] + i - first
+        if neighbours.start[row + 1] <= neighbours.index.size:
+            return neighbours.start[row], neighbours.start[row + 1], True
     return first_candidate(other, i) // LANES, (other.end + LANES - 1) // LANES, False
 
 
@@ -91,8 +90,6 @@ def first_candidate(other, i):
 @kernel
 def block_of(neighbours, is_listed, n):
     """The first bob of the nth block of candidates."""
-    if neighbours is None:
-        return LANES * n
     return LANES * (neighbours.index[n] if is_listed else n)
 
 
@@ -321,15 +318,14 @@ def pair_energy(model, contact, k, neighbours, lane):
 def contact_energy_unit(model, neighbours, potential, n, k, lane):
     """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
     contact = acting(model, n, fetched(potential), model.box, model.species)
-    lane = blocks.lane_of_members(model.members, lane)
     return pair_energy(model, contact, k, neighbours, lane)
 
 
 @kernel
 def energy_of(model, neighbours, n, k, lane):
     """The same, from outside of the unit."""
-    contacts, number = model.contacts, blocks.lane_number(lane)
-    return call_unit(contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, number))
+    contacts = model.contacts
+    return call_unit(contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, lane))
 
 
 @kernel

@@ -46,7 +46,7 @@ def thermal_energy(model, own, lane):
         s = model.surfaces[k]
         if s.gamma + s.swing_gamma > 0.0:
             bar, swing = s.temperature, s.swing_temperature
-            if own is not None:
+            if not blocks.absent(own):
                 i = blocks.column_range(s, lane)[0]
                 bar, swing = own[OWN_TEMPERATURE, i], own[OWN_SWING_TEMPERATURE, i]
             energy = max(energy, bar, swing)
@@ -102,7 +102,7 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
                         elif faster > ignored:
                             ignored = faster
                             found[ONE], found[OTHER] = i, j
-        if neighbours is not None and contact.rows[k] >= 0:
+        if contact.rows[k] >= 0:
             speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
             rate = max(rate, speed / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
@@ -117,7 +117,6 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
 def encounter_unit(model, neighbours, potential, n, speeds, lane):
     """Find the encounters of the nth interaction, for `lane` of one member."""
     contact = acting(model, n, fetched(potential), model.box, model.species)
-    lane = blocks.lane_of_members(model.members, lane)
     encounter_of_contact(model, contact, neighbours, speeds, model.found, lane)
     return 0.0
 
@@ -132,13 +131,11 @@ def next_encounter(model, neighbours, speeds, lane):
     pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has the velocity of
     each centre of mass, and the largest speed of the bob about it.
     """
-    contacts, found, number = model.contacts, model.found, blocks.lane_number(lane)
+    contacts, found = model.contacts, model.found
     found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED] = 0.0, np.inf, np.inf, 0.0
     found[ONE], found[OTHER], found[THERMAL] = -1.0, -1.0, thermal_energy(model, model.own, lane)
     for n in range(contacts.encounter.size):
-        call_unit(
-            contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, number)
-        )
+        call_unit(contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, lane))
     one, other = int(found[ONE]), int(found[OTHER])
     return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
 

@@ -14,6 +14,7 @@ from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
 from tribo.kernels.blocks import (
     absent,
+    active_of,
     active_range,
     all_coordinates,
     clear,
@@ -119,7 +120,7 @@ def gather_contact(model, members):
             total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
                 total = total + block(model.f1[rows.X], i)
-            if members is None:
+            if members.size == 0:
                 s.fx = sum_of_lanes(total)
             else:
                 set_block(members, s.start, total)
@@ -128,7 +129,7 @@ def gather_contact(model, members):
 @inlined
 def gathered_contact(members, s):
     """The sum of the contact forces on a rigid surface, of one run or of each member."""
-    if members is None:
+    if members.size == 0:
         return broadcast(s.fx)
     return block(members, s.start)
 
@@ -269,7 +270,7 @@ def accelerate(model, torsion, t, q, acceleration):
 def all_forces(model, neighbours, t, q, v):
     """Set all forces but those of baths; the bobs are newly placed, and listed."""
     forces(model, neighbours, t)
-    drive_forces(model, None, t, q)
+    drive_forces(model, active_of(neighbours), t, q)
     if is_damped(model):
         friction_forces(model, model.friction, model.swing_friction, v)
     if has_customs(model):

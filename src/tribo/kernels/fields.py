@@ -3,7 +3,7 @@
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
-from tribo.kernels.blocks import clear, column_range, lane_number, lane_of_members
+from tribo.kernels.blocks import clear, column_range
 from tribo.kernels.records import X, Y
 
 
@@ -47,7 +47,7 @@ def energy_in_field(model, potential, n, t, lane):
 def field_energy_unit(model, potential, n, t, lane):
     """Energy of the bobs in the nth field, for `lane` of one member."""
     potential = fetched(potential)
-    return energy_in_field(model, potential, n, t, lane_of_members(model.members, lane))
+    return energy_in_field(model, potential, n, t, lane)
 
 
 @apart
@@ -66,5 +66,5 @@ def field_energy(model, t, lane):
     fields = model.fields
     energy = 0.0
     for n in range(fields.energy.size):
-        energy += call_unit(fields.energy[n], (model, fields.numbers[n], n, t, lane_number(lane)))
+        energy += call_unit(fields.energy[n], (model, fields.numbers[n], n, t, lane))
     return energy

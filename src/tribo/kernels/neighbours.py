@@ -57,10 +57,10 @@ def have_moved(model, place, width, i):
 @apart
 def inactive_have_crossed(model, active, width, elapsed):
     """Whether inactive blocks have moved by half of `width` with their surfaces."""
-    if active is not None:
+    if active.blocks.size > 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
-            if active.blocks.size > 0 and active.eligible[k] == 1:
+            if active.eligible[k] == 1:
                 if not (s.vx * s.vx + s.vy * s.vy) * (elapsed * elapsed) < 0.25 * width * width:
                     return True
     return False
@@ -76,16 +76,12 @@ def keep_places(model, place):
 @inlined
 def has_lists(neighbours):
     """Whether any neighbours are listed."""
-    if neighbours is None:
-        return False
     return neighbours.reach.size > 0
 
 
 @kernel
 def is_empty(neighbours):
     """Whether the list has not been made since it was given room."""
-    if neighbours is None:
-        return False
     return neighbours.reach.size > 0 and math.isnan(neighbours.place[0, 0])
 
 
@@ -246,9 +242,8 @@ def join_chunks(model, team, neighbours, k, used):
 @apart
 def refresh(model, neighbours):
     """Rebuild the list if bobs have moved too far; all blocks are active."""
-    if neighbours is not None:
-        if have_crossed(model, None, neighbours.place, neighbours.skin, 0.0):
-            call_unit(model.units[REBUILD], (model, neighbours))
+    if have_crossed(model, neighbours.active, neighbours.place, neighbours.skin, 0.0):
+        call_unit(model.units[REBUILD], (model, neighbours))
 
 
 def rebuild(model, neighbours):
@@ -270,7 +265,5 @@ def rebuild(model, neighbours):
 @kernel
 def crowded(neighbours):
     """Whether the list needs more room than it has."""
-    if neighbours is None:
-        return False
     start = neighbours.start
     return start[start.size - 1] > neighbours.index.size

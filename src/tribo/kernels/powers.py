@@ -34,7 +34,7 @@ from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
-from tribo.compiler.numbers_in_lanes import add_numbers, lane_of, set_numbers, sum_of_runs
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
@@ -46,6 +46,7 @@ from tribo.kernels.blocks import (
     coordinates,
     plus,
     plus_if_any,
+    totals,
     vectors,
     vectors_if_any,
 )
@@ -84,12 +85,23 @@ def write_block(accounts, sums, tau, k, begins, x):
 
 
 @inlined
-def write_one(accounts, tau, k, x):
-    """Write one power at place k, or that of each member from there on."""
-    if tau is None:
-        set_numbers(accounts, k, x)
+def add_total(members, accounts, k, x):
+    """Add a total, as `blocks.totals` has it, to one account; or that of each member to its own."""
+    if members.size > 0:
+        add_block(accounts, k, x)
     else:
-        add_numbers(accounts, k, tau * x)
+        accounts[k] += lane(x, 0)
+
+
+@inlined
+def write_total(members, accounts, tau, k, x):
+    """Write the power of a total to one account; or that of each member to its own."""
+    if tau is not None:
+        add_total(members, accounts, k, tau * x)
+    elif members.size > 0:
+        set_block(accounts, k, x)
+    else:
+        accounts[k] = lane(x, 0)
 
 
 @inlined
@@ -255,11 +267,11 @@ def field_power_unit(model, potential, n, t, accounts, tau):
             place = i % LANES
             done = lane(total, place) + fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
             total = with_lane(total, place, done)
-    x = sum_of_runs(model.members, total)
+    x = totals(model.members, total)
     if math.isnan(tau):
-        set_numbers(accounts, fields.account[n], x)
+        write_total(model.members, accounts, None, fields.account[n], x)
     else:
-        add_numbers(accounts, fields.account[n], tau * x)
+        write_total(model.members, accounts, tau, fields.account[n], x)
     return 0.0
 
 
@@ -303,7 +315,7 @@ def momentum(model, s, v):
         x, y = vectors_if_any(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
-    return sum_of_runs(model.members, px), sum_of_runs(model.members, py)
+    return totals(model.members, px), totals(model.members, py)
 
 
 @inlined
@@ -316,7 +328,7 @@ def external_force(model, s):
         total = plus_if_any(total, model.friction, i)
         if not absent(model.left):
             total = plus(total, plus(vectors(model.left, i), vectors(model.right, i)))
-    return sum_of_runs(model.members, total[0]), sum_of_runs(model.members, total[1])
+    return totals(model.members, total[0]), totals(model.members, total[1])
 
 
 @apart
@@ -332,7 +344,7 @@ def shared_powers(model, ledger, t, v, power):
                 fx, fy = external_force(model, s)
                 px, py = momentum(model, s, v)
                 x = (fx * px + fy * py) * s.inverse_total_mass
-                write_one(power.accounts, power.tau, s.acc_block, x)
+                write_total(model.members, power.accounts, power.tau, s.acc_block, x)
 
 
 @apart

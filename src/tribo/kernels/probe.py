@@ -7,7 +7,7 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.units import call_unit
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import absent, constant, set_vectors, vectors, vectors_if_any
+from tribo.kernels.blocks import ONE_RUN, absent, constant, set_vectors, vectors, vectors_if_any
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.kinematics import end_force
@@ -109,7 +109,7 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
         if crowded(neighbours):
             return k
         contact_forces(model, neighbours)
-        energies[k] = contact_energy(model, neighbours, None)
+        energies[k] = contact_energy(model, neighbours, ONE_RUN)
         for m in range(columns.size):
             found[k, m, 0] = model.f1[rows.X, columns[m]]
             found[k, m, 1] = model.f1[rows.Y, columns[m]]

@@ -445,8 +445,8 @@ class Model(NamedTuple):
     bath: np.ndarray  # (2, oscillators), see OSCILLATOR_MASS
     torsional: np.ndarray  # (2, oscillators) whose masses are inertias
     team: Any  # Team, see `compiler.team`; with no counters where a step is too short to be shared
-    calculators: Any = None  # tuple of Calculator, or None
+    calculators: Any  # tuple of Calculator, or None
     # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members of an
-    # ensemble, one asperite of each; None where the asperites of a block are of one run.
-    members: Any = None
-    own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
+    # ensemble, one asperite of each; empty where the asperites of a block are of one run.
+    members: np.ndarray
+    own: np.ndarray  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS

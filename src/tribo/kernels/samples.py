@@ -13,8 +13,6 @@ from tribo.kernels.blocks import (
     clear,
     column_range,
     halves,
-    lane_number,
-    lane_of_members,
 )
 from tribo.kernels.contact import contact_energy, energy_of
 from tribo.kernels.fields import field_energy
@@ -157,14 +155,12 @@ def write_baths(model, table, axes, t, q, v, record):
 @inlined
 def first_place(place, lane):
     """A place in a vector, where that of the member in lane 0 is `place`."""
-    if lane is None:
-        return place
-    return place + lane
+    return place + max(lane, 0)
 
 
 @apart
 def write_row(model, neighbours, t, state, record, k, lane):
-    """Record the state at time t in row k, for `lane` that of one member; the bobs are in place."""
+    """Record the state at time t in row k, that of one member in a lane; the bobs are in place."""
     q, v = halves(state.y)
     for m in range(record.y_places.size):
         record.y[k, m] = state.y[first_place(record.y_places[m], lane)]
@@ -178,13 +174,12 @@ def write_row(model, neighbours, t, state, record, k, lane):
     spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
     energies_within(model, neighbours, record.stored[k], lane)
     if not (absent(model.bath) and absent(model.torsional)):
-        samples = record.stored[k], record.baths[k], lane_number(lane)
+        samples = record.stored[k], record.baths[k], lane
         call_unit(model.units[BATH_SAMPLES_UNIT], (model, t, q, v, *samples))
 
 
 def bath_samples(model, t, q, v, stored, baths, lane):
     """Record the energies and momenta of baths, and what else of them is asked for."""
-    lane = lane_of_members(model.members, lane)
     bath_energies(model, model.bath, ALONG, t, q, v, stored, lane)
     bath_energies(model, model.torsional, TURNING, t, q, v, stored, lane)
     if baths.shape[0] > 0:

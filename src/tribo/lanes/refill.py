@@ -8,7 +8,7 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators import step_control as control
-from tribo.kernels.blocks import halves
+from tribo.kernels.blocks import active_of, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import top_speeds
 from tribo.kernels.samples import write_row
@@ -85,11 +85,11 @@ def load_member(clock, state, starts, m, lane):
 
 
 @kernel
-def write_due(model, clock, state, times, record, queue, lane):
+def write_due(model, neighbours, clock, state, times, record, queue, lane):
     """Record what is due of a member, bobs in place, and leave it at its end."""
     while control.time_left(clock, times[clock.sample]) <= 0.0:
         row = queue.held[lane] * times.size + clock.sample
-        write_row(model, None, clock.t, state, record, row, lane)
+        write_row(model, neighbours, clock.t, state, record, row, lane)
         clock.sample += 1
         if clock.sample == times.size:
             leave_member(queue, lane, COMPLETED, clock.steps, clock.evaluations)
@@ -104,7 +104,9 @@ def take_lanes(new, old, taken):
 
 
 @kernel
-def refill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds):
+def refill_lanes(
+    model, neighbours, clocks, state, new, times, record, queue, starts, tried, speeds
+):
     """Begin members in the lanes that are free; the others keep their rates."""
     first = queue.waiting[0]
     for lane in range(LANES):
@@ -116,15 +118,15 @@ def refill_lanes(model, clocks, state, new, times, record, queue, starts, tried,
     if queue.waiting[0] == first:
         return
     t, begun = block(tried[BEGIN], 0), block(tried[TAKEN], 0)
-    control.evaluate_rates(model, None, t, state.y, new.acceleration, new.power)
+    control.evaluate_rates(model, neighbours, t, state.y, new.acceleration, new.power)
     take_lanes(new.acceleration, state.acceleration, begun)
     take_lanes(new.power, state.power, begun)
-    top_speeds(model, None, t, *halves(state.y), speeds)
+    top_speeds(model, active_of(neighbours), t, *halves(state.y), speeds)
     for lane in range(LANES):
         if tried[TAKEN, lane] == 1.0:
-            found = next_encounter(model, None, speeds, lane)
+            found = next_encounter(model, neighbours, speeds, lane)
             clocks[lane].encounter_rate = found.rate
             if found.closest == 0.0:
                 leave_member(queue, lane, PAUSED, clocks[lane].steps, clocks[lane].evaluations)
             else:
-                write_due(model, clocks[lane], state, times, record, queue, lane)
+                write_due(model, neighbours, clocks[lane], state, times, record, queue, lane)

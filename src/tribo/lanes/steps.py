@@ -13,7 +13,7 @@ from tribo.integrators.drift import settle_end_works
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import clear, halves
+from tribo.kernels.blocks import active_of, clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
@@ -61,13 +61,13 @@ def plan_steps(clocks, times, queue, tried):
 
 
 @kernel
-def is_taken(model, clock, method, tried, speeds, lane):
+def is_taken(model, neighbours, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
     h, error = tried[LENGTH, lane], tried[ERROR, lane]
     growth = control.growth_factor(error, method.order, method.most_growth)
     if not control.check_error(clock, h, error, growth):
         return False
-    found = next_encounter(model, None, speeds, lane)
+    found = next_encounter(model, neighbours, speeds, lane)
     if not control.check_arrival(clock, h, found.rate, True):
         return False
     control.accept_step(clock, tried[END, lane], h, tried[LANDING, lane] == 1.0, growth)
@@ -87,6 +87,7 @@ def take_steps(new, state, taken):
 
 def nystrom_members(
     model,
+    neighbours,
     method,
     tolerance,
     clocks,
@@ -109,30 +110,32 @@ def nystrom_members(
     """
     method, times, tried, speeds = pointers((method, times, tried, speeds))
     for _ in range(budget):
-        refill_lanes(model, clocks, state, new, times, record, queue, starts, tried, speeds)
+        refill_lanes(
+            model, neighbours, clocks, state, new, times, record, queue, starts, tried, speeds
+        )
         if plan_steps(clocks, times, queue, tried) == 0:
             if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED
             continue
         t, h, end = block(tried[BEGIN], 0), block(tried[LENGTH], 0), block(tried[END], 0)
-        error = try_step(method, model, None, t, h, end, state, new, tolerance, work)
+        error = try_step(method, model, neighbours, t, h, end, state, new, tolerance, work)
         set_block(tried[ERROR], 0, error)
-        top_speeds(model, None, end, *halves(new.y), speeds)
+        top_speeds(model, active_of(neighbours), end, *halves(new.y), speeds)
         for lane in range(LANES):
             taken = False
             if queue.held[lane] >= 0:
                 clocks[lane].evaluations += method.c.size
-                taken = is_taken(model, clocks[lane], method, tried, speeds, lane)
+                taken = is_taken(model, neighbours, clocks[lane], method, tried, speeds, lane)
             tried[TAKEN, lane] = 1.0 if taken else 0.0
         take_steps(new, state, block(tried[TAKEN], 0))
         for lane in range(LANES):
             if tried[TAKEN, lane] == 1.0:
-                write_due(model, clocks[lane], state, times, record, queue, lane)
+                write_due(model, neighbours, clocks[lane], state, times, record, queue, lane)
     return PAUSED
 
 
 @kernel
-def watch_encounters(model, t, y, speeds, watch, h, all_of_them):
+def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
     """Compute the encounter rates of members that can be near an encounter, or of all.
 
     What is computed of a member depends on that member alone.
@@ -143,9 +146,9 @@ def watch_encounters(model, t, y, speeds, watch, h, all_of_them):
         if not (near or all_of_them):
             continue
         if not known:
-            top_speeds(model, None, t, *halves(y), speeds)
+            top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
             known = True
-        found = next_encounter(model, None, speeds, lane)
+        found = next_encounter(model, neighbours, speeds, lane)
         watch[RATE, lane] = found.rate
         watch[AGE, lane] = 0.0
         if found.closest == 0.0:
@@ -153,7 +156,7 @@ def watch_encounters(model, t, y, speeds, watch, h, all_of_them):
 
 
 def splitting_members(
-    model, splitting, step, clocks, state, times, record, budget, watch, noise, work
+    model, neighbours, splitting, step, clocks, state, times, record, budget, watch, noise, work
 ):
     """Integrate eight members through the sample times in equal steps of at most `step`.
 
@@ -171,16 +174,16 @@ def splitting_members(
     set_bath_momenta(model, v)
     if clock.evaluations == 0:
         place_bobs(model, clock.t, q)
-        watch_encounters(model, clock.t, state.y, work.speeds, watch, 0.0, True)
+        watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, 0.0, True)
         settle_end_works(model, q, None, state.memory[0])
     for done in range(budget + 1):
         left = control.time_left(clock, times[clock.sample])
         if left <= 0.0:
-            arrive(model, None, clock, state, work)
+            arrive(model, neighbours, clock, state, work)
         while left <= 0.0:
             for lane in range(LANES):
                 k = lane * times.size + clock.sample
-                write_row(model, None, clock.t, state, record, k, lane)
+                write_row(model, neighbours, clock.t, state, record, k, lane)
             clock.sample += 1
             if clock.sample == times.size:
                 return COMPLETED
@@ -193,10 +196,10 @@ def splitting_members(
         for lane in range(LANES):
             if h * watch[RATE, lane] > 1.0:
                 watch[LOST, lane] = 1.0
-        take_step(model, None, splitting, clock, h, state, work, noise)
+        take_step(model, neighbours, splitting, clock, h, state, work, noise)
         control.advance_equally(clock, times[clock.sample], h, landing)
         for lane in range(LANES):
             watch[AGE, lane] += h
         every = clock.steps % control.UPDATE_INTERVAL == 0
-        watch_encounters(model, clock.t, state.y, work.speeds, watch, h, every)
+        watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, h, every)
     return PAUSED

@@ -20,6 +20,7 @@ from tribo.kernels.samples import Record, empty_state, initial_state
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.lanes.refill import TRIED, Queue, Starts, queue_of
 from tribo.lanes.steps import LOST, WATCHED, nystrom_members, splitting_members
+from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
@@ -69,7 +70,7 @@ class LaneLoop(RecordingLoop):
         self.layout, self._alone = layout, alone
         self._longest, self._order = first_step, method.order
         self.eight = eight = interleaved(layout, own_numbers, not method.splits)
-        self._kept = keep(eight.model)
+        self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -146,7 +147,7 @@ class NystromLanes(LaneLoop):
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
         examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
-        self._entry = EntryPoint(shared_loop(nystrom_members), (self._kept,), examples)
+        self._entry = EntryPoint(shared_loop(nystrom_members), self._kept, examples)
 
     def run_in_lanes(
         self,
@@ -201,7 +202,7 @@ class SplittingLanes(LaneLoop):
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
         examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
-        self._entry = EntryPoint(shared_loop(splitting_members), (self._kept,), examples)
+        self._entry = EntryPoint(shared_loop(splitting_members), self._kept, examples)
 
     def run_in_lanes(
         self,

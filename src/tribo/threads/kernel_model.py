@@ -88,8 +88,8 @@ def model_of(
         torsional=room((2, 0)) if tables.torsional is None else tables.torsional,
         team=team or NO_TEAM,
         calculators=tables.calculators,
-        members=tables.members,
-        own=tables.own,
+        members=room((0,)) if tables.members is None else tables.members,
+        own=room((1, 0)) if tables.own is None else tables.own,
     )
     units = Units(scene, model, times_in_lanes)
     units.set_own(listed)
@@ -111,8 +111,7 @@ class Units:
 
     def __init__(self, scene: Scene, model: Model, times_in_lanes: bool) -> None:
         self._scene, self.model, self._model = scene, model, _kind(model)
-        # Members of an ensemble have no lists.
-        self._neighbours = _kind(NO_NEIGHBOURS) if model.members is None else types.none
+        self._neighbours = _kind(NO_NEIGHBOURS)
         self._time = lanes if times_in_lanes else types.float64
 
     def set_own(self, listed: bool) -> None:
@@ -149,7 +148,7 @@ class Units:
         at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64
         is_open = self.model.box == Box(0.0, 0.0) and self.model.species.size == 0
         forces, pieces = contact.contact_forces_unit, contact_forces.contact_piece_unit
-        if self.model.members is not None:
+        if self.model.members.size > 0:
             forces = contact.contact_forces_of_members_unit
         elif is_open:
             forces = contact.open_contact_forces_unit
@@ -180,7 +179,7 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
     if not isinstance(work, Work):
         return
     at = _kind(model)
-    lists = _kind(NO_NEIGHBOURS) if model.members is None else types.none
+    lists = _kind(NO_NEIGHBOURS)
     number, moving = types.float64, (types.float64, VECTOR, VECTOR, VECTOR)
     step = number, number, _kind(state), _kind(work)
     listed = bool(model.units[records.REBUILD])
