@@ -8,18 +8,19 @@ from typing import NamedTuple
 import numba
 import numpy as np
 import pytest
-from numba import types
 from numba.core.compiler_lock import global_compiler_lock
 
 import tribo
 from tribo.compiler import units
 from tribo.compiler.jit import LOOP
+from tribo.compiler.kept import kept_type
 from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
 from tribo.integrators.methods import METHODS
-from tribo.kernels.contact import contact_forces_unit
+from tribo.kernels.contact import open_contact_forces_unit
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop
+from tribo.loops.interleaved import interleaved
 from tribo.potentials import as_potential
 from tribo.threads.writable_memory import own_model
 
@@ -91,6 +92,13 @@ def test_a_loop_does_not_grow():
     assert len(whole) < MOST_INSTRUCTIONS
 
 
+def test_members_side_by_side_have_the_same_model():
+    """So that they share the units of single runs."""
+    layout = lay_out(rows(tribo.Coulomb(0.1)))
+    alone, _ = own_model(layout)
+    assert kept_type(interleaved(layout, True, False).model) is kept_type(alone)
+
+
 class Ripple(NamedTuple):
     """A formula that is computed one pair after another."""
 
@@ -108,9 +116,8 @@ def code_of(potential) -> tuple[str, dict[str, int]]:
     (unit,) = (
         each
         for (function, kinds, _), each in units._units.items()
-        if function is contact_forces_unit
+        if function is open_contact_forces_unit
         and kinds[2].kind.instance_class is kind
-        and kinds[1] is not types.none
     )
     with global_compiler_lock:  # not from the disk cache, which keeps machine code alone
         code = unit._compile_uncached().library
