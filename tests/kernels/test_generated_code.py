@@ -116,8 +116,7 @@ def code_of(potential) -> tuple[str, dict[str, int]]:
     (unit,) = (
         each
         for (function, kinds, _), each in units._units.items()
-        if function is open_contact_forces_unit
-        and kinds[2].kind.instance_class is kind
+        if function is open_contact_forces_unit and kinds[2].kind.instance_class is kind
     )
     with global_compiler_lock:  # not from the disk cache, which keeps machine code alone
         code = unit._compile_uncached().library
