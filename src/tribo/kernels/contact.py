@@ -115,9 +115,12 @@ def differences(model, x, y, i, m):
 
 
 @inlined
-def over_distances(potential, square, dx, dy, dz, charge, others, low, high):
-    """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
-    r, inverse = separations(square, dx, dy, dz, low, high)
+def over_distances(potential, square, separation, charge, others, low, high):
+    """Forces over distances of the pairs from `low` to `high`, 0 elsewhere.
+
+    `separation` (dx, dy, dz) of each pair, whose square is `square`.
+    """
+    r, inverse = separations(square, *separation, low, high)
     end = range_in_lanes(potential, 1.0, 1.0)
     f = force_in_lanes(potential, r, end, charge, others, low, high)
     return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
@@ -128,9 +131,11 @@ def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
     """The same of eight pairs; of four where these have all that are wanted."""
     square = dx * dx + dy * dy + dz * dz  # for both, which could round its sums differently
     if high <= NARROW:
-        near = narrow(square), narrow(dx), narrow(dy), narrow(dz)
-        return widen(over_distances(potential, *near, charge, narrow(others), low, high))
-    return over_distances(potential, square, dx, dy, dz, charge, others, low, high)
+        few = narrow(dx), narrow(dy), narrow(dz)
+        return widen(
+            over_distances(potential, narrow(square), few, charge, narrow(others), low, high)
+        )
+    return over_distances(potential, square, (dx, dy, dz), charge, others, low, high)
 
 
 @inlined
@@ -200,7 +205,8 @@ def table_of(model, n):
 def contact_forces_unit(model, neighbours, potential, n):
     """Add the forces of the nth interaction."""
     potential = fetched(potential)
-    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    contact = acting(model.contacts, n, potential)
+    table = table_of(model, n)
     active = blocks.active_of(neighbours)
     for k in range(contact.first, contact.stop):
         own = contact.pairs[k, 0]
@@ -212,7 +218,8 @@ def contact_forces_unit(model, neighbours, potential, n):
 def contact_forces_of_members_unit(model, neighbours, potential, n):
     """The same where each lane is a member of an ensemble; no neighbours are listed."""
     potential = fetched(potential)
-    contact, table = acting(model.contacts, n, potential), table_of(model, n)
+    contact = acting(model.contacts, n, potential)
+    table = table_of(model, n)
     for k in range(contact.first, contact.stop):
         add_lane_by_lane(model, contact, k, table)
     return 0.0
@@ -226,15 +233,18 @@ def add_lane_by_lane(model, contact, k, table):
     charges = model.each[CHARGE]
     for i in range(one.start, one.stop, LANES):
         partners = partner_species(model.species, contact.species, i)
-        x, y, own = block(model.bobs[X], i), block(model.bobs[Y], i), block(charges, i)
+        x = block(model.bobs[X], i)
+        y = block(model.bobs[Y], i)
+        own = block(charges, i)
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for m in range(max(other.start, i + LANES), other.stop, LANES):
             if is_partner(model.species, partners, m):
-                dx, dy, dz = differences(model, x, y, i, m)
+                separation = differences(model, x, y, i, m)
+                dx, dy, dz = separation
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
-                f = over_distances(contact.potential, square, dx, dy, dz, own, others, 0, LANES)
+                f = over_distances(contact.potential, square, separation, own, others, 0, LANES)
                 blocks.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
                 own_x = own_x + f * dx
                 own_y = own_y + f * dy
@@ -305,17 +315,16 @@ def pair_energy(model, contact, k, neighbours, lane):
 def contact_energy_unit(model, neighbours, potential, n, k, lane):
     """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
     potential = fetched(potential)
-    contact, lane = (
-        acting(model.contacts, n, potential),
-        blocks.lane_of_members(model.members, lane),
-    )
+    contact = acting(model.contacts, n, potential)
+    lane = blocks.lane_of_members(model.members, lane)
     return pair_energy(model, contact, k, neighbours, lane)
 
 
 @kernel
 def energy_of(model, neighbours, n, k, lane):
     """The same, from outside of the unit."""
-    contacts, number = model.contacts, blocks.lane_number(lane)
+    contacts = model.contacts
+    number = blocks.lane_number(lane)
     return call_unit(contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, number))
 
 

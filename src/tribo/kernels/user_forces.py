@@ -18,7 +18,8 @@ def coordinate(slot, s, i, q):
 def custom_drive_unit(model, plugin, n, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     plugin = fetched(plugin)
-    a, drives = model.constants, model.drives
+    a = model.constants
+    drives = model.drives
     s = model.surfaces[drives.surface[n]]
     for i in range(s.start, s.end):
         c = column_of_constants(s, i)
@@ -28,7 +29,8 @@ def custom_drive_unit(model, plugin, n, t, q, v):
         now = lane_of(t, i)
         x = x + drives.origin[n, rows.X] + drives.velocity[n, rows.X] * now
         y = y + drives.origin[n, rows.Y] + drives.velocity[n, rows.Y] * now
-        vx, vy = coordinate(s.dof_x, s, i, v), coordinate(s.dof_y, s, i, v)
+        vx = coordinate(s.dof_x, s, i, v)
+        vy = coordinate(s.dof_y, s, i, v)
         vx, vy = rod_velocity(vx, vy, v[i], -a[rows.L2, c], tx, ty)
         vx += s.vx + drives.velocity[n, rows.X]
         vy += s.vy + drives.velocity[n, rows.Y]
@@ -49,8 +51,10 @@ def custom_ends_unit(model, plugin, n, t, q, v):
         nu = coordinate(s.dof_phi, s, i, v)
         now = lane_of(t, i) - model.ends.begun[n]
         found = plugin.end_forces(now, phi, nu, q[i] - phi)
-        model.left[rows.X, i], model.left[rows.Y, i] = found[0], found[1]
-        model.right[rows.X, i], model.right[rows.Y, i] = found[2], found[3]
+        model.left[rows.X, i] = found[0]
+        model.left[rows.Y, i] = found[1]
+        model.right[rows.X, i] = found[2]
+        model.right[rows.Y, i] = found[3]
     return 0.0
 
 
