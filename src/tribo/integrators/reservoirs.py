@@ -36,7 +36,8 @@ def torsion_gains(model, s, i, t, tau, q):
     """
     if s.fixed > 0:
         return broadcast(0.0)
-    a, c = model.constants, column_of_constants(s, i)
+    a = model.constants
+    c = column_of_constants(s, i)
     angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
     sin, cos = sine_cosine(angle)
@@ -46,24 +47,35 @@ def torsion_gains(model, s, i, t, tau, q):
 
 
 @inlined
-def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
-    """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
-    a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
+def damp_block(model, s, i, reservoirs, motion, accounts, noise):
+    """Friction and noise on a block of bars, along their arcs and across; on their swings too.
+
+    `motion` is the time, and the coordinates and velocities then.
+    """
+    t, q, v = motion
+    a = model.constants
+    c = column_of_constants(s, i)
+    tau = reservoirs.tau
     tx, ty = vectors(model.directions, i)
     vx, vy = velocities_of_bars(model, s, i, v)
     old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
-    gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
+    # What the whole kick adds: half of it is still to come.
+    gain_x = 2.0 * (vx - old_x)
+    gain_y = 2.0 * (vy - old_y)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
     across = block(a[rows.INVERSE_MASS], c)
     lever = block(a[rows.L2], c)
-    count, omega = min(LANES, s.end - i), block(v, i)
-    warmest, each = max(s.temperature, s.swing_temperature), 6 if s.swing_gamma > 0.0 else 4
-    first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, each)
+    count = min(LANES, s.end - i)
+    omega = block(v, i)
+    warmest = max(s.temperature, s.swing_temperature)
+    deviates = 6 if s.swing_gamma > 0.0 else 4  # of each asperite
+    first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, deviates)
     gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
     heat = own_number(model.own, rows.OWN_TEMPERATURE, s.temperature, i)
     present = block(model.each[rows.PRESENT], i)
-    slip, gain = tx * x + ty * y, tx * gain_x + ty * gain_y
+    slip = tx * x + ty * y
+    gain = tx * gain_x + ty * gain_y
     turn_gain = torsion_gains(model, s, i, t, tau, q)
     turning = broadcast(0.0)
     given = turning
@@ -71,10 +83,9 @@ def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
         # Of the centre of mass, and of the swing.
         turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
+        swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
         along, turning, far, turn, given = damped_arc(
-            gamma * across,
-            own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-            * block(a[rows.INVERSE_INERTIA], c),
+            (gamma * across, swing_gamma * block(a[rows.INVERSE_INERTIA], c)),
             (heat, own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
             (block(a[rows.MASS], c), block(a[rows.INERTIA], c)),
             lever,
@@ -92,13 +103,16 @@ def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
         far = across * (far / arc)
     gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
     side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
-    px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
+    px = present * (along * tx - side * ty)
+    py = present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
     if s.swing_gamma > 0.0:
         turn_swings(model, s, i, present * turning, present * given, v, accounts)
-    turn, far, aside = present * turn, present * far, present * aside
+    turn = present * turn
+    far = present * far
+    aside = present * aside
     x, y = far * tx - aside * ty, far * ty + aside * tx
-    set_jump(model, s, i, t, q, turn, x, y, reservoirs.jumps, accounts)
+    set_jump(model, s, i, t, q, (turn, x, y), reservoirs.jumps, accounts)
 
 
 @inlined
@@ -126,7 +140,7 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
                 continue
             before_x, before_y = momentum(model, s, v)
             for i in range(s.start, s.stop, LANES):
-                damp_block(model, s, i, reservoirs, t, q, v, accounts, noise)
+                damp_block(model, s, i, reservoirs, (t, q, v), accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
@@ -139,7 +153,9 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
 def damp_swings(model, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on the swings of all surfaces that have no other reservoir."""
     if not absent(model.swing_friction):
-        a, tau, zero = model.constants, reservoirs.tau, broadcast(0.0)
+        a = model.constants
+        tau = reservoirs.tau
+        zero = broadcast(0.0)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0 and s.gamma == 0.0:
@@ -159,4 +175,5 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
                     set_block(v, i, now)
                     if s.acc_swing >= 0:
                         add_works(accounts, s, s.acc_swing, i, gained * (0.5 * (omega + now)))
-                    set_jump(model, s, i, t, q, turn, zero, zero, reservoirs.jumps, accounts)
+                    jump = turn, zero, zero
+                    set_jump(model, s, i, t, q, jump, reservoirs.jumps, accounts)
