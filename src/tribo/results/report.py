@@ -31,7 +31,8 @@ SHOWN = {
 
 def end(result: RunResult) -> dict[str, Any]:
     """The end state and the cost, as ``tribo run --json`` prints them."""
-    ledger, shares = result.ledger.at_end(), force_averages.shares_without_contact(result)
+    ledger = result.ledger.at_end()
+    shares = force_averages.shares_without_contact(result)
     scene = result.scene
     distances = {s.name: contact_distance_of(scene, s) for s in scene.surfaces if s.name in shares}
     return {
