@@ -17,6 +17,7 @@ def contact_in_numpy(scene):
     potential = scene.interactions[0].potential
 
     def probe(positions, charges):
+        """Energies and forces as from compiled contact, by the potential's methods for arrays."""
         apart = positions[:, :1, None] - positions[:, None, 1:]
         with np.errstate(all="ignore"):
             r = np.sqrt(np.sum(apart * apart, axis=-1))

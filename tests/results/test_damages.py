@@ -86,6 +86,7 @@ def overwritten_at_its_end(rng, content):
 
 
 def exchanged(rng, content):
+    """The content with two of its parts in each other's place."""
     one = rng.randrange(len(content))
     size = rng.randrange(1, 500)
     other = rng.randrange(len(content))

@@ -314,6 +314,7 @@ def solve(
 
 
 def _solve(model: Tables, precision: str, most: float) -> Solution:
+    """The solution at a precision; its errors are estimated by one with looser tolerances."""
     tolerance, rows = TOLERANCES[precision]
     fine, info = model.solve(precision, tolerance, rows, most)
     rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
@@ -424,6 +425,7 @@ class Tables:
             self._field(table)
 
     def _surface(self, table: dict[str, Any], index: int) -> None:
+        """Add the rows of a surface: its asperites, drive, reservoirs, springs and baths."""
         bobs = self._bobs(table)
         n = len(bobs)
         first = sum(self.counts)
@@ -457,6 +459,7 @@ class Tables:
         self._bath(table, n, first)
 
     def _bobs(self, table: dict[str, Any]) -> list[tuple[Fraction, Fraction, Fraction]]:
+        """Exact places of resting bobs, of listed positions or of a grid."""
         if "positions" in table:
             bobs = [tuple(Fraction(float(x)) for x in row) for row in table["positions"]]
         else:
@@ -472,6 +475,7 @@ class Tables:
         return [(b[0], b[1] + Fraction(float(h)), b[2]) for b, h in zip(bobs, heights, strict=True)]
 
     def _drive(self, table: dict[str, Any]) -> None:
+        """Add the row of a surface's drive, with its reservoir and load."""
         drive = table.get("drive", "forced")
         drive = {"kind": drive} if isinstance(drive, str) else drive
         kind = "rigid" if drive.get("rigid") else drive["kind"]
@@ -492,6 +496,7 @@ class Tables:
         self.rows["surface"].append([float(v) for v in row])
 
     def _springs(self, table: dict[str, Any], n: int, first: int) -> None:
+        """Add a row for each lattice spring: its ends and stiffness."""
         springs = table.get("springs", {})
         stiffness = springs.get("stiffness", 0.0)
         along = stiffness if isinstance(stiffness, (list, tuple)) else (stiffness, stiffness)
@@ -511,6 +516,7 @@ class Tables:
         self.rows["spring"] += rows
 
     def _bath(self, table: dict[str, Any], n: int, first: int) -> None:
+        """Add a row for each oscillator of each asperite, along the plane and torsional."""
         bath = table.get("bath", {})
         if bath.get("temperature", 0.0):
             raise NotImplementedError("a bath at a temperature")
@@ -524,6 +530,7 @@ class Tables:
             self.rows[name] += rows
 
     def _interaction(self, table: dict[str, Any]) -> None:
+        """Add the terms of a potential, and a row for each pair of bobs between which it acts."""
         terms = terms_of(table)
         first = len(self.rows["term"])
         self.rows["term"] += terms

@@ -168,6 +168,7 @@ def in_units(scene, length, mass, time):
     energy = mass * length**2 / time**2
 
     def convert(s):
+        """A surface in other units of length, mass and time."""
         rates = dict.fromkeys(("omega", "nu"), lambda rate: np.divide(rate, time))
         return replace(
             s,
@@ -196,6 +197,7 @@ def reflected(scene):
     """The scene in a mirror: x -> -x."""
 
     def reflect(s):
+        """A surface with x reflected."""
         mirror = started(
             s,
             theta=lambda theta: 2.0 * s.rest - np.asarray(theta),

@@ -214,6 +214,7 @@ def _corrugation(draw: Draw, on: list[str]) -> Table:
 
 
 def _surface(draw: Draw, structure: Structure, name: str) -> Table:
+    """The table of a row with parameters, drive, springs, baths and start of the structure."""
     upper = name == "upper"
     effects = structure.effects
     n = structure.asperites if structure.asperites == 1 else draw.pick(1, 2, 2, 3)
@@ -277,6 +278,7 @@ def drive_of(draw: Draw, structure: Structure, upper: bool) -> Any:
 
 
 def _initial(draw: Draw, n: int, surface: Table) -> Table:
+    """Angles and rates at the start, each in part of the scenes."""
     table: Table = {}
     if draw.chance(0.6):
         table[draw.pick("swing", "swing", "theta")] = draw.each(-0.3, 0.3, n)

@@ -40,6 +40,7 @@ def put(table: Table, key: str, value: Any) -> None:
 
 
 def _put_surface(surface: Table, key: str, value: Any) -> None:
+    """Set a value of a surface's table by its key; one of theta and swing replaces the other."""
     part, _, name = key.rpartition(".")
     if part:
         surface[part][name] = value

@@ -85,6 +85,7 @@ def energy_of(table: dict[str, Any]) -> Energy:
     start = table.get("switch_from", 0.9 * cutoff)
 
     def cut(r: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The energy of a pair with the cutoff in the given way."""
         value = whole(r, q)
         if how == "switch":
             u = np.where(np.real(r) > start, (r - start) / (cutoff - start), 0.0)
@@ -100,6 +101,7 @@ def energy_of(table: dict[str, Any]) -> Energy:
 
 
 def _without_cutoff(table: dict[str, Any]) -> Energy:
+    """The energy of a table's potential, which also takes complex distances."""
     kind = table["potential"]
     if kind == "sum":
         parts = [energy_of(part) for part in table["of"]]

@@ -101,6 +101,7 @@ class Surface:
         return np.broadcast_to(np.asarray(value, float), (self.n,)).copy()
 
     def _bobs(self) -> np.ndarray:
+        """Resting bobs (n, 3), of listed positions or of a grid."""
         table = self.table
         if "positions" in table:
             bobs = np.array(table["positions"], float)
