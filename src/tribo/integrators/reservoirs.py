@@ -20,7 +20,7 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import absent, column_of_constants, constant, own_number, vectors
+from tribo.kernels.blocks import absent, constant, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import add_works, momentum
@@ -36,14 +36,13 @@ def torsion_gains(model, s, i, t, tau, q):
     """
     if s.fixed > 0:
         return broadcast(0.0)
-    a = model.constants
-    c = column_of_constants(s, i)
-    angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
+    angle = 0.5 * tau * constant(model, rows.FREQUENCY, s, i)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
     sin, cos = sine_cosine(angle)
     ratio = where_less(0.0, angle, sin / (angle * cos), 1.0)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
-    return 0.0 - tau * ratio * block(a[rows.KAPPA], c) * block(a[rows.INVERSE_INERTIA], c) * twist
+    stiffness = constant(model, rows.KAPPA, s, i)
+    return 0.0 - tau * ratio * stiffness * constant(model, rows.INVERSE_INERTIA, s, i) * twist
 
 
 @inlined
@@ -53,8 +52,6 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     `motion` is the time, and the coordinates and velocities then.
     """
     t, q, v = motion
-    a = model.constants
-    c = column_of_constants(s, i)
     tau = reservoirs.tau
     tx, ty = vectors(model.directions, i)
     vx, vy = velocities_of_bars(model, s, i, v)
@@ -64,8 +61,9 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     gain_y = 2.0 * (vy - old_y)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    across = block(a[rows.INVERSE_MASS], c)
-    lever = block(a[rows.L2], c)
+    across = constant(model, rows.INVERSE_MASS, s, i)
+    inverse_inertia = constant(model, rows.INVERSE_INERTIA, s, i)
+    lever = constant(model, rows.L2, s, i)
     count = min(LANES, s.end - i)
     omega = block(v, i)
     warmest = max(s.temperature, s.swing_temperature)
@@ -85,9 +83,9 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
         swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
         along, turning, far, turn, given = damped_arc(
-            (gamma * across, swing_gamma * block(a[rows.INVERSE_INERTIA], c)),
+            (gamma * across, swing_gamma * inverse_inertia),
             (heat, own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
-            (block(a[rows.MASS], c), block(a[rows.INERTIA], c)),
+            (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
             lever,
             (slip + lever * omega, omega),
             (gain, turn_gain),
@@ -95,14 +93,15 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
             (first, second, fifth, sixth),
         )
     else:
-        arc = across + lever * lever * block(a[rows.INVERSE_INERTIA], c)
+        arc = across + lever * lever * inverse_inertia
         gain = gain - lever * turn_gain
         along, far = damped_motion(gamma, heat, arc, slip, gain, tau, first, second)
         # A jump has the directions of the momentum that would cause it.
-        turn = 0.0 - lever * (far / arc) * block(a[rows.INVERSE_INERTIA], c)
+        turn = 0.0 - lever * (far / arc) * inverse_inertia
         far = across * (far / arc)
+    slip = tx * y - ty * x
     gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
-    side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
+    side, aside = damped_motion(gamma, heat, across, slip, gain, tau, third, fourth)
     px = present * (along * tx - side * ty)
     py = present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
@@ -153,7 +152,6 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
 def damp_swings(model, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on the swings of all surfaces that have no other reservoir."""
     if not absent(model.swing_friction):
-        a = model.constants
         tau = reservoirs.tau
         zero = broadcast(0.0)
         for k in range(model.surfaces.shape[0]):
@@ -162,7 +160,7 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
                 for i in range(s.start, s.stop, LANES):
                     gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
                     heat = own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)
-                    mobility = block(a[rows.INVERSE_INERTIA], column_of_constants(s, i))
+                    mobility = constant(model, rows.INVERSE_INERTIA, s, i)
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
                     omega = block(v, i)

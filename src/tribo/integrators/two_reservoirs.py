@@ -71,15 +71,16 @@ def correlated(z, other_z, correlation, deviates):
     travels = (1.0 - mean - other_mean + velocities) / (z * other_z)
     travels = travels - part * velocity_travel - other_part * travel_velocity
     travels = travels + part * other_part * velocities
-    a = correlation * velocities / (norm * other_norm)
-    b = correlation * (velocity_travel - other_part * velocities) / (norm * other_rest)
-    c = correlation * (travel_velocity - part * velocities) / (rest * other_norm)
-    d = correlation * travels / (rest * other_rest)
-    own = positive_root(1.0 - a * a - c * c)
-    shared = 0.0 - (a * b + c * d) / where_less(own, LEAST_SHARE, LEAST_SHARE, own)
-    last = positive_root(1.0 - b * b - d * d - shared * shared)
-    velocity = a * first + c * second + own * third
-    return velocity, b * first + d * second + shared * third + last * fourth
+    # Correlations of velocity (v) and travel (t) of the first mode with those of the other.
+    vv = correlation * velocities / (norm * other_norm)
+    vt = correlation * (velocity_travel - other_part * velocities) / (norm * other_rest)
+    tv = correlation * (travel_velocity - part * velocities) / (rest * other_norm)
+    tt = correlation * travels / (rest * other_rest)
+    own = positive_root(1.0 - vv * vv - tv * tv)
+    shared = 0.0 - (vv * vt + tv * tt) / where_less(own, LEAST_SHARE, LEAST_SHARE, own)
+    last = positive_root(1.0 - vt * vt - tt * tt - shared * shared)
+    velocity = vv * first + tv * second + own * third
+    return velocity, vt * first + tt * second + shared * third + last * fourth
 
 
 @inlined

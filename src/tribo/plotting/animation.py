@@ -110,8 +110,9 @@ class Film:
         boxes = np.array([self._pose(k).box for k in some])
         lows = boxes.min(axis=0)
         highs = boxes.max(axis=0)
-        box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
-        ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
+        left, right = float(lows[0]), float(highs[1])
+        bottom, top = float(lows[2]), float(highs[3])
+        ideal = WIDTH * (top - bottom) / (right - left) + 0.3
         height = float(np.clip(ideal, 1.0, 3.4))  # inches
         total = height + CURVES + TITLE
         # A whole number of pixels, which is even, as films need.
@@ -123,8 +124,9 @@ class Film:
         self.figure.text(0.5, 1.0 - 0.3 * TITLE / total, title, ha="center", va="center")
         above = self.figure.add_axes((0.0, CURVES / total, 1.0, height / total))
         above.set_axis_off()
+        box = left, right, bottom, top
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
-        scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
+        scale = min(WIDTH / (right - left), height / (top - bottom)) * POINTS_PER_INCH
         self._picture = Picture(above, self._pose(0), 1.0 / scale, typical_swing(result))
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
