@@ -13,12 +13,20 @@ from scipy import stats
 
 import tribo
 
-# Calls of functions in Python and in C, in all frames; measured: 58, 822 and 10,623.
-PREPARED, ESTIMATED, SIMULATED = 66, 900, 11700
-# The same of 100 members, and of 121 points of a grid; measured: 32,600 and 51,300.
-MEMBERS, POINTS = 35000, 57000
-# Of each further thousand of members, where these differ in starts or in numbers, and of points.
-EACH_THOUSAND, EACH_THOUSAND_OWN, EACH_THOUSAND_POINTS = 500, 1000, 1500
+# Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
+# with an estimate, and of `simulate`; measured: 58, 822 and 10,623.
+PREPARED = 66
+ESTIMATED = 900
+SIMULATED = 11700
+# Of 100 members, and of 121 points of a grid; measured: 32,600 and 51,300.
+MEMBERS = 35000
+POINTS = 57000
+# Of each further thousand of members that differ in starts.
+EACH_THOUSAND = 500
+# Of each further thousand of members that differ in numbers.
+EACH_THOUSAND_OWN = 1000
+# Of each further thousand of points.
+EACH_THOUSAND_POINTS = 1500
 
 
 def calls(function):

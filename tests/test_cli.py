@@ -240,7 +240,8 @@ def test_scene_from_python_gives_the_same(run, tmp_path):
     )
     scene = Scene(surfaces, Coulomb(0.2), 4.0, title="A short pass")
     _, out, _ = run(SCENE, "--json")
-    printed, end = strictly(out), tribo.simulate(scene).end
+    printed = strictly(out)
+    end = tribo.simulate(scene).end
     for key in ("surfaces", "blocks", "system", "error_estimate", "steps", "force_evaluations"):
         assert printed[key] == end[key]
 

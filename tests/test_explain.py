@@ -121,7 +121,8 @@ def test_reservoirs_of_a_list_are_named_by_their_place_in_it():
     """The reason for each of two reservoirs names its own table; scenes keep the bars' first."""
     tables = [{"gamma": 0.3, "on": "swing"}, {"gamma": 0.1, "on": "bar"}]
     scene = two_rows({"langevin": tables})
-    swing, bar = Effect.SWING_LANGEVIN, Effect.LANGEVIN
+    swing = Effect.SWING_LANGEVIN
+    bar = Effect.LANGEVIN
     assert reason_for(scene, swing) == "surface[0].langevin[1].gamma = 0.3"
     assert reason_for(scene, bar) == "surface[0].langevin[0].gamma = 0.1"
 
@@ -254,7 +255,8 @@ def test_a_long_run_of_a_pair_is_ended(monkeypatch):
     monkeypatch.setattr(prediction, "BUDGET", 0.01)
     monkeypatch.setattr(integrate, "TRIALS", 2**12)
     scene = replace(paper.scene("A"), duration=1e5, output=tribo.Output(samples=2))
-    one, other = tribo.explain(scene), tribo.explain(scene)
+    one = tribo.explain(scene)
+    other = tribo.explain(scene)
     assert one.predicted.basis == "extrapolated"
     assert one.evaluations_used == other.evaluations_used < 1e6
 

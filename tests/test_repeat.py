@@ -55,7 +55,8 @@ def test_a_prepared_run(tmp_path, capsys):
         "single": {"estimate": False},
         "changed_single": {"initial": kept, "estimate": False},
     }.items():
-        path, again = tmp_path / f"{name}.nc", tmp_path / f"{name}_again.nc"
+        path = tmp_path / f"{name}.nc"
+        again = tmp_path / f"{name}_again.nc"
         result = simulation.run(**settings)
         assert result["upper"].theta[0, 0] == (0.3 if "initial" in settings else 0.0)
         result.save(path)
@@ -90,7 +91,8 @@ def test_what_differs(stored, capsys, monkeypatch):
 
 def test_series_of_other_lengths(stored):
     """A series that one of the runs lacks, or with other times, differs without bound."""
-    before, after = tribo.load_result(stored), tribo.load_result(stored)
+    before = tribo.load_result(stored)
+    after = tribo.load_result(stored)
     others = {name: values for name, values in before.system.items() if name != "applied_work"}
     before.ledger.system = others
     assert next(iter(repeat.differences(before, after).items())) == ("applied_work", np.inf)

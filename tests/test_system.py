@@ -92,7 +92,9 @@ def test_windows_waits_for_a_file_that_another_program_has_open(windows, tmp_pat
     """It cannot be replaced until it is closed; after a second that is an error."""
     monkeypatch.setattr(system, "OPEN_FILES_CAN_BE_REPLACED", False)
     monkeypatch.setattr(system, "PATIENCE", 0.1)
-    path, refused, renamed = tmp_path / "file", [], os.replace
+    path = tmp_path / "file"
+    refused = []
+    renamed = os.replace
 
     def replace(new, old):
         refused.append(new)

@@ -33,7 +33,9 @@ def test_a_scene_in_two_systems():
     """Work in joules does not depend on the units of the scene."""
 
     def joules(system):
-        length, mass, speed = 1e-9 / system.length, 1e-21 / system.mass, 0.5 / system.velocity
+        length = 1e-9 / system.length
+        mass = 1e-21 / system.mass
+        speed = 0.5 / system.velocity
         asperite = tribo.Asperite(
             m1=mass,
             m2=2.0 * mass,

@@ -199,7 +199,8 @@ def test_a_run_that_is_interrupted_ends_its_method(monkeypatch):
     def run(setting, times):
         return SimpleNamespace(status=Status.INTERRUPTED)
 
-    run.layout, run.method = layout, METHODS["rk4"]
+    run.layout = layout
+    run.method = METHODS["rk4"]
     with pytest.raises(KeyboardInterrupt):
         list(measure._curve(run, None, None, (), 1e-12, 1e9))
 

@@ -75,7 +75,8 @@ def watch(json: bool) -> None:
 @contextmanager
 def held() -> Iterator[None]:
     """Raise an interrupt that arrives in this block at its end."""
-    usual, received = signal.getsignal(signal.SIGINT), []
+    usual = signal.getsignal(signal.SIGINT)
+    received = []
     if usual is not signal.default_int_handler or threading.current_thread() is not _MAIN:
         yield
         return

@@ -75,6 +75,7 @@ def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
 
 
 def _slider(scene: Scene, key: str, given: object) -> Slider:
+    """The slider of a key, from a range (low, high) or a list of values that the scene accepts."""
     if not is_list(given) or len(given) < 2:
         raise must_be(key, "a range (low, high), or a list of values", given)
     for each in given:
@@ -151,7 +152,8 @@ def grid_page(scene: Scene, sliders: Sequence[Slider], bath: bool = False) -> st
     combinations = list(itertools.product(*(slider.values or () for slider in grid)))
     if len(combinations) > MOST_RUNS:
         raise must_be("--slider", f"at most {MOST_RUNS} combinations", len(combinations))
-    recorded, runs = shown(scene, bath), []
+    recorded = shown(scene, bath)
+    runs = []
     for chosen in combinations:
         values = dict(zip((slider.key for slider in grid), chosen, strict=True))
         runs.append(contents(simulate(with_values(recorded, values), progress=False), bath))

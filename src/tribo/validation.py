@@ -12,7 +12,6 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
-from itertools import accumulate
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
 
@@ -55,12 +54,15 @@ def must_be(field: str, wanted: str, value: object) -> InputError:
 def shortened(names: Iterable[object]) -> str:
     """Names with commas between them, as many as a message quotes."""
     words = list(map(str, names))
-    shown = [
-        word
-        for word, end in zip(words, accumulate(len(w) + 2 for w in words), strict=True)
-        if end <= 100
-    ]
-    return ", ".join(shown) + f", ... ({len(words)} in all)" * (len(shown) < len(words))
+    count = 0
+    length = 0
+    for word in words:
+        length += len(word) + 2
+        if length > 100:
+            break
+        count += 1
+    rest = f", ... ({len(words)} in all)" if count < len(words) else ""
+    return ", ".join(words[:count]) + rest
 
 
 class TriboWarning(UserWarning):
@@ -163,7 +165,8 @@ def pair(condition: Condition = ANY, unit: str = "") -> Check:
 def fields(item: Any, **checks: Check) -> None:
     """Replace fields of a frozen dataclass by what their checks return; a None by default stays."""
     for name, check in checks.items():
-        value, known = getattr(item, name), item.__dataclass_fields__[name]
+        value = getattr(item, name)
+        known = item.__dataclass_fields__[name]
         if value is not None or known.default is not None:
             object.__setattr__(item, name, check(name, value))
 

@@ -8,7 +8,9 @@ import tribo
 from tribo import Asperite, Bath, Corrugation, Coulomb, Field, InputError, Pulled, Surface
 
 # Parameters of case A: distances of bob and bar from the centre of mass, and the rod.
-L1, L2, ROD = 4.0 / 3.0, 2.0 / 3.0, 2.0
+L1 = 4.0 / 3.0
+L2 = 2.0 / 3.0
+ROD = 2.0
 COLUMNS = np.array([0.0, 1.2, 2.4])
 
 
@@ -32,9 +34,12 @@ def pressed(drive, amplitude=0.05, x=0.2, **settings):
 def energy(coordinates, stiffness, load, amplitude, x):
     """The energy of `pressed`, from swings, x and y of the upper row and swings of the lower."""
     swing, dx, dy, turned = coordinates.reshape(4, 3)
-    bar_x, bar_y = x + COLUMNS + dx - L2 * np.sin(swing), 1.5 + L1 + dy + L2 * np.cos(swing)
-    bob_x, bob_y = bar_x + ROD * np.sin(swing), bar_y - ROD * np.cos(swing)
-    other_x, other_y = COLUMNS - ROD * np.sin(turned), -ROD + ROD * np.cos(turned)
+    bar_x = x + COLUMNS + dx - L2 * np.sin(swing)
+    bar_y = 1.5 + L1 + dy + L2 * np.cos(swing)
+    bob_x = bar_x + ROD * np.sin(swing)
+    bob_y = bar_y - ROD * np.cos(swing)
+    other_x = COLUMNS - ROD * np.sin(turned)
+    other_y = -ROD + ROD * np.cos(turned)
     r = np.sqrt((bob_x[:, None] - other_x) ** 2 + (bob_y[:, None] - other_y) ** 2)
     found = np.sum(0.2 / r) - np.sum(amplitude * np.cos(np.pi * other_x)) + load * np.sum(bar_y)
     found += np.sum(0.5 * stiffness * (bar_x - x - COLUMNS) ** 2)
@@ -49,7 +54,8 @@ def gradient(coordinates, *scene):
 
 
 def found_coordinates(state):
-    upper, lower = state.surfaces["upper"], state.surfaces["lower"]
+    upper = state.surfaces["upper"]
+    lower = state.surfaces["lower"]
     return np.concatenate([upper["swing"], upper["x"], upper["y"], lower["swing"]])
 
 
@@ -91,7 +97,8 @@ def test_an_unstable_start_is_left():
 
     def torque(swing, gap):
         """Of the springs less that of contact: bobs are images of each other."""
-        across, along = 2.0 * L1 * np.sin(swing), gap + 2.0 * L1 * (1.0 - np.cos(swing))
+        across = 2.0 * L1 * np.sin(swing)
+        along = gap + 2.0 * L1 * (1.0 - np.cos(swing))
         push = 0.2 / np.hypot(across, along) ** 3
         return 2.0 * swing - ROD * push * (np.cos(swing) * across + np.sin(swing) * along)
 

@@ -27,7 +27,8 @@ def test_atoms_through_a_file(result, suffix, tmp_path):
     back = ase.io.read(tmp_path / f"run.{suffix}", ":")
     assert [atoms.get_chemical_formula() for atoms in back] == ["SiX3"] * 6
     for k, atoms in zip(range(0, 2001, 400), back, strict=True):
-        upper, lower = result["upper"], result["lower"]
+        upper = result["upper"]
+        lower = result["lower"]
         assert atoms.positions[0, 0] == pytest.approx(upper.x_bob[k, 0], abs=1e-7)
         assert atoms.positions[3, 1] == pytest.approx(lower.y_bar[k, 0], abs=1e-7)
         assert atoms.get_masses() == pytest.approx([4.0, 4.0, 8.0, 8.0])
@@ -63,7 +64,8 @@ def test_wrong_symbols(result):
 
 def test_tables(result):
     pytest.importorskip("pandas", reason="xarray brings pandas")
-    table, end = result.to_pandas(), result.end_to_pandas()
+    table = result.to_pandas()
+    end = result.end_to_pandas()
     assert np.array_equal(table["upper", 0, "w1"], result["upper"].w1[:, 0])
     assert np.array_equal(table["lower", "all", "W"], result["lower"].W)
     assert np.array_equal(table["system", "all", "applied_work"], result.system["applied_work"])

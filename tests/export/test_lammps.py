@@ -190,7 +190,8 @@ def forces_by_hand(scene):
     for interaction in scene.interactions:
         potential = interaction.potential
         for one, other in scene.pairs(interaction):
-            mine, theirs = scene.surfaces[one], scene.surfaces[other]
+            mine = scene.surfaces[one]
+            theirs = scene.surfaces[other]
             apart = mine.resting_bobs()[:, None, :2] - theirs.resting_bobs()[None, :, :2]
             r = np.linalg.norm(apart, axis=2)
             charges = mine.each["charge"][:, None], theirs.each["charge"][None]
@@ -209,7 +210,8 @@ def test_forces_of_scenes_with_several_potentials(seed, tmp_path):
     """Charged, scaled, added and cut-off potentials side by side have their own strengths."""
     scene = random_scene(seed)
     assert to_lammps(scene, tmp_path).omitted == ()
-    found, expected = run_lammps(tmp_path, INITIAL_FORCES)[:, 7:], forces_by_hand(scene)
+    found = run_lammps(tmp_path, INITIAL_FORCES)[:, 7:]
+    expected = forces_by_hand(scene)
     assert np.max(np.abs(found - expected)) <= 1e-11 * np.max(np.abs(expected))
 
 
@@ -247,7 +249,8 @@ def test_the_step_resolves_springs_and_fields(tmp_path):
 
 def motions():
     """Many pairs of rows, far from one another, with all that moves a surface in LAMMPS too."""
-    springs, swing = tribo.Springs(3.0), tribo.Initial(swing=np.array([0.1, 0.0, -0.1, 0.05]))
+    springs = tribo.Springs(3.0)
+    swing = tribo.Initial(swing=np.array([0.1, 0.0, -0.1, 0.05]))
     drives = {
         "pulled": {"drive": tribo.Pulled(stiffness=2.0, speed=0.4), "springs": springs},
         "swung": {"drive": tribo.Pulled(stiffness=2.0, speed=0.4), "initial": swing},
@@ -257,7 +260,8 @@ def motions():
         "damped": {"langevin": tribo.Langevin(0.5, velocity=(0.3, 0.1)), "velocity": (0.6, 0.0)},
         "bars": {"drive": "bars", "velocity": (0.6, 0.0)},
     }
-    rigid, surfaces = tribo.Asperite(kappa=math.inf), []
+    rigid = tribo.Asperite(kappa=math.inf)
+    surfaces = []
     for k, (name, settings) in enumerate(drives.items()):
         row = {"depth": 20.0 * k, "asperite": rigid}
         upper = row | {"bob": (2.2, 1.3), "shape": (4, 1), "spacing": (1.1, 0.0)} | settings
@@ -304,7 +308,8 @@ def test_files_hold_the_scene(tmp_path):
         langevin=tribo.Langevin(0.5, 0.2),
     )
     lower = tribo.Surface("lower", facing="up", velocity=(0.5, 0.0))
-    lj, coulomb = LJ.with_cutoff(2.5, "truncate"), tribo.Coulomb(2.0).with_cutoff(2.0, "truncate")
+    lj = LJ.with_cutoff(2.5, "truncate")
+    coulomb = tribo.Coulomb(2.0).with_cutoff(2.0, "truncate")
     interactions = [
         tribo.Interaction(lj, species=("A", "")),
         tribo.Interaction(coulomb, species=("B", "")),
@@ -314,7 +319,8 @@ def test_files_hold_the_scene(tmp_path):
     data, forces, run = (path.read_text() for path in files[:3])
     assert "4 atoms\n4 atom types\n2 bonds\n1 bond types\n" in data
     assert "Masses\n\n1 3.0\n2 3.0\n3 6.0\n4 3.0\n" in data
-    first, last = "1 1 1 0.5 0.5 1.0 0.0\n2 1 2 0.5 1.5 1.0 0.0", "4 2 4 1.0 0.0 0.0 0.0"
+    first = "1 1 1 0.5 0.5 1.0 0.0\n2 1 2 0.5 1.5 1.0 0.0"
+    last = "4 2 4 1.0 0.0 0.0 0.0"
     assert f"Atoms # full\n\n{first}\n3 1 3 0.5 2.5 1.0 0.0\n{last}\n" in data
     assert "Bonds\n\n1 1 1 2\n2 1 2 3\n" in data
     assert re.findall(r"pair_coeff (\d \d [lc]\S+.*)", forces) == [

@@ -25,7 +25,8 @@ def test_as_few_equal_steps_as_the_longest_allows(step):
 def test_growth_of_a_step(name):
     """An error that grows as h^order is SAFETY^order after the next step; bounds hold."""
     method = METHODS[name].coefficients
-    order, most = method.order, method.most_growth
+    order = method.order
+    most = method.most_growth
     growth = growth_factor.py_func
     for error in (0.01, 0.3, 1.0, 3.0):
         factor = growth(error, order, most)
@@ -38,7 +39,8 @@ def test_growth_of_a_step(name):
 def test_which_steps_are_taken(monkeypatch):
     """Those of an error of 1 at most, whose end is finite and before the next encounter."""
     monkeypatch.setattr(control, "reject_step", control.reject_step.py_func)
-    check_error, check_arrival = control.check_error.py_func, control.check_arrival.py_func
+    check_error = control.check_error.py_func
+    check_arrival = control.check_arrival.py_func
     for error in (0.0, 1.0, 1.001, math.inf, math.nan):
         clock = np.zeros(1, CLOCK).view(np.recarray)[0]
         assert check_error(clock, 0.5, error, 0.25) is (error <= 1.0)
@@ -53,9 +55,12 @@ def test_which_steps_are_taken(monkeypatch):
 
 def test_lanes_take_members_in_order():
     """Each member has one lane, for as long as it runs, and none is left."""
-    queue, lanes, rng = queue_of(20, 3), 3, np.random.default_rng(1)
+    queue = queue_of(20, 3)
+    lanes = 3
+    rng = np.random.default_rng(1)
     left = rng.integers(1, 9, 20)
-    length, begun = left.copy(), []
+    length = left.copy()
+    begun = []
     while queue.waiting[0] < 20 or np.any(queue.held >= 0):
         for lane in range(lanes):
             if queue.held[lane] < 0:

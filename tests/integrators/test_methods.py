@@ -110,7 +110,8 @@ def test_accounts_are_looked_at(name):
     integrate = Integrator(layout, METHODS[name])
     steps = []
     for wanted in (1e-4, 1e-12):
-        y, s = np.full(layout.start.size, 1e-4), np.full(layout.accounts, wanted)
+        y = np.full(layout.start.size, 1e-4)
+        s = np.full(layout.accounts, wanted)
         run = integrate(Tolerance(y, s, 1e-4), np.array([40.0]))
         steps.append(run.steps)
     assert steps[1] > 1.2 * steps[0]
@@ -121,7 +122,8 @@ def test_samples_are_of_one_instant(name):
     """The contact energy that is recorded is that of the bobs where they are recorded."""
     scene = replace(case("A"), duration=30.0, output=Output(samples=31))
     result = simulate(scene, **how(name, accuracy=1e-4))
-    upper, lower = result["upper"], result["lower"]
+    upper = result["upper"]
+    lower = result["lower"]
     apart = np.hypot(upper.x_bob - lower.x_bob, upper.y_bob - lower.y_bob)[:, 0]
     energy = scene.interactions[0].potential.energy(apart)
     assert np.allclose(result.system["contact_energy"], energy, rtol=1e-13, atol=0.0)

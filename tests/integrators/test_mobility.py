@@ -27,9 +27,14 @@ from tribo.accuracy.choose_method import choose
 from tribo.layout.layout import lay_out
 from tribo.loops.resolution import longest_step
 
-STEP, TEMPERATURE, FORCE = 0.1, 0.3, 0.4
-RIGID, SOFT = Asperite(kappa=np.inf), Asperite()
-MASS, INERTIA, ABOUT_BAR = 3.0, SOFT.for_each(1)["inertia"][0], 4.0
+STEP = 0.1
+TEMPERATURE = 0.3
+FORCE = 0.4
+RIGID = Asperite(kappa=np.inf)
+SOFT = Asperite()
+MASS = 3.0
+INERTIA = SOFT.for_each(1)["inertia"][0]
+ABOUT_BAR = 4.0
 DAMPING = (0.01, 0.1, 1.0, 5.0, 20.0)
 
 

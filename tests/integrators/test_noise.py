@@ -27,7 +27,9 @@ from tribo.accuracy.choose_method import choose
 from tribo.integrators import methods
 from tribo.layout.layout import lay_out
 
-TEMPERATURE, GAMMA, DRAG = 0.3, 1.2, 0.8
+TEMPERATURE = 0.3
+GAMMA = 1.2
+DRAG = 0.8
 
 
 class Hold(NamedTuple):
@@ -127,7 +129,8 @@ def test_encounters_far_below_the_noise_end_no_run():
 def test_an_automatic_step_is_halved_until_it_resolves_the_encounters():
     """The run is that of the step that is reported; the first step would have stopped."""
     simulation = tribo.prepare(passing(0.3, 0.3))
-    result, first = simulation.run(), simulation.plan.setting
+    result = simulation.run()
+    first = simulation.plan.setting
     step = result.settings["step"]
     halvings = np.log2(first / step)
     assert result.status == "completed" and halvings == round(halvings) > 0

@@ -8,7 +8,8 @@ import pytest
 
 import tribo
 
-T, MASS = 0.1, 3.0
+T = 0.1
+MASS = 3.0
 
 
 class Trap(NamedTuple):
@@ -122,7 +123,8 @@ def test_explain_predicts_the_step():
 
 def test_a_given_step_that_heats_is_noted_with_its_excess():
     """Positions at kicks are too wide by 1 / (1 - (w h / 2)^2), and so is <v^2> after them."""
-    step, frequency = 0.5, np.sqrt(12.0 / MASS)
+    step = 0.5
+    frequency = np.sqrt(12.0 / MASS)
     result = tribo.simulate(trap(12.0), step=step)
     exact = 1.0 / (1.0 - (0.5 * frequency * step) ** 2)
     (note,) = (each for each in result.notes if "heat" in each)

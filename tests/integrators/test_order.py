@@ -64,7 +64,8 @@ def families(layout):
     widths = {"contact": 4, "slide": 2, "drive": 4, "ends": 5, "internal": 4, "field": 4}
     assert widths.keys() == set(ACCOUNTS)
     for name, width in widths.items():
-        first, stride = layout.asperites[f"acc_{name}"], layout.asperites.stride
+        first = layout.asperites[f"acc_{name}"]
+        stride = layout.asperites.stride
         present = first >= 0
         if np.any(present):
             yield name, (first[:, None] + stride[:, None] * np.arange(width))[present].ravel()
@@ -73,8 +74,10 @@ def families(layout):
     yield "moving", np.array([field.account for field in layout.model.fields])
 
 
-# Mass of an oscillator [mass]; one that is too light to act where a method refuses a bath.
-HEAVY, LIGHT = 0.2, 1e-30
+# Mass of an oscillator [mass].
+HEAVY = 0.2
+# One that is too light to act, for methods that refuse a bath.
+LIGHT = 1e-30
 
 
 @pytest.fixture(scope="module")
@@ -153,8 +156,12 @@ def by_hand(scene, steps):
 
     def look(y):
         """Rates of change of the state, and the powers of f1, f2, fL, fR at v and at v_cm."""
-        r, v, theta, omega = y[:, :2], y[:, 2:4], y[:, 4], y[:, 5]
-        bob, bar = -up(theta, p["l1"]), up(theta, p["l2"])
+        r = y[:, :2]
+        v = y[:, 2:4]
+        theta = y[:, 4]
+        omega = y[:, 5]
+        bob = -up(theta, p["l1"])
+        bar = up(theta, p["l2"])
         apart = (r + bob)[0] - (r + bob)[1]
         push = strength * apart / np.hypot(*apart) ** 3
         f1 = np.array([push, -push])
@@ -169,7 +176,8 @@ def by_hand(scene, steps):
             omega[:, None],
             (moment / p["inertia"])[:, None],
         ]
-        at_bob, at_bar = v + turning(omega, bob), v + turning(omega, bar)
+        at_bob = v + turning(omega, bob)
+        at_bar = v + turning(omega, bar)
         pairs = [(f1, at_bob), (f2, at_bar), (left, at_bar), (-left, at_bar), (f1, v), (f2, v)]
         return np.hstack(rates), np.array([np.sum(f * u, axis=1) for f, u in pairs])
 

@@ -72,7 +72,8 @@ def layout(temperature=0.0, end=10.0, **settings):
 def test_a_stiff_pendulum_is_noted_and_then_refused():
     """A note from 0.5 rad on says by how much statics are off; no step rotates it by 2 rad."""
     stiff = layout(asperite=Asperite(kappa=KAPPA))
-    verlet, frequency = METHODS["verlet"], pendulum_frequency(stiff)
+    verlet = METHODS["verlet"]
+    frequency = pendulum_frequency(stiff)
     assert run_notes(stiff, verlet, 0.45 / frequency) == ()
     assert run_notes(stiff, METHODS["midpoint"], 1.5 / frequency) == ()
     (note,) = run_notes(stiff, verlet, 1.5 / frequency)
@@ -99,7 +100,9 @@ def is_finite(x):
 
 def test_the_noted_deflection_is_that_of_the_method():
     """Kicks of a constant force keep a pendulum at the angle of the note."""
-    frequency, push, turn = 61.0, 3.0, 1.5
+    frequency = 61.0
+    push = 3.0
+    turn = 1.5
     h = turn / frequency
     angle = 0.75 / np.tan(0.75) * push / frequency**2  # 0.805 of the right one
     frequencies = with_spare_lanes(np.full(LANES, frequency))
@@ -176,7 +179,8 @@ def test_numbers_that_overflow_stop_a_run_without_warnings():
     assert not is_finite(with_spare_lanes(np.array([1.0, -10.0 * LARGEST] * LANES)))
     assert not is_finite(with_spare_lanes(np.array([1.0, np.nan] * LANES)))
     y = np.outer([1.0, 1e200], np.ones(2 * flat.core))
-    s, stored = np.ones((2, flat.accounts)), np.zeros((2, 1, STORED))
+    s = np.ones((2, flat.accounts))
+    stored = np.zeros((2, 1, STORED))
     baths = np.zeros((2, *flat.sampled_baths))
     samples = Samples(np.array([0.0, 1.0]), y, s, np.zeros(2), np.zeros(2), stored, baths)
     table = assemble(flat, samples).surfaces["row"]

@@ -52,7 +52,9 @@ def trees(degree, lift):
 
 def values(tree, a, c, lift):
     """What the stages make of a tree, and its exact value: (stages,), factor, degree."""
-    at_stages, factor, degree = np.ones(c.size), 1.0, 0
+    at_stages = np.ones(c.size)
+    factor = 1.0
+    degree = 0
     for branch in tree:
         if branch is None:
             at_stages = at_stages * c
@@ -75,7 +77,10 @@ def defects(weights, a, c, degree, lift):
 
 def ledger_defects(tableau, degree):
     """The same for powers: trees with one more branch, a velocity at the stages."""
-    a, c, r, v = tableau.a, tableau.c, tableau.r, tableau.v
+    a = tableau.a
+    c = tableau.c
+    r = tableau.r
+    v = tableau.v
     for force in range(degree):
         for one in trees(force, 2):
             inner, inner_factor, _ = values(one, a, c, 2)
@@ -99,7 +104,8 @@ def test_numbers_of_trees():
 @pytest.mark.parametrize("name", EXPLICIT)
 def test_explicit_runge_kutta(name):
     """All conditions up to the order that is declared, and not all of the next."""
-    t, order = EXPLICIT[name], METHODS[name].order
+    t = EXPLICIT[name]
+    order = METHODS[name].order
     assert np.array_equal(t.a, np.tril(t.a, -1))
     assert np.allclose(np.sum(t.a, axis=1), t.c, rtol=0.0, atol=ROUND_OFF)
     for degree in range(order):
@@ -119,7 +125,8 @@ def test_error_estimates_of_dop853():
 @pytest.mark.parametrize("name", NYSTROM)
 def test_nystrom(name):
     """All conditions of places and velocities up to the order, and not all of the next."""
-    t, order = NYSTROM[name], METHODS[name].order
+    t = NYSTROM[name]
+    order = METHODS[name].order
     assert np.array_equal(t.a, np.tril(t.a, -1))
     assert np.allclose(np.sum(t.a, axis=1), 0.5 * t.c**2, rtol=0.0, atol=ROUND_OFF)
     for degree in range(order):
@@ -134,7 +141,8 @@ def test_nystrom(name):
 @pytest.mark.parametrize("name", NYSTROM)
 def test_ledger_of_nystrom(name):
     """All conditions of an integral of force times velocity up to the order."""
-    t, order = NYSTROM[name], METHODS[name].order
+    t = NYSTROM[name]
+    order = METHODS[name].order
     for degree in range(1, order):
         assert worst(ledger_defects(t, degree)) < ROUND_OFF
     assert worst(ledger_defects(t, order)) > 1e-9
@@ -144,9 +152,11 @@ def test_ledger_of_nystrom(name):
 @pytest.mark.parametrize("name", NYSTROM)
 def test_error_estimates_of_nystrom(name):
     """The end of the step is a stage: its forces come after a last row of weights."""
-    t, order = NYSTROM[name], EMBEDDED[name]
+    t = NYSTROM[name]
+    order = EMBEDDED[name]
     a = np.zeros((t.c.size + 1, t.c.size + 1))
-    a[:-1, :-1], a[-1, :-1] = t.a, t.b
+    a[:-1, :-1] = t.a
+    a[-1, :-1] = t.b
     c = np.append(t.c, 1.0)
     assert t.order == order + 1
     for degree in range(order + 1):
@@ -160,7 +170,8 @@ def test_error_estimates_of_nystrom(name):
 @pytest.mark.parametrize("name", COLLOCATION)
 def test_collocation(name):
     """Polynomials through the nodes are integrated, and at the end those of twice the degree."""
-    t, order = COLLOCATION[name], METHODS[name].order
+    t = COLLOCATION[name]
+    order = METHODS[name].order
     nodes = t.c.size
     for k in range(nodes):
         power = t.c**k

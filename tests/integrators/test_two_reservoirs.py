@@ -15,11 +15,15 @@ from tribo import Asperite, Initial, InputError, Langevin, Output, Pulled, Pushe
 from tribo.model.parameters import is_parameter, with_values
 from tribo.model.scene_file import scene_from
 
-STEP, STIFFNESS, HOT, FORCE = 0.1, 1.0, 3e-5, 0.4
+STEP = 0.1
+STIFFNESS = 1.0
+HOT = 3e-5
+FORCE = 0.4
 EACH = Asperite().for_each(1)
 MASS, INERTIA, LEVER, KAPPA = (float(EACH[k][0]) for k in ("mass", "inertia", "l2", "kappa"))
 # Velocity and rate from a force on the bar, and from a torque on the swing.
-ON_BAR, ON_SWING = np.array([1.0 / MASS, -LEVER / INERTIA]), np.array([0.0, 1.0 / INERTIA])
+ON_BAR = np.array([1.0 / MASS, -LEVER / INERTIA])
+ON_SWING = np.array([0.0, 1.0 / INERTIA])
 
 
 def surface(gammas, temperatures=(0.0, 0.0), n=1, **settings):
@@ -79,7 +83,8 @@ def test_decay_without_noise(z):
     found = np.column_stack([table.x_cm, table.theta, table.vx_cm, table.omega])
     assert np.max(np.abs(found - exact) / np.ptp(exact, axis=0)) < 2e-3
     slips = np.array([[0.0, 0.0, 1.0, -LEVER], [0.0, 0.0, 0.0, 1.0]])
-    generator, end = linear(gammas), exact[-1]
+    generator = linear(gammas)
+    end = exact[-1]
     heats = []
     for gamma, slip in zip(gammas, slips, strict=True):
         # The integral S of exp(L't) slip slip' exp(L t) follows from L' S + S L = change.
@@ -95,7 +100,8 @@ def test_other_methods():
     """At T = 0 every method that takes friction has both reservoirs, and both heats."""
     part = surface((30.0, 27.0), initial=Initial(theta=0.4, omega=0.3))
     times = np.linspace(0.0, 8.0, 9)
-    table, other = run(part, times), run(part, times, "dop853", accuracy=1e-8)
+    table = run(part, times)
+    other = run(part, times, "dop853", accuracy=1e-8)
     for name in ("x_cm", "theta", "w2", "heat", "heat_swing"):
         right = getattr(other, name)
         assert np.max(np.abs(getattr(table, name) - right)) < 0.01 * np.ptp(right), name
@@ -108,7 +114,8 @@ def test_steady_state(z, cold):
 
     At one temperature this is equipartition, and no heat flows.
     """
-    gammas, temperatures = (z * MASS / STEP, z * INERTIA / STEP), (HOT, cold * HOT)
+    gammas = (z * MASS / STEP, z * INERTIA / STEP)
+    temperatures = (HOT, cold * HOT)
     times = np.linspace(0.0, 480.0, 4)
     table = run(surface(gammas, temperatures, 800), times)
     exact = covariance(gammas, temperatures)

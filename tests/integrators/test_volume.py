@@ -21,7 +21,8 @@ from support.gibbs import rows
 from tribo.integrators.methods import METHODS, refusal
 from tribo.integrators.splitting import Splitting
 
-STEP, DURATION = 0.05, 2.0
+STEP = 0.05
+DURATION = 2.0
 # Largest deviation from 1: errors of differences are below 1e-8.
 MOST = 1e-7
 POINTS = {"masses": [0.3, 0.2], "frequencies": [1.1, 2.3]}
@@ -30,7 +31,8 @@ TORSIONAL = {"inertias": [0.2], "torsional_frequencies": [1.3]}
 
 def started(scene: tribo.Scene, **settings) -> tribo.Scene:
     """The scene with settings of all surfaces, moving in all coordinates."""
-    rng, surfaces = np.random.default_rng(5), []
+    rng = np.random.default_rng(5)
+    surfaces = []
     for s in scene.surfaces:
         start = {"swing": rng.normal(0.0, 0.3, s.count), "omega": rng.normal(0.0, 0.3, s.count)}
         if "springs" in settings or "bath" in settings:
@@ -106,7 +108,8 @@ def test_damping_contracts_volume_by_its_rate(drive):
 
     A collocation has it to round-off, Verlet to second order in the step.
     """
-    gamma, contraction = 0.2, 0.0
+    gamma = 0.2
+    contraction = 0.0
     scene = started(rows((1, 1), drive), langevin=tribo.Langevin(gamma, on="swing"))
     for s in scene.surfaces:
         inertia = s.each["inertia"]

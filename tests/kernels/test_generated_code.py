@@ -71,7 +71,8 @@ def test_one_loop_for_all_kinds_of_scenes():
     """An effect, or a potential, that is new does not compile the loop again."""
     loops = set()
     for name, scene in scenes().items():
-        layout, method = lay_out(scene), METHODS["verlet"]
+        layout = lay_out(scene)
+        method = METHODS["verlet"]
         loop = GeneralLoop(layout, method, 1e-3, layout.start, 0.0)
         loop.advance(np.array([0.0, 1.0]), loop.room(2), 1)
         loops.add(loop.compiled)
@@ -82,7 +83,8 @@ def test_one_loop_for_all_kinds_of_scenes():
 @pytest.mark.skipif(not NATIVE, reason="numba links kernels in its own way")
 def test_a_loop_does_not_grow():
     """Kernels that are copied into their callers make code that takes long to compile."""
-    layout, method = lay_out(rows()), METHODS["verlet"]
+    layout = lay_out(rows())
+    method = METHODS["verlet"]
     loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
     # Not from the disk cache, which keeps machine code alone.
     loop.compiled = numba.njit(**LOOP)(method.loop)

@@ -25,7 +25,8 @@ def test_compiled_as_written(name):
     assert compiled(*arguments) == expected
     several = function(np.full(3, arguments[0]), *arguments[1:])
     if not isinstance(expected, tuple):
-        several, expected = (several,), (expected,)
+        several = (several,)
+        expected = (expected,)
     assert all(np.all(one == other) for one, other in zip(several, expected, strict=True))
 
 
@@ -40,11 +41,15 @@ def test_nearest_image(difference):
 
 def test_rods_are_rigid():
     """Bob and bar lie along the rod, and their velocities are the derivatives of the positions."""
-    l1, l2, omega, step = 0.7, 1.1, 1.3, 1e-6
+    l1 = 0.7
+    l2 = 1.1
+    omega = 1.3
+    step = 1e-6
 
     def places(t):
         theta = 0.4 + omega * t
-        tx, ty = np.cos(theta), np.sin(theta)
+        tx = np.cos(theta)
+        ty = np.sin(theta)
         bob = kinematics.rod_position(0.2 * t, 0.1, l1, tx, ty)
         bar = kinematics.rod_position(0.2 * t, 0.1, -l2, tx, ty)
         return np.array([bob, bar])
@@ -53,14 +58,17 @@ def test_rods_are_rigid():
     assert np.hypot(*(bob - bar)) == pytest.approx(l1 + l2)
     assert bob - bar == pytest.approx((l1 + l2) * np.array([np.sin(0.4), -np.cos(0.4)]))
     rates = (places(step) - places(-step)) / (2.0 * step)
-    tx, ty = np.cos(0.4), np.sin(0.4)
+    tx = np.cos(0.4)
+    ty = np.sin(0.4)
     assert rates[0] == pytest.approx(kinematics.rod_velocity(0.2, 0.0, omega, l1, tx, ty))
     assert rates[1] == pytest.approx(kinematics.rod_velocity(0.2, 0.0, omega, -l2, tx, ty))
 
 
 def test_rotational_power():
     """The power of a force about the centre of mass is force times relative velocity."""
-    tx, ty, force = np.cos(0.4), np.sin(0.4), np.array([-0.3, 0.2])
+    tx = np.cos(0.4)
+    ty = np.sin(0.4)
+    force = np.array([-0.3, 0.2])
     bob = kinematics.rod_velocity(0.0, 0.0, 1.3, 0.7, tx, ty)
     bar = kinematics.rod_velocity(0.0, 0.0, 1.3, -1.1, tx, ty)
     assert kinematics.rotational_power(0.7, 1.3, tx, ty, *force) == pytest.approx(force @ bob)
@@ -69,7 +77,9 @@ def test_rotational_power():
 
 def test_end_forces_hold_the_bar():
     """f_L and f_R = -f_L are across the bar, and their couple is minus the spring's torque."""
-    torque, length, phi = 0.4, 1.3, 0.3
+    torque = 0.4
+    length = 1.3
+    phi = 0.3
     left = np.array(kinematics.end_force(torque, 1.0 / length, np.sin(phi), np.cos(phi)))
     along = np.array([np.cos(phi), np.sin(phi)])
     assert left @ along == pytest.approx(0.0, abs=1e-15)

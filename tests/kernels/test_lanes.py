@@ -140,7 +140,8 @@ def own_forces(potential, table, places, rows, out):
     force = force_in_lanes(own, r, end, broadcast(1.3), broadcast(0.7), 0, LANES)
     store(rows_of(out), 0, where_less(r, end, force, 0.0))
     for i in range(LANES):
-        one, x = numbers_at_lane(own, i), lane(r, i)
+        one = numbers_at_lane(own, i)
+        x = lane(r, i)
         out[1, i] = one.force_between(x, 1.3, 0.7) if x < one.range() else 0.0
 
 
@@ -150,7 +151,8 @@ def test_potentials_side_by_side(kind):
     potential = as_potential(POTENTIALS[kind])
     recognize(potential)
     table = np.array(potential) * np.linspace(0.8, 1.2, LANES)[:, None]
-    places, out = np.linspace(0.7, 1.4, LANES)[None], np.zeros((2, LANES))
+    places = np.linspace(0.7, 1.4, LANES)[None]
+    out = np.zeros((2, LANES))
     own_forces(potential, table, places, np.ascontiguousarray(table.T), out)
     np.testing.assert_allclose(out[0], out[1], rtol=1e-13)
     expected = [

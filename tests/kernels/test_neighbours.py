@@ -28,7 +28,8 @@ def assert_same(plain, by_list):
     """Sums of lists and of all pairs are in different orders; the slide magnifies round-off."""
     for name in ("upper", "lower"):
         for quantity in plain[name]:
-            one, other = plain[name][quantity], by_list[name][quantity]
+            one = plain[name][quantity]
+            other = by_list[name][quantity]
             assert np.max(np.abs(one - other)) <= 1e-9 * np.max(np.abs(one)), quantity
 
 
@@ -43,7 +44,8 @@ def distances(upper: np.ndarray, lower: np.ndarray, box: tuple) -> np.ndarray:
 
 def distance_of_box(bob: np.ndarray, bobs: np.ndarray, box: tuple) -> float:
     """Distance of a bob from the box around others."""
-    low, high = np.min(bobs, axis=0), np.max(bobs, axis=0)
+    low = np.min(bobs, axis=0)
+    high = np.max(bobs, axis=0)
     away = np.abs(bob - 0.5 * (low + high))
     for axis, length in ((0, box[0]), (2, box[1])):
         if length:
@@ -77,7 +79,8 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(contacts, "UNLISTED_PAIRS", 0)
         layout = layouts.lay_out(scene(upper, lower, periodic))
-        model, neighbours = own_model(layout)[0], layout.neighbours()
+        model = own_model(layout)[0]
+        neighbours = layout.neighbours()
     columns = layout.places.columns
     world = np.concatenate([upper, lower])
     for shift in (0.0, slide):
@@ -87,7 +90,8 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         neighbours = general.with_room(neighbours)
         update(model, neighbours)
         now = np.column_stack([*model.bobs[[[X], [Y]], columns], layout.depths])
-        above, below = now[: len(upper)], now[len(upper) :]
+        above = now[: len(upper)]
+        below = now[len(upper) :]
         block = columns[len(upper) :] // LANES
         near = distances(above, below, box) < CUTOFF
         for i, bob in enumerate(above):

@@ -43,7 +43,8 @@ def test_sine_and_cosine(size, near):
 def _inverse_roots(x, out):
     """1 / sqrt and sqrt of row 0 of `x`, and of its first half, into the rows of `out`."""
     squares = lanes_memory.load(lanes_memory.rows_of(x), 0)
-    inverse, half = lanes.inverse_root(squares), lanes.inverse_root(lanes.narrow(squares))
+    inverse = lanes.inverse_root(squares)
+    half = lanes.inverse_root(lanes.narrow(squares))
     lanes_memory.store(lanes_memory.rows_of(out), 0, inverse)
     lanes_memory.store(lanes_memory.rows_of(out), 1, 1.0 / inverse)
     lanes_memory.store(lanes_memory.rows_of(out), 2, lanes.widen(half))
@@ -89,8 +90,10 @@ def test_exponentials(size):
 @njit
 def _everything(x, out):
     """Each operation once."""
-    rows, into = lanes_memory.rows_of(x), lanes_memory.rows_of(out)
-    a, b = lanes_memory.load(rows, 0), lanes_memory.load(rows, 1)
+    rows = lanes_memory.rows_of(x)
+    into = lanes_memory.rows_of(out)
+    a = lanes_memory.load(rows, 0)
+    b = lanes_memory.load(rows, 1)
     lanes_memory.store(into, 0, a + b)
     lanes_memory.store(into, 1, 2.0 - a * b)
     lanes_memory.store(into, 2, a / b)

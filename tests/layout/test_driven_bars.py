@@ -78,7 +78,8 @@ def test_angles_in_every_way(kind):
         for m, angles in enumerate(vary["upper.theta"]):
             expected = alone(angles)["upper"]
             for name in keep:
-                found, last = data[name].values[m], expected[name.removeprefix("upper.")][-1]
+                found = data[name].values[m]
+                last = expected[name.removeprefix("upper.")][-1]
                 assert np.ravel(found) == pytest.approx(last, abs=1e-12)
 
 

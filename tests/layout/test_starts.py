@@ -14,7 +14,8 @@ from tribo.layout.initial_state import InitialState
 from tribo.layout.layout import lay_out
 from tribo.loops.saved_state import state_at_rest
 
-COUNT, TEMPERATURE = 40_000, 0.3
+COUNT = 40_000
+TEMPERATURE = 0.3
 
 
 def passing(lower):
@@ -59,7 +60,8 @@ def start(surface, *others, seed=3):
 
 def test_thermal_start():
     """Variances are those of Boltzmann's distribution, asperite by asperite, and independent."""
-    kappa, m1 = np.linspace(0.5, 3.0, COUNT), np.linspace(0.5, 1.5, COUNT)
+    kappa = np.linspace(0.5, 3.0, COUNT)
+    m1 = np.linspace(0.5, 1.5, COUNT)
     surface = Surface(
         "a",
         shape=(COUNT, 1),
@@ -70,7 +72,9 @@ def test_thermal_start():
         initial=Initial(temperature=TEMPERATURE, phi=0.1, x=0.5),
     )
     found, oscillators = start(surface)
-    l1, l2, mass = 2.0 * 2.0 / (m1 + 2.0), 2.0 * m1 / (m1 + 2.0), m1 + 2.0
+    l1 = 2.0 * 2.0 / (m1 + 2.0)
+    l2 = 2.0 * m1 / (m1 + 2.0)
+    mass = m1 + 2.0
     inertia = m1 * l1**2 + 2.0 * l2**2
     drawn = {
         "swing": (found["swing"] - 0.1) * np.sqrt(kappa),

@@ -34,7 +34,8 @@ DENSITY = {  # J(w) / (gamma w) at w_c = 1, and where it ends
 @pytest.mark.parametrize("kind", KINDS)
 def test_kernel_is_that_of_its_spectral_density(kind):
     density, end = DENSITY[kind]
-    gamma, cutoff = 0.7, 3.0
+    gamma = 0.7
+    cutoff = 3.0
     for t in (0.3, 2.0):
         tau = cutoff * t
         if np.isinf(end):
@@ -80,7 +81,8 @@ def drawn_oscillators(n, seed=1):
 def test_discrete_decay_against_the_equations_of_motion(n, frequency):
     """Coordinates x, x_1 ... x_n and their velocities, by a matrix exponential."""
     masses, frequencies = drawn_oscillators(n)
-    mass, k = 1.3, masses * frequencies**2
+    mass = 1.3
+    k = masses * frequencies**2
     matrix = np.zeros((2 * n + 2, 2 * n + 2))
     matrix[: n + 1, n + 1 :] = np.eye(n + 1)
     matrix[n + 1, 0] = -(frequency**2) - np.sum(k) / mass
@@ -114,7 +116,8 @@ def test_normal_modes_against_the_transform_of_the_motion(kind, gamma, frequency
 
 
 def test_oscillators_of_one_frequency_are_one_oscillator():
-    masses, frequencies = np.array([1.0, 2.0, 0.5]), np.array([2.0, 1.0, 2.0])
+    masses = np.array([1.0, 2.0, 0.5])
+    frequencies = np.array([2.0, 1.0, 2.0])
     both = normal_modes(masses, frequencies, 1.5, 0.7)
     merged = normal_modes(np.array([2.0, 1.5]), np.array([1.0, 2.0]), 1.5, 0.7)
     np.testing.assert_allclose(both, merged, rtol=1e-14)
@@ -140,7 +143,8 @@ def test_normal_modes_of_an_oscillator_far_off(stiff, expected):
 )
 def test_exact_decay_by_drude_against_a_matrix_exponential(gamma, cutoff, frequency):
     """x, v and the bath's force f: f' = -w_c f - (gamma w_c / m) v, per unit mass."""
-    mass, t = 1.0, np.linspace(0.0, 20.0, 41)
+    mass = 1.0
+    t = np.linspace(0.0, 20.0, 41)
     matrix = np.array([[0, 1, 0], [-(frequency**2), 0, 1], [0, -gamma * cutoff / mass, -cutoff]])
     states = np.array([expm(matrix * time)[:, 1] for time in t])
     expected = 0.5 * mass * (states[:, 1] ** 2 + frequency**2 * states[:, 0] ** 2)
@@ -221,7 +225,8 @@ def deviation(spectrum, mass, frequency, t):
 @pytest.mark.parametrize("gamma", [0.05, 1.0, 8.0])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_bath_is_valid_until_it_differs_from_the_continuum(kind, gamma, frequency, n):
-    mass, cutoff = 2.0, 3.0
+    mass = 2.0
+    cutoff = 3.0
     spectrum = Spectrum(kind, gamma * mass * cutoff, cutoff, n)
     until = valid_until(spectrum, mass, frequency * cutoff)
     before = np.linspace(0.0, until, 2500)
@@ -253,7 +258,8 @@ def test_a_large_bath_is_valid_in_proportion_to_its_size(kind, gamma, frequency)
 @pytest.mark.parametrize("gamma", [0.3, 0.5])
 def test_how_many_drude_oscillators_a_time_takes(gamma, frequency):
     """n = 1.2 to 1.7 times T (w_c^2 + w0^2) / (4 w_c)."""
-    n, cutoff = 100, 2.0
+    n = 100
+    cutoff = 2.0
     until = valid_until(Spectrum("drude", gamma * cutoff, cutoff, n), 1.0, frequency * cutoff)
     assert 1.15 < n / (until * cutoff * (1.0 + frequency**2) / 4.0) < 1.75
 
@@ -261,7 +267,8 @@ def test_how_many_drude_oscillators_a_time_takes(gamma, frequency):
 @pytest.mark.parametrize("gamma", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_rule_for_the_time(kind, gamma):
-    n, frequency = 150, 0.5
+    n = 150
+    frequency = 0.5
     w = np.sqrt(frequency**2 + Spectrum(kind, gamma, 1.0, n).kernel(0.0))
     rule = {
         "drude": 4 * n / (1 + w**2),

@@ -9,7 +9,8 @@ from tribo.model.surface import as_heights
 from tribo.model.tables import from_table, table_of
 from tribo.model.topography import Grid
 
-ROW, GRID = (512, 1), (96, 64)
+ROW = (512, 1)
+GRID = (96, 64)
 SPACING = (0.5, 0.5)
 
 
@@ -61,7 +62,8 @@ def test_a_grid_is_isotropic_whatever_its_spacings():
     slope, _ = slope_and_error(np.log(f[inside]), logs[inside])
     rest = logs - slope * np.log(f)
     steep = np.abs(np.fft.fftfreq(48, 0.5))[:, None] > f / np.sqrt(2)  # nearer z than x
-    along_x, along_z = rest[inside & ~steep], rest[inside & steep]
+    along_x = rest[inside & ~steep]
+    along_z = rest[inside & steep]
     error = np.sqrt(np.pi**2 / 6 / 200 * (1 / along_x.size + 1 / along_z.size))
     assert abs(along_x.mean() - along_z.mean()) < 4 * error
 
@@ -69,7 +71,8 @@ def test_a_grid_is_isotropic_whatever_its_spacings():
 @pytest.mark.parametrize("shape", [ROW, GRID])
 def test_cut_offs(shape):
     f, logs = log_spectrum(Roughness(1.0, 0.8, shortest=2.0, longest=16.0), shape)
-    beyond, rolled_off = f > (1 + 1e-6) / 2.0, f < (1 - 1e-6) / 16.0
+    beyond = f > (1 + 1e-6) / 2.0
+    rolled_off = f < (1 - 1e-6) / 16.0
     between = ~beyond & ~rolled_off
     assert logs[beyond].max() < logs[between].min() - 40.0  # nothing but rounding
     slope, error = slope_and_error(np.log(f[rolled_off]), logs[rolled_off])
@@ -100,16 +103,21 @@ def test_power_spectrum_and_rms_slope_have_their_closed_forms(hurst, shape, dime
 
     A mean of 30 draws; 1 % is the sums over discrete waves against integrals.
     """
-    spacing, rms, draws = 0.5, 0.3, 30
-    q_short, q_long = 2 * np.pi / (8 * spacing), 2 * np.pi / (24 * spacing)
+    spacing = 0.5
+    rms = 0.3
+    draws = 30
+    q_short = 2 * np.pi / (8 * spacing)
+    q_long = 2 * np.pi / (24 * spacing)
     integral = [spectral_integral(p, hurst, dimensions, q_long, q_short) for p in (0, 2)]
     roughness = Roughness(rms, hurst, 8 * spacing, 24 * spacing)
-    rng, spacings = np.random.default_rng(4), (spacing, spacing if dimensions == 2 else 0.0)
+    rng = np.random.default_rng(4)
+    spacings = (spacing, spacing if dimensions == 2 else 0.0)
     power = slopes = 0.0
     for _ in range(draws):
         heights = draw(roughness, shape, spacings, rng).reshape(shape[::-1])
         q, one = periodogram(heights, spacing)
-        power, slopes = power + one / draws, slopes + np.sum(q**2 * one) / draws
+        power = power + one / draws
+        slopes = slopes + np.sum(q**2 * one) / draws
     # The slope's mean square is the sum over waves of q^2 C, over the area.
     area = heights.size * spacing**dimensions
     assert slopes / area == pytest.approx(rms**2 * integral[1] / integral[0], rel=0.015)
@@ -127,7 +135,8 @@ def test_power_spectrum_and_rms_slope_have_their_closed_forms(hurst, shape, dime
 def test_the_fields_library_measures_the_same(hurst):
     """Its r.m.s. height, and its r.m.s. gradient, by differences, of well-resolved waves."""
     library = pytest.importorskip("SurfaceTopography")
-    shortest, longest = 24.0, 72.0
+    shortest = 24.0
+    longest = 72.0
     roughness = Roughness(0.3, hurst, shortest, longest, seed=1)
     heights = draw(roughness, (768, 768), (1.0, 1.0), np.random.default_rng()).reshape(768, 768)
     scan = library.Topography(heights, (768.0, 768.0), periodic=True)

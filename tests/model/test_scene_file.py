@@ -79,7 +79,8 @@ def again(scene, folder=None):
 
 def assert_same_layout(one, other):
     """Both scenes give kernels the same bits."""
-    one, other = lay_out(one), lay_out(other)
+    one = lay_out(one)
+    other = lay_out(other)
     assert one.asperites.tobytes() == other.asperites.tobytes()
     assert one.model.surfaces.tobytes() == other.model.surfaces.tobytes()
     assert np.array_equal(one.start, other.start)
@@ -90,7 +91,8 @@ def test_defaults():
     """A short file is the long one with all defaults written out."""
     short, long = (scene_from(tomllib.loads(text)) for text in (SHORT, LONG))
     assert_same_layout(short, long)
-    short, long = short.to_table(), long.to_table()
+    short = short.to_table()
+    long = long.to_table()
     assert long["interaction"][0].pop("between") == ["upper", "lower"]
     assert short == long
 

@@ -76,7 +76,9 @@ def pair(potential, drives, **others):
     return tribo.Scene((upper, lower), potential, 6.0, output=output, **others)
 
 
-FORCED, FREE, BARS = tribo.Forced(), tribo.Free(), tribo.DrivenBars()
+FORCED = tribo.Forced()
+FREE = tribo.Free()
+BARS = tribo.DrivenBars()
 DRIVES = [
     (FORCED, FORCED),
     (FREE, FORCED),
@@ -281,13 +283,15 @@ def test_in_pieces_as_in_one(samples):
     """A run that pauses continues with the same bits."""
     scene = replace(pair(tribo.Coulomb(0.3), DRIVES[1]), output=tribo.Output(samples=samples))
     integrator = Integrator(lay_out(scene), RADAU)
-    layout, own = integrator.layout, integrator.pair
+    layout = integrator.layout
+    own = integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
     loop = time_loop(pair_collocation, code_stamp_of(layout.plugins))
     paused = own.loops.take()
     paused._evaluations[0] = 0
     record = np.empty((scene.times.size + 1, COLUMNS))
-    code, calls = PAUSED, 0
+    code = PAUSED
+    calls = 0
     while code == PAUSED:
         code = loop(*paused._loop._fixed, layout.start, scene.times, record, 3)
         calls += 1

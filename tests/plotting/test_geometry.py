@@ -161,7 +161,8 @@ def test_where_nothing_acts_there_is_no_arrow():
 def test_a_calculator_is_drawn(copper):
     """Arrows of a snapshot have the directions of the forces that EMT gives."""
     bobs = pose(copper, 1.0).bobs
-    upper, lower = bobs[:2], bobs[2:]
+    upper = bobs[:2]
+    lower = bobs[2:]
 
     def forces(bobs):
         atoms = Atoms(["Cu"] * len(bobs), np.pad(bobs, ((0, 0), (0, 1))), calculator=EMT())

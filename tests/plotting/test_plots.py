@@ -49,7 +49,8 @@ def test_axes_are_given_or_made(result, kind, tmp_path):
 
 
 def test_curves_are_the_ledger(result):
-    upper, system = result["upper"], result.system
+    upper = result["upper"]
+    system = result.system
     angle = lines_of(result.plot.angles())["lower"].get_ydata()
     assert np.allclose(angle, result["lower"].theta[:, 0] - np.pi, atol=1e-14)
     works = lines_of(result.plot.work("upper"))

@@ -346,7 +346,8 @@ def test_no_damage_goes_unnoticed(tmp_path):
     """A file with any bit changed, cut short or of another function is not used."""
     index = SimpleNamespace(_cache_path=tmp_path, _index_name="loop-1.nbi", _source_stamp=(1, 2))
     files = CodeFiles(index)
-    key, code = (("float64",), "x86"), (b"machine code" * 20, {"a": 1})
+    key = (("float64",), "x86")
+    code = (b"machine code" * 20, {"a": 1})
     assert files.load(key) is None
     files.save(key, code)
     assert files.load(key) == code and files.load((("int64",), "x86")) is None
@@ -434,7 +435,8 @@ def test_values_that_are_compiled_are_seen(place, source):
     """Each process reads it again: other values are other code, and the same are found again."""
     before, factor = SOURCES[source]
     place.write("one", READER.format(before=before, factor=factor))
-    folder, site = place.root / "one", place.root / "site-packages"
+    folder = place.root / "one"
+    site = place.root / "site-packages"
     site.mkdir()
     (folder / "reads.py").write_text(READS)
     found = []

@@ -67,7 +67,8 @@ def test_three_atoms_are_three_pairs():
     places = np.array([[0.0, 0.0, 0.0], [1.2, 0.1, 0.0], [0.4, 1.3, 0.0]])
     ours = LennardJones(0.7, 1.1)
     atoms = Atoms("Ar3", places, calculator=PEERS[LennardJones](ours))
-    energy, force = 0.0, np.zeros((3, 3))
+    energy = 0.0
+    force = np.zeros((3, 3))
     for i in range(3):
         for j in range(3):
             if i != j:
@@ -97,7 +98,8 @@ def test_lennard_jones_is_shifted():
 def test_morse_is_smoothed():
     """By default U is multiplied by a quintic that falls from 1 at 1.9 r0 to 0 at 2.7 r0."""
     ours = Morse(0.8, 1.5, 2.0)
-    begin, end = 1.9 * ours.r0, 2.7 * ours.r0
+    begin = 1.9 * ours.r0
+    end = 2.7 * ours.r0
     r = np.linspace(0.8 * ours.r0, end, 60)
     energy, force = apart(ours, MorsePotential(epsilon=0.8, r0=2.0, rho0=3.0), r)
     u = np.clip((r - begin) / (end - begin), 0.0, 1.0)

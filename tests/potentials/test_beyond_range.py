@@ -7,7 +7,9 @@ import tribo
 from tribo import Potential
 from tribo.potentials import from_points
 
-EPSILON, SIGMA, END = 0.02, 2.5, 4.0
+EPSILON = 0.02
+SIGMA = 2.5
+END = 4.0
 
 
 class Cap(Potential):

@@ -14,7 +14,8 @@ import tribo
 from tribo.potentials import Scaled, Sum, as_calculator, as_potential
 from tribo.validation import InputError
 
-JONES, IONS = tribo.LennardJones(1.0, 1.0), tribo.Coulomb(0.2)
+JONES = tribo.LennardJones(1.0, 1.0)
+IONS = tribo.Coulomb(0.2)
 COMPOSED = JONES + 0.5 * IONS
 
 
@@ -115,7 +116,8 @@ def test_the_same_as_ase():
 
     atoms = Atoms("Ar3", positions=[[0.0, 0.0, 0.0], [1.2, 0.0, 0.0], [0.3, 1.1, 0.0]])
     atoms.calc = Peer(epsilon=3.0, sigma=1.0, rc=1e6)
-    energy, forces = atoms.get_potential_energy(), atoms.get_forces()
+    energy = atoms.get_potential_energy()
+    forces = atoms.get_forces()
     atoms.calc = as_calculator(JONES + 2.0 * JONES)
     assert atoms.get_potential_energy() == pytest.approx(energy, rel=1e-12)
     assert atoms.get_forces() == pytest.approx(forces, rel=1e-12)
@@ -214,7 +216,8 @@ def test_members_of_ensembles_have_composed_potentials():
     """Members side by side in registers are those that run alone, within their accuracy."""
     upper = tribo.Surface("upper", bob=(-1.0, 1.3), velocity=(0.5, 0.0))
     lower = tribo.Surface("lower", facing="up")
-    numerics, output = tribo.Numerics(accuracy=1e-7), tribo.Output(samples=2)
+    numerics = tribo.Numerics(accuracy=1e-7)
+    output = tribo.Output(samples=2)
     scene = tribo.Scene([upper, lower], COMPOSED, 2.0, numerics=numerics, output=output)
     angles = np.linspace(-0.2, 0.2, 16)
     found = tribo.ensemble(scene, 16, {"upper.theta": angles}, keep=["upper.W"])

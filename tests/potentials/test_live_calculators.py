@@ -10,7 +10,8 @@ from ase.calculators.lj import LennardJones as LennardJonesOfASE
 import tribo
 from tribo.potentials import from_calculator
 
-EPSILON, SIGMA = 0.3, 1.1
+EPSILON = 0.3
+SIGMA = 1.1
 
 
 def scene(potential, **settings) -> tribo.Scene:
@@ -89,7 +90,8 @@ class Failing(Calculator):
 
     def __init__(self, left: int, error: type[BaseException]) -> None:
         super().__init__()
-        self.left, self.kind = left, error
+        self.left = left
+        self.kind = error
 
     def calculate(self, atoms=None, properties=("energy",), system_changes=all_changes):
         """No force at all, until it fails once."""

@@ -83,7 +83,8 @@ def hertz(r, p):
     return [p.A * r / p.d, p.A * (overlap ** mpmath.mpf(2.5) - r / p.d)]
 
 
-DEPTH, LENGTH = numbers(1e-3, 1e3), numbers(0.1, 3.0)
+DEPTH = numbers(1e-3, 1e3)
+LENGTH = numbers(0.1, 3.0)
 REGISTRY = {
     "coulomb": Entry(st.builds(Coulomb, st.floats(-5.0, 5.0)), lambda r, p: [p.strength / r], True),
     "yukawa": Entry(
@@ -144,7 +145,8 @@ def test_energy_and_force_are_the_formula(name, data):
     potential = as_potential(data.draw(REGISTRY[name].drawn))
     assert type(potential) is BUILT_IN[name]
     places = np.array(data.draw(st.lists(numbers(0.05, 20.0), min_size=1, max_size=4)))
-    energies, forces = potential.energy(places), potential.force(places)
+    energies = potential.energy(places)
+    forces = potential.force(places)
     steep = 20.0 + 40.0 / np.min(places)  # an exponent's round-off, magnified by itself
     for r, energy, force in zip(places, energies, forces, strict=True):
         exact, slope, size, steepest = precisely(name, potential, r)
@@ -214,7 +216,8 @@ def test_relations_between_potentials():
     plain = jones.with_cutoff(2.0 ** (1 / 6) * 0.9, "shift")
     assert core.energy(r) == pytest.approx(plain.energy(r), abs=1e-14)
     assert core.force(r) == pytest.approx(plain.force(r), abs=1e-14)
-    twelve, six = SoftSphere(1.2, 0.9, 12.0), SoftSphere(1.2, 0.9, 6.0)
+    twelve = SoftSphere(1.2, 0.9, 12.0)
+    six = SoftSphere(1.2, 0.9, 6.0)
     assert twelve.force(r) - six.force(r) == pytest.approx(jones.force(r), rel=1e-12, abs=1e-12)
     assert Plummer(0.4, 0.5).energy(0.0) == pytest.approx(0.8)
 
@@ -356,7 +359,8 @@ def test_a_table_is_the_spline():
 
     r = np.array([0.5, 0.6, 0.9, 1.0, 1.7, 2.0])
     u = np.array([3.0, -1.0, 0.5, 0.2, 0.0, 0.7])
-    table, spline = from_points(r, u), CubicSpline(r, u)
+    table = from_points(r, u)
+    spline = CubicSpline(r, u)
     x = np.linspace(0.5, 1.9999, 801)
     assert table.energy(x) == pytest.approx(spline(x), abs=1e-13)
     assert table.force(x) == pytest.approx(-spline(x, 1), abs=1e-12)
@@ -464,7 +468,8 @@ def test_expressions_and_their_derivatives(text, parameters):
         return eval(text, names, {"r": r})
 
     for r in (0.3, 0.77, 1.0, 1.9, 3.3):
-        energy, force = exact(mpmath.mpf(r)), -mpmath.diff(exact, mpmath.mpf(r))
+        energy = exact(mpmath.mpf(r))
+        force = -mpmath.diff(exact, mpmath.mpf(r))
         assert potential.energy(r) == pytest.approx(float(energy), rel=1e-12, abs=1e-13)
         assert potential.force(r) == pytest.approx(float(force), rel=1e-11, abs=1e-12)
     both = potential.energy(np.array([0.3, 1.9]))

@@ -125,7 +125,8 @@ def test_runs_conserve_energy():
         contact = result.system["contact_energy"]
         energy = contact.copy()
         for name, rest in (("upper", 0.0), ("lower", np.pi)):
-            theta, omega = result[name].theta[:, 0], result[name].omega[:, 0]
+            theta = result[name].theta[:, 0]
+            omega = result[name].omega[:, 0]
             energy += 0.5 * 1.0 * 2.0**2 * omega**2 + 0.5 * 2.0 * (theta - rest) ** 2
         assert np.ptp(contact) > 1e-3
         assert np.ptp(energy) < 1e-5, type(own).__name__

@@ -17,6 +17,7 @@ def contact_in_numpy(scene):
     potential = scene.interactions[0].potential
 
     def probe(positions, charges):
+        """Energies and forces as from compiled contact, by the potential's methods for arrays."""
         apart = positions[:, :1, None] - positions[:, None, 1:]
         with np.errstate(all="ignore"):
             r = np.sqrt(np.sum(apart * apart, axis=-1))
@@ -24,7 +25,8 @@ def contact_in_numpy(scene):
             energy = of_arrays(potential.energy_between)(*pairs)
             force = of_arrays(potential.force_between)(*pairs)
             inside = r < potential.range()
-            energy, force = np.where(inside, energy, 0.0), np.where(inside, force, 0.0)
+            energy = np.where(inside, energy, 0.0)
+            force = np.where(inside, force, 0.0)
             forces = (force / r)[..., None] * apart[..., :2]
         return energy.sum(axis=(1, 2)), np.hstack([forces.sum(axis=2), -forces.sum(axis=1)])
 

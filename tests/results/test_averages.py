@@ -13,7 +13,8 @@ from tribo.results.averages import FUNCTIONS
 
 ROOT = Path(__file__).parents[2]
 BENCHMARK = runpy.run_path(str(ROOT / "benchmarks" / "averages.py"))
-KINDS, coverage = BENCHMARK["kinds"](), BENCHMARK["coverage"]
+KINDS = BENCHMARK["kinds"]()
+coverage = BENCHMARK["coverage"]
 
 
 @pytest.mark.parametrize(
@@ -59,7 +60,8 @@ def test_a_constant_is_its_average(value, samples):
 
 def test_arrays_of_other_libraries():
     """Series of xarray, of pandas and of 32 bits are read as those of numpy."""
-    t, values = np.arange(100.0), np.random.default_rng(1).standard_normal(100).astype(np.float32)
+    t = np.arange(100.0)
+    values = np.random.default_rng(1).standard_normal(100).astype(np.float32)
     known = tribo.time_average(t, values.astype(float), 10.0)
     for kind in (xarray.DataArray, pandas.Series):
         assert tribo.time_average(kind(t), kind(values), after=np.float32(10.0)) == known
@@ -76,7 +78,8 @@ def test_incomplete_periods_do_not_matter_with_weights():
         found = tribo.time_average(s, values, 0.0)
         plain = np.trapezoid(values, s)
         assert found.mean == pytest.approx(plain, abs=1e-14)
-        off, half_width = abs(plain - 7.0), found.weighted_half_width
+        off = abs(plain - 7.0)
+        half_width = found.weighted_half_width
         assert abs(found.weighted_mean - 7.0) < half_width < 0.2 * off
         assert off < found.half_width < 1.3 * off
         assert f"vanish there it is {found.weighted_mean:.4g} +- {half_width:.2g}" in found.note
@@ -111,7 +114,8 @@ def test_few_samples_in_the_second_half_are_averaged(t):
 
 def test_correlation_time_and_effective_samples():
     """On average, of exponential correlation with a time of 10: 2000 / (2 * 10) are independent."""
-    rng, t = np.random.default_rng(3), np.arange(2000.0)
+    rng = np.random.default_rng(3)
+    t = np.arange(2000.0)
     made = [BENCHMARK["exponential"](1 / 200, rng, 2000) for _ in range(60)]
     found = [tribo.time_average(t, values, 0.0) for values in made]
     assert np.median([each.correlation_time for each in found]) == pytest.approx(10.0, rel=0.4)
@@ -146,7 +150,8 @@ def test_units_and_offsets_do_not_matter():
 
 def test_the_run_in_is_left_out():
     """Where it matters: an exponential approach, and not of a stationary series."""
-    rng, t = np.random.default_rng(5), np.linspace(0.0, 100.0, 2000)
+    rng = np.random.default_rng(5)
+    t = np.linspace(0.0, 100.0, 2000)
     values = 1.0 + 0.1 * rng.standard_normal(2000)
     assert tribo.time_average(t, values).after == 0.0
     found = tribo.time_average(t, values + 5.0 * np.exp(-t / 4.0))

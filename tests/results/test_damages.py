@@ -59,7 +59,8 @@ def flipped(rng, content):
 
 
 def overwritten(rng, content):
-    at, size = rng.randrange(len(content)), rng.randrange(1, 200)
+    at = rng.randrange(len(content))
+    size = rng.randrange(1, 200)
     new = rng.choice((bytes, rng.randbytes))(min(size, len(content) - at))
     return content[:at] + new + content[at + len(new) :]
 
@@ -85,10 +86,13 @@ def overwritten_at_its_end(rng, content):
 
 
 def exchanged(rng, content):
-    one, size = rng.randrange(len(content)), rng.randrange(1, 500)
+    """The content with two of its parts in each other's place."""
+    one = rng.randrange(len(content))
+    size = rng.randrange(1, 500)
     other = rng.randrange(len(content))
     damaged = bytearray(content)
-    first, second = content[one : one + size], content[other : other + size]
+    first = content[one : one + size]
+    second = content[other : other + size]
     damaged[other : other + len(first)] = first
     damaged[one : one + len(second)] = second
     return bytes(damaged)
@@ -213,7 +217,8 @@ def test_random_damages(files, trials, tmp_path):
     assert read()
     most = processor_time() - began + MOST_SECONDS
     rng = random.Random(f"{files.__name__} {trials}")
-    refused, slowest = 0, 0.0
+    refused = 0
+    slowest = 0.0
     for trial in range(max(5, round(KINDS[files] * trials))):
         damage = overwritten_at_its_end if trial % 10 == 9 else rng.choice(DAMAGES)
         for other in tmp_path.iterdir():

@@ -9,7 +9,9 @@ from scipy import stats
 import tribo
 from support.transformations import boosted
 
-AMPLITUDE, PERIOD, GAMMA = 0.3, 1.0, 1.0
+AMPLITUDE = 0.3
+PERIOD = 1.0
+GAMMA = 1.0
 # Of a tip on a corrugation, reached a quarter of a period from its minimum.
 STATIC = 2.0 * np.pi * AMPLITUDE / PERIOD
 HOW = {"method": "verlet", "step": 0.02}
@@ -125,7 +127,8 @@ def test_the_coefficient_of_friction():
     potential = tribo.Gaussian(0.5, 0.5).with_cutoff(1.5)
     scene = tribo.Scene([upper, lower], potential, 100.0, periodic={"x": 3.0}, output=output)
     result = tribo.simulate(scene, **HOW)
-    found, force = result.friction_coefficient("upper"), result.friction_force("upper")
+    found = result.friction_coefficient("upper")
+    force = result.friction_force("upper")
     assert found.mean == pytest.approx(-force.mean / 0.4) and found.mean > 0.0
     assert found.half_width == pytest.approx(force.half_width / 0.4, nan_ok=True)
     assert f"{found.mean:.4g} of the load" in str(result)

@@ -51,7 +51,8 @@ def test_a_mean_that_is_not_seen_is_not_trusted():
 def test_units_and_refusals():
     """Works over the temperature count alone, also where the exponents are large."""
     works = gaussian(np.random.default_rng(5), 0.1, 1000)
-    one, other = exponential_average(works, 1.0), exponential_average(7.0 * works, 7.0)
+    one = exponential_average(works, 1.0)
+    other = exponential_average(7.0 * works, 7.0)
     assert abs(one.mean / other.mean - 1.0) < 1e-14 and one.trusted and "trusted" not in str(one)
     assert exponential_average(np.full(100, -600.0), 1.0).mean == pytest.approx(np.exp(600.0))
     for works, temperature in ((np.zeros(99), 1.0), (np.zeros(100), 0.0), ("a", 1.0)):

@@ -90,10 +90,12 @@ def test_resumed_after_kills(often, tmp_path, name):
 
 def test_killed_while_it_saves(monkeypatch, tmp_path):
     """Wherever a save ends, an earlier file is whole, and the run resumes."""
-    out, kinds = tmp_path / "run.nc", {"accuracy": 1e-6}
+    out = tmp_path / "run.nc"
+    kinds = {"accuracy": 1e-6}
     whole = tribo.simulate(pair(), **kinds, out=out)
     for name in ("fsync", "replace"):
-        original, before = getattr(os, name), out.read_bytes()
+        original = getattr(os, name)
+        before = out.read_bytes()
         for after in range(0, 20, 4):
             kill = killer(after)
             with monkeypatch.context() as patch:
@@ -207,7 +209,8 @@ def test_names_of_surfaces(tmp_path):
         result.save(tmp_path / "run.nc")
         found = tribo.load_result(tmp_path / "run.nc")
         assert same_end(result, found) and found.notes == result.notes
-        state, other = result.state().arrays(), found.state().arrays()
+        state = result.state().arrays()
+        other = found.state().arrays()
         assert state.keys() == other.keys()
         if shutil.which("ncdump"):
             subprocess.run(["ncdump", "-h", tmp_path / "run.nc"], check=True, capture_output=True)
@@ -255,7 +258,8 @@ REWRITE = {
 def test_written_again(program, tmp_path):
     """The same values in other bytes are read with a note; another value or unit is refused."""
     rewrite = REWRITE[program]
-    first, second = tmp_path / "run.nc", tmp_path / "again.nc"
+    first = tmp_path / "run.nc"
+    second = tmp_path / "again.nc"
     whole = tribo.simulate(pair(), accuracy=1e-4, out=first)
     rewrite(first, second)
     assert first.read_bytes() != second.read_bytes()
@@ -292,7 +296,8 @@ def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     """A journal that has grown is written again, and resumes as before."""
     monkeypatch.setattr(frames, "MOST_REPLACED", 0)
     scene, how = HOW["noise"]
-    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    out = tmp_path / "run.nc"
+    part = tmp_path / "run.nc.part"
     with pytest.raises(Killed):
         tribo.simulate(scene, **how, out=out, progress=killer(40))
     smaller = part.stat().st_size
@@ -308,7 +313,8 @@ def test_full_disk_when_a_journal_is_written_again(often, monkeypatch, tmp_path)
     """One sentence; the journal stays as it was, nothing else is left, and the run resumes."""
     monkeypatch.setattr(frames, "MOST_REPLACED", 0)
     scene, how = HOW["noise"]
-    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    out = tmp_path / "run.nc"
+    part = tmp_path / "run.nc.part"
 
     def full(source, target):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -324,7 +330,8 @@ def test_full_disk_when_a_journal_is_written_again(often, monkeypatch, tmp_path)
 
 def test_another_run_is_refused(often, monkeypatch, tmp_path):
     """By name, from the journal and from the complete file; both stay as they were."""
-    out, part = tmp_path / "run.nc", tmp_path / "run.nc.part"
+    out = tmp_path / "run.nc"
+    part = tmp_path / "run.nc.part"
     with pytest.raises(Killed):
         tribo.simulate(pair(), accuracy=1e-6, out=out, progress=killer(5))
     for path in (part, out):
@@ -386,7 +393,8 @@ PROGRAM = "import sys; from tribo.commands.cli import main; sys.exit(main())"
 @pytest.mark.parametrize("kills", [3, pytest.param(100, marks=pytest.mark.slow)])
 def test_killed_at_random(kills, tmp_path):
     """Programs that are killed at any moment, from the first on; each end has the same bits."""
-    path, out = tmp_path / "scene.toml", tmp_path / "run.nc"
+    path = tmp_path / "scene.toml"
+    out = tmp_path / "run.nc"
     scene = replace(quick(), numerics=tribo.Numerics(method="verlet", step=1e-3))
     scene.save(path)
     whole = tribo.simulate(scene)
@@ -440,7 +448,8 @@ print(Path(sys.argv[1]).with_name("loaded").exists())
 
 def test_opening_a_result_loads_no_code(tmp_path, capsys, server):
     """Running its scene does, if the plug-in is what it was; `--no-plugins` refuses it."""
-    scene, own = tmp_path / "scene.toml", tmp_path / "own.py"
+    scene = tmp_path / "scene.toml"
+    own = tmp_path / "own.py"
     scene.write_text(TABLE)
     own.write_text(PLUGIN)
     assert main(["run", str(scene), "--no-plugins"]) == 2

@@ -13,7 +13,9 @@ from tribo.ledger.ledger import Ledger, known
 from tribo.results import report
 
 HOW = {"method": "verlet", "step": 0.02}
-GAMMA, SPEED, DURATION = 1.0, 0.05, 450.0
+GAMMA = 1.0
+SPEED = 0.05
+DURATION = 450.0
 
 
 def tip(temperature=0.0, gamma=GAMMA, **output):
@@ -36,7 +38,8 @@ def result():
 
 def test_a_tip_on_a_corrugation_has_friction(result):
     """Friction, pull and drag balance; their works are friction times distance."""
-    friction, pull = result.friction_force("tip"), result.pull_force("tip")
+    friction = result.friction_force("tip")
+    pull = result.pull_force("tip")
     drag = -GAMMA * SPEED
     assert -2.0 < friction.mean < -0.5 < 0.0 < friction.half_width < 0.1
     assert 0.0 < pull.half_width < 0.1
@@ -58,7 +61,8 @@ def test_it_is_the_same_in_files_members_and_sweeps(temperature, tmp_path, capsy
     """Also in portions, with sums of works alone, and from the command line."""
     scene = tip(temperature)
     result = tribo.simulate(scene, **HOW)
-    friction, pull = result.friction_force("tip"), result.pull_force("tip")
+    friction = result.friction_force("tip")
+    pull = result.pull_force("tip")
     assert friction.mean < -0.3 and pull.mean > 0.3
     result.save(tmp_path / "tip.nc")
     loaded = tribo.load_result(tmp_path / "tip.nc")
@@ -88,7 +92,8 @@ def test_it_is_the_same_in_files_members_and_sweeps(temperature, tmp_path, capsy
 
 def test_work_of_the_stage_and_energy_of_its_springs(result):
     """The stage's work is the impulse times its speed; it heats, and loads the springs."""
-    table, t = result["tip"], result.t
+    table = result["tip"]
+    t = result.t
     spring = SPEED * t + table.x_bar[0, 0] - table.x_bar[:, 0]
     assert table.e_pull == pytest.approx(0.5 * 5.0 * spring**2, abs=1e-12)
     assert table.pull_force == pytest.approx(5.0 * spring, abs=1e-12)
@@ -121,8 +126,10 @@ def test_friction_and_pull_have_one_window(result):
     """Both means are integrals over the same time, of the samples or of means over intervals."""
     noisy = tribo.simulate(held(), **HOW)
     for each, begin in ((result, 50.0), (noisy, 10.0)):
-        friction, pull = each.friction_force("tip"), each.pull_force("tip")
-        t, series = each.t, each["tip"]
+        friction = each.friction_force("tip")
+        pull = each.pull_force("tip")
+        t = each.t
+        series = each["tip"]
         first = int(np.searchsorted(t, begin))
         assert friction.after == pull.after == t[first]
         length = t[-1] - t[first]
@@ -153,7 +160,8 @@ def test_what_a_scene_does_not_report_is_refused_at_once(monkeypatch):
         raise AssertionError("compiled")
 
     monkeypatch.setattr("tribo.simulation.Integrator", compiled)
-    scene, keep = tip(0.02), ["tip.heat_swing"]
+    scene = tip(0.02)
+    keep = ["tip.heat_swing"]
     for refused in (
         lambda: tribo.ensemble(scene, 2, keep=keep, **HOW),
         lambda: tribo.sweep(scene, {"tip.vx": [0.0]}, keep=keep, **HOW),
@@ -171,8 +179,11 @@ def test_averages_of_a_stopped_run_end_together(result):
     whole = result.ledger
     ledger = Ledger(whole.t, whole.surfaces, {"tip": known(series)}, whole.system)
     stopped = replace(result, status=Status.NOT_FINITE, assemble=lambda: ledger)
-    friction, pull = stopped.friction_force("tip"), stopped.pull_force("tip")
-    t, pulls, first = result.t, result["tip"].pull_force, int(np.searchsorted(result.t, 50.0))
+    friction = stopped.friction_force("tip")
+    pull = stopped.pull_force("tip")
+    t = result.t
+    pulls = result["tip"].pull_force
+    first = int(np.searchsorted(result.t, 50.0))
     mean = np.trapezoid(pulls[first:-1], t[first:-1]) / (t[-2] - t[first])
     assert friction.after == pull.after and pull.mean == pytest.approx(mean, rel=1e-12)
     for average in (stopped.friction_force, stopped.pull_force):
@@ -198,7 +209,8 @@ def test_the_pull_of_forced_surfaces_and_driven_bars(drive, ledger):
     """A forced drive cancels the contact; the reaction of bars is that less the bob's momentum."""
     result = sliding(drive, ledger=ledger)
     upper = result["upper"]
-    friction, pull = result.friction_force("upper"), result.pull_force("upper")
+    friction = result.friction_force("upper")
+    pull = result.pull_force("upper")
     momentum = np.trapezoid(upper.friction_force + upper.pull_force, result.t)
     change = result.scene.surfaces[0].each["mass"][0] * (upper.vx_cm[-1, 0] - upper.vx_cm[0, 0])
     assert momentum == pytest.approx(change, abs=2e-4)

@@ -88,7 +88,8 @@ def passing(method, step, times=None, samples=25, **settings):
 @pytest.mark.parametrize(("step", "taken"), [(5.0, 0.5), (0.6, 0.5), (0.3, 0.25), (0.26, 0.25)])
 def test_steps_that_samples_shorten(method, step, taken):
     """A note has the step that is taken where it is more than 5 % shorter than the given one."""
-    result, exact = passing(method, step), passing(method, taken)
+    result = passing(method, step)
+    exact = passing(method, taken)
     assert result.cost.steps == round(12.0 / taken)
     assert np.array_equal(result["upper"].w1, exact["upper"].w1)
     assert exact.notes == ()

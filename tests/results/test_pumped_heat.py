@@ -6,7 +6,9 @@ import pytest
 
 import tribo
 
-LIGHT, HEAVY = 0.2, 5.0  # masses of bars, of bobs of mass 1
+# Masses of bars, whose bobs have a mass of 1.
+LIGHT = 0.2
+HEAVY = 5.0
 SPEED = 0.05
 
 
@@ -97,7 +99,8 @@ def test_work_of_forced_drives_from_rest():
     output = tribo.Output(samples=4001, series=["forces"])
     scene = tribo.Scene(surfaces, tribo.Coulomb(0.2), 400.0, output=output)
     result = tribo.simulate(scene, accuracy=1e-8)
-    force, t = result["upper"].friction_force, result.t
+    force = result["upper"].friction_force
+    t = result.t
     friction = -0.5 * float(((force[1:] + force[:-1]) / 2 * (t[1:] - t[:-1])).sum())
     work = sum(float(result[name].w2[-1, 0]) for name in ("upper", "lower"))
     contact = result.system["contact_energy"]

@@ -67,7 +67,8 @@ def same_series(one, other):
 
 def test_series(result):
     """A surface's series is a mapping, whose names are attributes too."""
-    upper, lower = result["upper"], result["lower"]
+    upper = result["upper"]
+    lower = result["lower"]
     assert upper.theta is upper["theta"]
     assert "theta" in upper and "no such" not in upper
     assert len(upper) == len(list(upper)) == len(set(upper)) > 20
@@ -141,10 +142,12 @@ def test_results_are_released_without_a_collection():
 def test_columns_are_the_series(result):
     """All series side by side, those of single surfaces too, are the same as one by one."""
     simulation = tribo.prepare(scene(), method="midpoint", step=0.01)
-    samples, layout = raw_samples(simulation.compute().ledger), simulation.layout
+    samples = raw_samples(simulation.compute().ledger)
+    layout = simulation.layout
     group = AsperiteSeries(layout, samples, (layout.together,))
     columns = series_table(layout, group, ["upper.W", "lower.w1"])
-    ledger, stops = assemble(layout, samples), [*columns.starts[1:], columns.values.shape[1]]
+    ledger = assemble(layout, samples)
+    stops = [*columns.starts[1:], columns.values.shape[1]]
     assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}
     for name, start, stop in zip(columns.names, columns.starts, stops, strict=True):
         series = [each.reshape(9, -1) for each in ledger.series(name)]
@@ -366,7 +369,8 @@ def test_copies(image):
 def test_plans_are_immutable():
     """A simulation does not change its plan, whatever it runs."""
     simulation = tribo.prepare(scene(), accuracy=1e-6)
-    plan, before = simulation.plan, dict(vars(simulation.plan))
+    plan = simulation.plan
+    before = dict(vars(simulation.plan))
     simulation.run({"upper.theta": 0.3})
     simulation.run(estimate=False)
     assert simulation.plan is plan and all(vars(plan)[name] is before[name] for name in before)
@@ -489,7 +493,8 @@ def test_file_has_the_first_word_and_the_call_the_last():
 def test_a_prepared_scene_shows_its_progress(monkeypatch, capsys):
     """In the search and in each later run: a bar, a function, or nothing."""
     monkeypatch.setattr("tribo.progress.DELAY", 0.0)
-    how, told = {"accuracy": 1e-6}, []
+    how = {"accuracy": 1e-6}
+    told = []
     shown = tribo.prepare(scene(), progress=True, **how)
     assert "100%" in capsys.readouterr().err
     shown.run()
@@ -530,8 +535,10 @@ def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path, keep):
         monkeypatch.setattr(f"tribo.loops.frames.{name}", 0.0)
     long = replace(scene(), output=replace(scene().output, keep=keep))
     how = {"method": "midpoint", "step": 0.01}
-    whole, out = tribo.simulate(long, **how), tmp_path / "long.nc"
-    write, kills = Journal.write, 0
+    whole = tribo.simulate(long, **how)
+    out = tmp_path / "long.nc"
+    write = Journal.write
+    kills = 0
 
     def killing(journal, number, name, arrays):
         """Every third frame is the last that a process writes."""

@@ -35,9 +35,12 @@ from tribo import (
     Surface,
 )
 
-STEP, END = 0.01, 0.03
-# Largest difference of verlet from one step of rk4; every effect changes the motion by more.
-AGREE, ACT = 2e-5, 1e-4
+STEP = 0.01
+END = 0.03
+# Largest difference of verlet from one step of rk4.
+AGREE = 2e-5
+# Least change of the motion by an effect.
+ACT = 1e-4
 # Largest residual of an identity of the ledger, of energies of order 1: round-off, and with stored
 # energies the error of the step.  A reservoir with noise moves bars by jumps, whose works are
 # shared with the next kick: half of the last one is missing.
@@ -47,8 +50,11 @@ ROUND_OFF = 1e-13
 NOT_A_LAW = ("w_ps is the sum of the pseudoworks", True)
 # Effects that bars which keep their velocities do not feel: driven ones, and forced rigid ones.
 IDLE = dict.fromkeys(("springs", "bath"), ("driven bars", "rigid asperites"))
-# A temperature at which noise changes nothing, and one at which it does.
-COLD, WARM, NOISE = 1e-30, 0.3, 0.01
+# A temperature at which noise changes nothing.
+COLD = 1e-30
+# A temperature at which it does, and the least change of the motion.
+WARM = 0.3
+NOISE = 0.01
 
 
 class Push(NamedTuple):
@@ -185,7 +191,8 @@ def residuals(result):
 def complaints(names):
     """What is wrong with a scene of some effects."""
     for temperature, method in ((None, "verlet"), (COLD, None)):
-        same, reference = run(names, temperature, method), None if temperature is None else 0.0
+        same = run(names, temperature, method)
+        reference = None if temperature is None else 0.0
         truth = run(names, reference, "rk4", END)
         if apart(same, truth) > AGREE:
             yield f"{same.method} at T = {temperature} is {apart(same, truth):.1e} from rk4"

@@ -19,7 +19,8 @@ def flow_of(
     The settings of :func:`tribo.prepare` fix the steps, so that the map is smooth.
     """
     simulation = tribo.prepare(scene, **settings)
-    layout, method = simulation.layout, simulation.method.name
+    layout = simulation.layout
+    method = simulation.method.name
 
     def flow(y: np.ndarray) -> np.ndarray:
         run = simulation.integrator(simulation.plan.setting, layout.times, y)

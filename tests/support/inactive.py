@@ -21,7 +21,8 @@ def crossing(stops=STOPS, columns=40, rows=3, ends="free", first=11.0):
         drive=tribo.Pulled(stiffness=2.0, speed=0.5),
     )
     count = columns * rows
-    kappa, swing = np.linspace(0.5, 16.0, count), np.linspace(-0.25, 0.2, count)
+    kappa = np.linspace(0.5, 16.0, count)
+    swing = np.linspace(-0.25, 0.2, count)
     kappa[-1] = 0.0
     hills = np.cos(np.arange(count) % columns / 2.0) - 1.0
     lower = tribo.Surface(
@@ -99,7 +100,8 @@ def positions(loop):
 
 def longest_paths(loop):
     """How far free swings may carry each bob from where it is, (n,); 0 of the slider's."""
-    layout, a = loop.layout, loop.layout.asperites
+    layout = loop.layout
+    a = loop.layout.asperites
     swing, omega = loop.state.y.reshape(2, -1)[:, layout.places.q[: a.size]]
     inertia = a.inertia + a.mass * a.pivot**2
     with np.errstate(divide="ignore"):
@@ -158,9 +160,12 @@ def check(scene) -> str:
     from tribo.layout.contacts import MARGIN, SKIN
 
     loop, every = loops(scene)
-    neighbours, selection = loop._neighbours, loop._neighbours.active
-    end, cutoff = scene.times[-1], scene.interactions[0].potential.range()
-    skin, period = SKIN * cutoff, scene.periodic.z
+    neighbours = loop._neighbours
+    selection = loop._neighbours.active
+    end = scene.times[-1]
+    cutoff = scene.interactions[0].potential.range()
+    skin = SKIN * cutoff
+    period = scene.periodic.z
     times = np.array([end, 1.5 * end])
     sliding = np.zeros(scene.count, bool)
     sliding[loop.layout.parts["slider"]] = True
@@ -170,7 +175,8 @@ def check(scene) -> str:
     speed = np.abs(scene.surfaces[2].velocity[0] - scene.surfaces[0].velocity[0])
     rooms = [each.room(2) for each in (loop, every)]
     listed = chosen = (np.full((scene.count, 3), np.nan), 0.0)
-    t, steps = 0.0, 0
+    t = 0.0
+    steps = 0
     while t < end - 1.5 * STEP:
         before = ~inactive(loop), int(neighbours.made[0]), selection.selected[0]
         paths = longest_paths(every)
@@ -178,7 +184,8 @@ def check(scene) -> str:
             # None at first: the lists are made at t = 0.
             if each.advance(times, room, steps) != PAUSED:
                 return f"t = {t}: the run stops"
-        places, asleep = positions(every), inactive(loop)
+        places = positions(every)
+        asleep = inactive(loop)
         t = loop.clocks["t"][0] - 0.5 * STEP * steps
         if np.max(np.abs(positions(loop) - places)[~asleep]) > 1e-11:
             return f"t = {t}: bobs are not where steps carry them"
@@ -197,7 +204,8 @@ def check(scene) -> str:
             if np.any(lengths < 0) or np.any(lengths[rows][asleep[lower]]):
                 return f"t = {t}: rows of bobs that are not stepped"
         if late and far:
-            chosen, reach = (places, t), cutoff + skin + room
+            chosen = (places, t)
+            reach = cutoff + skin + room
             if np.any(asleep != out_of_reach(every.layout, places, paths, reach, period)):
                 return f"t = {t}: others should be stepped"
         steps = 1
@@ -224,10 +232,12 @@ def check_paths(scene) -> str:
     loop, _ = loops(scene)
     loop.advance(scene.times, loop.room(1), 0)
     layout, q, v = loop.layout, *loop.state.y.reshape(2, -1)
-    places, paths = positions(loop), longest_paths(loop)
+    places = positions(loop)
+    paths = longest_paths(loop)
     for k, (name, part) in enumerate(layout.parts.items()):
         _, low, high = boxes(layout, part, places, paths)
-        found, active = loop._neighbours.own, loop._neighbours.active
+        found = loop._neighbours.own
+        active = loop._neighbours.active
         set_boxes_of_paths(loop.model, active, k, 0.0, q, v, found)
         centres, halves = (each[:, : found.count[0]] for each in found[1:])
         if not (np.allclose(centres - halves, low.T) and np.allclose(centres + halves, high.T)):

@@ -22,7 +22,8 @@ METHODS = ("verlet", "midpoint")
 CONTACT = tribo.Morse(0.4, 1.6, 0.7).with_cutoff(2.5)
 OSCILLATORS = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
 TORSIONAL = {"inertias": np.ones(2), "torsional_frequencies": np.ones(2)}
-BATH, FULL_BATH = tribo.Bath(**OSCILLATORS), tribo.Bath(**OSCILLATORS, **TORSIONAL)
+BATH = tribo.Bath(**OSCILLATORS)
+FULL_BATH = tribo.Bath(**OSCILLATORS, **TORSIONAL)
 FIELD = tribo.Field(tribo.Corrugation(0.2, 1.0), on=("upper", "lower"), velocity=(0.3, 0.0))
 
 
@@ -118,7 +119,8 @@ def complaints(
 
 def wrong_with(name: str, method: str) -> list[str]:
     """What is wrong with the runs of one scene."""
-    scene, kinds = (SCENES | NOISY)[name], ("asperites", "surfaces", "none")
+    scene = (SCENES | NOISY)[name]
+    kinds = ("asperites", "surfaces", "none")
     return list(complaints(*(run(scene, kind, method=method, **STEPPED) for kind in kinds)))
 
 

@@ -96,7 +96,8 @@ class UnsolvedError(RuntimeError):
 
     def __init__(self, status: str, info: Info) -> None:
         super().__init__(f"{status} at t = {info.t!r} after {info.evaluations:g} evaluations")
-        self.status, self.info = status, info
+        self.status = status
+        self.info = info
 
 
 class Info(ctypes.Structure):
@@ -243,7 +244,8 @@ def library(precision: str) -> Any:
     solver = ctypes.CDLL(str(path)).solve
     path.unlink()
     path.parent.rmdir()
-    number, array = ctypes.c_double, ctypes.POINTER(ctypes.c_double)
+    number = ctypes.c_double
+    array = ctypes.POINTER(ctypes.c_double)
     solver.argtypes = [ctypes.POINTER(Arrays), ctypes.c_int, array, number, ctypes.c_int, number]
     solver.argtypes += [array, ctypes.POINTER(Info)]
     return solver
@@ -312,11 +314,15 @@ def solve(
 
 
 def _solve(model: Tables, precision: str, most: float) -> Solution:
+    """The solution at a precision; its errors are estimated by one with looser tolerances."""
     tolerance, rows = TOLERANCES[precision]
     fine, info = model.solve(precision, tolerance, rows, most)
     rough, _ = model.solve(precision, LOOSER * tolerance, rows, most)
-    times, kept = model.t[model.recorded], model.recorded
-    numbers, scales, forces = model.named(fine[kept]), model.scales(fine), model.beside(fine[kept])
+    times = model.t[model.recorded]
+    kept = model.recorded
+    numbers = model.named(fine[kept])
+    scales = model.scales(fine)
+    forces = model.beside(fine[kept])
     solution = Solution(times, *numbers, {}, scales, info, forces)
     other = Solution(times, *model.named(rough[kept]), {}, {}, info)
     for name in (*QUANTITIES, *BLOCK, *SYSTEM):
@@ -329,7 +335,8 @@ def _solve(model: Tables, precision: str, most: float) -> Solution:
 
 def recorded_times(scene: dict[str, Any]) -> np.ndarray:
     """The times that a run of the scene records, both ends included."""
-    output, duration = scene.get("output", {}), float(scene["duration"])
+    output = scene.get("output", {})
+    duration = float(scene["duration"])
     if "times" in output:
         return np.union1d(np.array(output["times"], float), [0.0, duration])
     return np.linspace(0.0, duration, output.get("samples", 401))
@@ -359,19 +366,24 @@ def oscillators_of(spectrum: str, gamma: float, cutoff: float, n: int) -> list[t
     for j in range(n):
         x = (j + 0.5) / n
         if spectrum == "drude":
-            w, k = cutoff * math.tan(0.5 * math.pi * x), gamma * cutoff / n
+            w = cutoff * math.tan(0.5 * math.pi * x)
+            k = gamma * cutoff / n
         elif spectrum == "ohmic":
-            w, k = -2.0 * cutoff * math.log1p(-x), 4.0 / math.pi * gamma * cutoff * (1.0 - x) / n
+            w = -2.0 * cutoff * math.log1p(-x)
+            k = 4.0 / math.pi * gamma * cutoff * (1.0 - x) / n
         else:
-            w, k = cutoff * x, 2.0 / math.pi * gamma * cutoff / n
+            w = cutoff * x
+            k = 2.0 / math.pi * gamma * cutoff / n
         found.append((k / w**2, w))
     return found
 
 
 def terms_of(table: dict[str, Any], factor: float = 1.0) -> list[list[float]]:
     """The terms of a potential, each as set_terms() of the C source reads it."""
-    kind, mode = table["potential"], 0
-    cutoff, start = float(table.get("cutoff", 0.0)), 0.0
+    kind = table["potential"]
+    mode = 0
+    cutoff = float(table.get("cutoff", 0.0))
+    start = 0.0
     if kind in ("sum", "scaled"):
         parts = table["of"] if kind == "sum" else [table["of"]]
         cut = {key: table[key] for key in ("cutoff", "at_cutoff", "switch_from") if key in table}
@@ -394,7 +406,8 @@ class Tables:
     """A scene as the arrays that the C source describes."""
 
     def __init__(self, scene: dict[str, Any], stops: int = STOPS) -> None:
-        self.scene, recorded = scene, recorded_times(scene)
+        self.scene = scene
+        recorded = recorded_times(scene)
         self.t = np.union1d(recorded, np.linspace(0.0, recorded[-1], stops))
         self.recorded = np.searchsorted(self.t, recorded)
         self.names: list[str] = []
@@ -412,8 +425,10 @@ class Tables:
             self._field(table)
 
     def _surface(self, table: dict[str, Any], index: int) -> None:
+        """Add the rows of a surface: its asperites, drive, reservoirs, springs and baths."""
         bobs = self._bobs(table)
-        n, first = len(bobs), sum(self.counts)
+        n = len(bobs)
+        first = sum(self.counts)
         down = table.get("facing", "down") == "down"
         clamped = table.get("bars", "clamped")
         if clamped not in ("clamped", "free"):
@@ -444,12 +459,14 @@ class Tables:
         self._bath(table, n, first)
 
     def _bobs(self, table: dict[str, Any]) -> list[tuple[Fraction, Fraction, Fraction]]:
+        """Exact places of resting bobs, of listed positions or of a grid."""
         if "positions" in table:
             bobs = [tuple(Fraction(float(x)) for x in row) for row in table["positions"]]
         else:
             numbers = (*table.get("bob", (0.0, 0.0)), *table.get("spacing", (0.0, 0.0)))
             x, y, dx, dz = (Fraction(float(v)) for v in numbers)
-            z, (nx, nz) = Fraction(float(table.get("depth", 0.0))), table.get("shape", (1, 1))
+            z = Fraction(float(table.get("depth", 0.0)))
+            nx, nz = table.get("shape", (1, 1))
             bobs = [(x + i * dx, y, z + k * dz) for k in range(nz) for i in range(nx)]
         heights = table.get("heights", 0.0)
         if isinstance(heights, dict):
@@ -458,6 +475,7 @@ class Tables:
         return [(b[0], b[1] + Fraction(float(h)), b[2]) for b, h in zip(bobs, heights, strict=True)]
 
     def _drive(self, table: dict[str, Any]) -> None:
+        """Add the row of a surface's drive, with its reservoir and load."""
         drive = table.get("drive", "forced")
         drive = {"kind": drive} if isinstance(drive, str) else drive
         kind = "rigid" if drive.get("rigid") else drive["kind"]
@@ -478,12 +496,14 @@ class Tables:
         self.rows["surface"].append([float(v) for v in row])
 
     def _springs(self, table: dict[str, Any], n: int, first: int) -> None:
+        """Add a row for each lattice spring: its ends and stiffness."""
         springs = table.get("springs", {})
         stiffness = springs.get("stiffness", 0.0)
         along = stiffness if isinstance(stiffness, (list, tuple)) else (stiffness, stiffness)
         pairs = [(i, j, along[0]) for i, j in springs.get("pairs", [])]
         if "pairs" not in springs and any(along):
-            box, (nx, nz) = self.scene.get("periodic", {}), table.get("shape", (1, 1))
+            box = self.scene.get("periodic", {})
+            nx, nz = table.get("shape", (1, 1))
             wrap = [springs.get("wrap", False) and (not box or axis in box) for axis in "xz"]
             for k in range(nz):
                 for i in range(nx):
@@ -496,6 +516,7 @@ class Tables:
         self.rows["spring"] += rows
 
     def _bath(self, table: dict[str, Any], n: int, first: int) -> None:
+        """Add a row for each oscillator of each asperite, along the plane and torsional."""
         bath = table.get("bath", {})
         if bath.get("temperature", 0.0):
             raise NotImplementedError("a bath at a temperature")
@@ -509,7 +530,9 @@ class Tables:
             self.rows[name] += rows
 
     def _interaction(self, table: dict[str, Any]) -> None:
-        terms, first = terms_of(table), len(self.rows["term"])
+        """Add the terms of a potential, and a row for each pair of bobs between which it acts."""
+        terms = terms_of(table)
+        first = len(self.rows["term"])
         self.rows["term"] += terms
         names = sorted(table["between"]) if "between" in table else None
         kinds = sorted(table["species"]) if "species" in table else None
@@ -538,7 +561,8 @@ class Tables:
         self, precision: str, tolerance: float, rows: int, most: float
     ) -> tuple[np.ndarray, Info]:
         """All numbers that are recorded, a row for each time."""
-        arrays, kept = Arrays(), []
+        arrays = Arrays()
+        kept = []
         for count, name in zip(Arrays.COUNTS, Arrays.TABLES, strict=True):
             table = np.ascontiguousarray(self.rows[name], float)
             kept.append(table)
@@ -546,8 +570,10 @@ class Tables:
             setattr(arrays, name, table.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
         box = self.scene.get("periodic", {})
         arrays.box_x, arrays.box_z = (float(box.get(axis, 0.0)) for axis in "xz")
-        n, surfaces = sum(self.counts), len(self.counts)
-        out, info = np.zeros((self.t.size, n * WIDTH + 4 * surfaces + 3)), Info()
+        n = sum(self.counts)
+        surfaces = len(self.counts)
+        out = np.zeros((self.t.size, n * WIDTH + 4 * surfaces + 3))
+        info = Info()
         pointer = ctypes.POINTER(ctypes.c_double)
         status = library(precision)(
             ctypes.byref(arrays),
@@ -567,7 +593,9 @@ class Tables:
         """Rows of numbers by surface and quantity."""
         n = sum(self.counts)
         each = self._of_asperites(out)
-        surfaces, blocks, start = {}, {}, 0
+        surfaces = {}
+        blocks = {}
+        start = 0
         for k, (name, count) in enumerate(zip(self.names, self.counts, strict=True)):
             absent = () if name in self.fields_on else ("w_field", "w_field_ps")
             absent += () if name in self.reservoirs else ("w_T", "w_T_ps", "heat")
@@ -593,9 +621,11 @@ class Tables:
 
     def internal(self, surfaces: dict[str, dict[str, np.ndarray]]) -> float:
         """The largest internal energy of an asperite."""
-        highest, rows = 0.0, np.array(self.rows["asperites"])[:, : len(PARAMETERS) + 1]
+        highest = 0.0
+        rows = np.array(self.rows["asperites"])[:, : len(PARAMETERS) + 1]
         for table in surfaces.values():
-            own, rows = rows[: table["theta"].shape[1]].T, rows[table["theta"].shape[1] :]
+            own = rows[: table["theta"].shape[1]].T
+            rows = rows[table["theta"].shape[1] :]
             a = dict(zip((*PARAMETERS, "down"), own, strict=True))
             reduced = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
             twist = table["theta"] - np.where(a["down"] > 0.0, 0.0, np.pi) - table["phi"]

@@ -49,6 +49,7 @@ def in_other_units(scene: dict, units: list[float]) -> dict:
     """The same scene in other units: factors of length, mass, time and charge."""
 
     def rescaled(key: str, value, bath: bool):
+        """A value by its key, in other units; `bath` is whether it belongs to a bath."""
         if isinstance(value, dict):
             return {k: rescaled(k, v, bath or key == "bath") for k, v in value.items()}
         if isinstance(value, list):

@@ -38,8 +38,10 @@ from tribo.model.springs import Springs
 DURATION = 5.0
 SAMPLES = 33
 ACCURACY = 1e-9
-# Scenes of each strategy that all tests share, unless they search, and how many these are among.
-SHARED, DRAWN = 2, 24
+# Scenes of each strategy that all tests share, unless they search.
+SHARED = 2
+# Scenes that are drawn, from which these are taken.
+DRAWN = 24
 REST = {"down": 0.0, "up": math.pi}
 
 

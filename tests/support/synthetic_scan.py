@@ -12,10 +12,14 @@ import numpy as np
 from tribo.model.roughness import Roughness, draw
 
 FILE = Path(__file__).resolve().parents[2] / "examples" / "scan.x3p"
-# Points along x and y, and the distance between them [nm].
-POINTS, PIXEL = (48, 12), 0.5
-# Root mean square of the heights about the plane [nm], and the plane's slopes.
-RMS, TILT = 0.35, (0.05, -0.08)
+# Points along x and y.
+POINTS = (48, 12)
+# Distance between points [nm].
+PIXEL = 0.5
+# Root mean square of the heights about a plane [nm].
+RMS = 0.35
+# Slopes of the plane.
+TILT = (0.05, -0.08)
 
 
 def scan_heights():

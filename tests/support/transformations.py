@@ -117,10 +117,12 @@ def drive_in_units(drive, length, mass, time):
     if drive.load is not None:
         drive = replace(drive, load=drive.load * (mass * length / time**2))
     if isinstance(drive, Pushed):
-        force, unit = np.array([drive.force, drive.rate]), mass * length / time**2
+        force = np.array([drive.force, drive.rate])
+        unit = mass * length / time**2
         return replace(drive, force=force[0] * unit, rate=force[1] * (unit / time))
     if isinstance(drive, Pulled):
-        stiffness, speed = drive.stiffness * (mass / time**2), drive.speed * (length / time)
+        stiffness = drive.stiffness * (mass / time**2)
+        speed = drive.speed * (length / time)
         drive = replace(drive, stiffness=stiffness, speed=speed)
     return drive
 
@@ -156,7 +158,8 @@ def extras_in_units(s, length, mass, time):
 def field_in_units(f, length, energy, time):
     """The same field in other units."""
     potential = Corrugation(f.potential.amplitude * energy, f.potential.period * length)
-    origin, velocity = np.multiply(f.origin, length), np.multiply(f.velocity, length / time)
+    origin = np.multiply(f.origin, length)
+    velocity = np.multiply(f.velocity, length / time)
     return replace(f, potential=potential, origin=origin, velocity=velocity)
 
 
@@ -165,6 +168,7 @@ def in_units(scene, length, mass, time):
     energy = mass * length**2 / time**2
 
     def convert(s):
+        """A surface in other units of length, mass and time."""
         rates = dict.fromkeys(("omega", "nu"), lambda rate: np.divide(rate, time))
         return replace(
             s,
@@ -193,6 +197,7 @@ def reflected(scene):
     """The scene in a mirror: x -> -x."""
 
     def reflect(s):
+        """A surface with x reflected."""
         mirror = started(
             s,
             theta=lambda theta: 2.0 * s.rest - np.asarray(theta),
@@ -209,7 +214,8 @@ def reflected(scene):
         )
 
     def reflect_field(f):
-        origin, velocity = (-f.origin[0], f.origin[1]), (-f.velocity[0], f.velocity[1])
+        origin = (-f.origin[0], f.origin[1])
+        velocity = (-f.velocity[0], f.velocity[1])
         return replace(f, origin=origin, velocity=velocity)
 
     return changed(scene, reflect, reflect_field)
@@ -243,7 +249,8 @@ def upside_down(scene):
 
 def rotated(scene, angle):
     """The scene turned by an angle; rest angles, theta - phi, stay."""
-    cos, sin = np.cos(angle), np.sin(angle)
+    cos = np.cos(angle)
+    sin = np.sin(angle)
     matrix = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
     def turn(s):

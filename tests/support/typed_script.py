@@ -17,6 +17,7 @@ class Gauss(NamedTuple):
 
 
 def work(speed: float) -> float:
+    """The work on the upper surface; parts of scenes are given in all ways that types allow."""
     upper = Surface("upper", bob=[-5.0, 0.0], velocity=(speed, 0.0), asperite=Asperite(kappa=2.0))
     lower = Surface("lower", facing="up", drive=Pulled(stiffness=1.0, speed=0.0))
     rows = [

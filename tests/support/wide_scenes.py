@@ -33,7 +33,8 @@ class Draw(draws.Draw):
 
 def wide_potential(draw: Draw, kind: str) -> dict:
     """A potential whose usual range is 0.5 and whose usual energy is 0.3."""
-    size, energy = draw.around(0.5), draw.around(0.3)
+    size = draw.around(0.5)
+    energy = draw.around(0.3)
     table = {
         "coulomb": lambda: {"strength": draw.signed(0.2)},
         "morse": lambda: {"D": energy, "alpha": draw.around(1.5) / size, "r0": size},
@@ -178,8 +179,10 @@ def fastest_turn(scene: dict) -> float:
     fastest = 0.0
     for surface in scene["surface"]:
         a = {name: np.asarray(value, float) for name, value in surface["asperite"].items()}
-        bath, start = surface.get("bath", {}), surface["initial"]
-        listed, torsional = bath.get("oscillators", []), bath.get("torsional", [])
+        bath = surface.get("bath", {})
+        start = surface["initial"]
+        listed = bath.get("oscillators", [])
+        torsional = bath.get("torsional", [])
         stiffness = 8.0 * surface.get("springs", {}).get("stiffness", 0.0)
         stiffness += surface["drive"].get("stiffness", 0.0)
         stiffness += sum(o["mass"] * o["frequency"] ** 2 for o in listed)
@@ -207,7 +210,8 @@ def wide_interactions(draw: Draw, structure: dict) -> list[dict]:
             if structure["cutoff"] == "switch" and draw.chance(0.5):
                 table["switch_from"] = cutoff * draw.between(0.3, 0.95)
     if structure["species"]:
-        tables[0]["species"], tables[1]["species"] = ["A", "A"], ["A", "B"]
+        tables[0]["species"] = ["A", "A"]
+        tables[1]["species"] = ["A", "B"]
     if structure["within"]:
         tables[-1]["between"] = ["upper", "upper"]
     return tables
@@ -240,7 +244,8 @@ def wide_fields(draw: Draw, structure: dict, names: list[str]) -> list[dict]:
 
 def wide_scene(seed: int) -> dict:
     """Any scene: seeds of one block share a structure; every parameter spans twelve decades."""
-    structure, draw = structure_of(seed // BLOCK), Draw(seed, 2)
+    structure = structure_of(seed // BLOCK)
+    draw = Draw(seed, 2)
     names = ["upper", "lower", "middle"] if structure["third"] else ["upper", "lower"]
     surfaces = [wide_surface(draw, structure, name) for name in names]
     scene: dict = {

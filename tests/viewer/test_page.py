@@ -140,7 +140,8 @@ def test_one_work_on_a_surface():
         (upper, Surface("lower", facing="up")), Coulomb(0.2), 8.0, output=Output(samples=9)
     )
     result = tribo.simulate(scene, accuracy=1e-6)
-    table, film = result["upper"], animation.Film(result, "upper", 400)
+    table = result["upper"]
+    film = animation.Film(result, "upper", 400)
     film.show(8)
     lines = {line.get_label(): line.get_ydata() for line in result.plot.work("upper").lines}
     curves = next(g["curves"] for g in contents.contents(result)["groups"] if g["name"] == "upper")
@@ -242,7 +243,9 @@ def test_no_arrows_where_forces_are_unknown(result, monkeypatch):
 
 def test_command(result, tmp_path, capsys):
     """A scene file and the file of a run give the same page."""
-    scene, file, out = tmp_path / "a.toml", tmp_path / "a.nc", tmp_path / "a.html"
+    scene = tmp_path / "a.toml"
+    file = tmp_path / "a.nc"
+    out = tmp_path / "a.html"
     result.scene.save(scene)
     result.save(file)
     for source in (scene, file):
@@ -262,7 +265,8 @@ def test_in_a_browser(result, page):
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         tab = browser.new_page()
-        problems, requests = [], []
+        problems = []
+        requests = []
         tab.on("console", lambda message: problems.append(message.text))
         tab.on("pageerror", lambda error: problems.append(str(error)))
         tab.on("request", lambda request: requests.append(request.url))
@@ -273,7 +277,8 @@ def test_in_a_browser(result, page):
             assert_shown(tab, result, sample)
         tab.locator("[data-part=time]").fill(str(result.t[20] - 0.4))  # t[20] is the nearest
         assert_shown(tab, result, 20)
-        scene, play = tab.locator("[data-part=scene]"), tab.locator("[data-part=play]")
+        scene = tab.locator("[data-part=scene]")
+        play = tab.locator("[data-part=play]")
         before = scene.screenshot()
         play.click()
         tab.wait_for_timeout(500)

@@ -146,7 +146,8 @@ def test_ranges_that_are_refused():
 
 def test_a_page_of_a_grid(tmp_path, capsys):
     """41 values of a range in one file below 5 MB that loads nothing."""
-    scene, page = tmp_path / "a.toml", tmp_path / "a.html"
+    scene = tmp_path / "a.toml"
+    page = tmp_path / "a.html"
     tribo.paper.scene("A").save(scene)
     assert main(["view", str(scene), "--slider", "upper.velocity=0.1:2"]) == 0
     assert capsys.readouterr().out == f"{page}\n"

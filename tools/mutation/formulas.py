@@ -29,7 +29,8 @@ def points_of_a_rod() -> str:
             theta = rest + swing + omega * t
             return np.array([x + vx * t + arm * np.sin(theta), y + vy * t - arm * np.cos(theta)])
 
-        tx, ty = facing * np.cos(swing), facing * np.sin(swing)
+        tx = facing * np.cos(swing)
+        ty = facing * np.sin(swing)
         for name, arm in (("bob", l1), ("bar", -l2)):
             position = kinematics.rod_position(x, y, arm, tx, ty)
             velocity = kinematics.rod_velocity(vx, vy, omega, arm, tx, ty)
@@ -76,7 +77,8 @@ def arguments_of_a_drive() -> str:
     from tribo.model.scene_file import scene_from
     from tribo.threads.writable_memory import own_model
 
-    table, t = SCENES["slid"], 0.7
+    table = SCENES["slid"]
+    t = 0.7
     scene = scene_from(table)
     drive = Custom(force=Recorder())
     layout = lay_out(replace(scene, surfaces=[replace(s, drive=drive) for s in scene.surfaces]))
@@ -85,7 +87,8 @@ def arguments_of_a_drive() -> str:
     model, _ = own_model(layout)
     place_bobs(model, t, q)
     count = layout.asperites.size
-    fx, fy = 1.0 + np.arange(count), -2.0 - np.arange(count)
+    fx = 1.0 + np.arange(count)
+    fy = -2.0 - np.arange(count)
     model.f1[:, layout.places.columns] = fx, fy
     CALLS.clear()
     set_customs(model, model.drives, t, q, v)
@@ -104,9 +107,12 @@ def errors() -> str:
     from tribo.integrators.linear_combinations import largest
 
     rng = np.random.default_rng(1)
-    weights, rates = rng.normal(size=4), rng.normal(size=(4, 16))
-    values, tolerance = np.zeros(16), np.full(16, 1e-3)
-    values[1:3], tolerance[1:3] = (-1e10, 3e9), 1e-6
+    weights = rng.normal(size=4)
+    rates = rng.normal(size=(4, 16))
+    values = np.zeros(16)
+    tolerance = np.full(16, 1e-3)
+    values[1:3] = (-1e10, 3e9)
+    tolerance[1:3] = 1e-6
     for component in (0, 1, 2, 15):
         only = np.arange(16) == component
         found = largest(None, 0.5, weights, rates * only, values, tolerance)
@@ -174,10 +180,12 @@ def listed_pairs() -> str:
         places = rng.uniform(0.0, extent, (count, 3)) * [1.0, 0.08, 0.7] + [0.0, 0.0, 5.0]
         with mock.patch("tribo.layout.contacts.UNLISTED_PAIRS", 0):
             layout = layouts.lay_out(scene_from(two_clouds(places, box)))
-        model, columns = own_model(layout)[0], layout.places.columns
+        model = own_model(layout)[0]
+        columns = layout.places.columns
         neighbours = layout.neighbours()
         neighbours = neighbours._replace(index=np.zeros(60 * count, np.int32))
-        near, far = 0.49 * layout.skin, 0.51 * layout.skin
+        near = 0.49 * layout.skin
+        far = 0.51 * layout.skin
         for slide, rise, lists_made in (
             (0.0, 0.0, 1),
             (0.0, near, 1),
@@ -232,7 +240,8 @@ def two_clouds(places: np.ndarray, box: dict) -> dict:
 def wrong_row(layout, neighbours, k, places, box, pair) -> str:
     """The first row of the kth pair of surfaces that a comparison of all bobs contradicts."""
     one, other, row = pair
-    reach, kinds = neighbours.reach[k], sorted(neighbours.species[k])
+    reach = neighbours.reach[k]
+    kinds = sorted(neighbours.species[k])
     parts = list(layout.parts.values())
     columns = layout.places.columns
     theirs = np.arange(parts[other].start, parts[other].stop)
@@ -285,7 +294,8 @@ def steps_towards_encounters() -> str:
 
     By the rate at its start it goes the part that the clock allows.
     """
-    clock, length = SimpleNamespace(encounter_fraction=0.5), 0.5
+    clock = SimpleNamespace(encounter_fraction=0.5)
+    length = 0.5
     sums = SimpleNamespace(once=(0.0, 0.0, 0.0))
     with registers_as_arrays():
         from tribo.pair import step
@@ -336,8 +346,11 @@ def hot_baths() -> str:
     from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
 
-    count, temperature, phi = 500, 0.5, 0.3
-    oscillators, torsional = [(0.3, 1.5), (0.2, 2.5)], (0.4, 1.1)
+    count = 500
+    temperature = 0.5
+    phi = 0.3
+    oscillators = [(0.3, 1.5), (0.2, 2.5)]
+    torsional = (0.4, 1.1)
     surface = {
         "name": "lower",
         "facing": "up",
@@ -360,7 +373,8 @@ def hot_baths() -> str:
     q, v = np.split(layout.start, 2)
     first = layout.asperites.dof_bath[1:]
     l2 = 1.3 * 0.7 / (0.7 + 1.5)
-    bar_x, bar_y = -l2 * np.sin(3.6), l2 * (np.cos(3.6) - np.cos(np.pi))
+    bar_x = -l2 * np.sin(3.6)
+    bar_y = l2 * (np.cos(3.6) - np.cos(np.pi))
     columns = []
     for k, (place, mass, frequency) in enumerate(
         [(bar_x, m, w) for m, w in oscillators]
@@ -384,7 +398,13 @@ def hot_starts() -> str:
     from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
 
-    count, temperature, kappa, m1, m2, length, phi = 4000, 0.3, 1.7, 0.6, 1.2, 1.4, 0.2
+    count = 4000
+    temperature = 0.3
+    kappa = 1.7
+    m1 = 0.6
+    m2 = 1.2
+    length = 1.4
+    phi = 0.2
     asperite = {"kappa": kappa, "m1": m1, "m2": m2, "length": length}
     row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": asperite}
     row["initial"] = {"temperature": temperature, "phi": phi}
@@ -401,7 +421,8 @@ def hot_starts() -> str:
     a = layout.asperites
     loose, held, block = (np.arange(k * count, (k + 1) * count) for k in range(3))
     mass = m1 + m2
-    about_centre, about_bar = m1 * m2 / mass * length**2, m1 * length**2
+    about_centre = m1 * m2 / mass * length**2
+    about_bar = m1 * length**2
     columns = [(q[part] - phi) * np.sqrt(kappa / temperature) for part in (loose, held)]
     for part, inertia in ((loose, about_centre), (held, about_bar)):
         columns.append(v[part] * np.sqrt(inertia / temperature))
@@ -457,8 +478,10 @@ def cells() -> str:
     from tribo.kernels.records import Boxes
 
     rng = np.random.default_rng(7)
-    xs, zs = rng.uniform(3.0, 15.0, 60), rng.uniform(-9.0, 0.0, 60)
-    extent_x, extent_z = np.ptp(xs), np.ptp(zs)
+    xs = rng.uniform(3.0, 15.0, 60)
+    zs = rng.uniform(-9.0, 0.0, 60)
+    extent_x = np.ptp(xs)
+    extent_z = np.ptp(zs)
     points = Boxes(np.array([60]), np.array([xs, np.zeros(60), zs]), np.zeros((3, 60)))
     for size_x, size_z, box_x, box_z, expected in (
         (2.0, 3.0, 0.0, 0.0, (int(extent_x / 2.0), int(extent_z / 3.0))),
@@ -468,13 +491,15 @@ def cells() -> str:
         (50.0, 40.0, 0.0, 0.0, (1, 1)),
         (1e-3, 1e-3, 0.0, 0.0, None),
     ):
-        cells, box = empty_cells(60), SimpleNamespace(x=box_x, z=box_z)
+        cells = empty_cells(60)
+        box = SimpleNamespace(x=box_x, z=box_z)
         reach = 0.5 * min(size_x, size_z)  # the rest is of boxes on either side
         halves = np.array([[size_x - reach], [0.0], [size_z - reach]])
         own = Boxes(np.array([1]), np.zeros((3, 1)), 0.75 * halves)
         theirs = points._replace(halves=np.repeat(0.25 * halves, 60, axis=1))
         sort_boxes(box, own, theirs, reach, cells)
-        (width_x, width_z), (nx, nz) = cells.widths, cells.counts
+        width_x, width_z = cells.widths
+        nx, nz = cells.counts
         if expected is None:
             if not 60 <= nx * nz <= 2 * 60 + 16:
                 return f"{nx * nz} cells for 60 points"
@@ -514,7 +539,8 @@ def boxes_within_reach() -> str:
     )
     for (x, z), unit in itertools.product(boxes, (1.0, 0.04)):
         reach = 1.5 * unit
-        half_x, half_z = 0.5 * min(x or 1.0, 1.0), 0.5 * min(z or 4.0, 4.0)
+        half_x = 0.5 * min(x or 1.0, 1.0)
+        half_z = 0.5 * min(z or 4.0, 4.0)
         own, theirs = (
             Boxes(
                 np.array([count]),
@@ -557,7 +583,8 @@ def lists_in_chunks() -> str:
     layout = lay_out(replace(scene(upper, lower, {}), interactions=contacts))
     model, _ = own_model(layout)
     place_bobs(model, 0.0, np.zeros(layout.room[0]))
-    alone, shared = layout.neighbours(), layout.neighbours()
+    alone = layout.neighbours()
+    shared = layout.neighbours()
     rebuild(model, alone)
     stops = [*alone.pairs[1:, 2], alone.start.size - 1]
     team = SimpleNamespace(counters=np.zeros(COUNTERS, np.int64), lengths=np.zeros(5, np.int64))
@@ -566,7 +593,8 @@ def lists_in_chunks() -> str:
     for k, stop in enumerate(stops):
         list_pair(model, NO_TEAM, shared, k, end)  # for its boxes and cells
         rows = slice(shared.pairs[k, 2], stop)
-        shared.start[rows], shared.index[end:] = -1, -1
+        shared.start[rows] = -1
+        shared.index[end:] = -1
         team.counters[PAIR] = k
         team.begins[:] = end + (shared.index.size - end) // 5 * np.arange(6)
         for chunk in (3, 0, 4, 2, 1):
@@ -599,11 +627,15 @@ def cold_baths() -> str:
     from tribo.layout.layout import lay_out
     from tribo.model.scene_file import scene_from
 
-    m1, m2, length, swing = 0.6, 1.2, 1.4, 0.3
+    m1 = 0.6
+    m2 = 1.2
+    length = 1.4
+    swing = 0.3
     shift = {"x": [0.1, 0.2, 0.4], "y": [-0.3, 0.5, 0.7]}
     bath = {"oscillators": [{"mass": 0.2, "frequency": 1.5}, {"mass": 0.1, "frequency": 2.0}]}
     l2 = length * m1 / (m1 + m2)
-    sideways, along = l2 * np.sin(swing), l2 * (1.0 - np.cos(swing))
+    sideways = l2 * np.sin(swing)
+    along = l2 * (1.0 - np.cos(swing))
     for drive, given in (
         ({"kind": "free", "load": 0.1}, shift),
         ({"kind": "forced"}, {}),

@@ -218,7 +218,8 @@ class ClampedByHand(NamedTuple):
     def end_forces(self, t, phi, nu, twist):
         """f_L and f_R."""
         end = self.stiffness * twist
-        x, y = -end * np.sin(phi), end * np.cos(phi)
+        x = -end * np.sin(phi)
+        y = end * np.cos(phi)
         return x, y, -x, -y
 
 
@@ -304,7 +305,8 @@ class Torsional(NamedTuple):
         surface = ALL["twisting"]["surface"][1]
         table = ALL["twisting"] | {"interaction": WEAK}
         run = simulate(table, method=self.method, step=self.step)["lower"]
-        a, initial = surface["asperite"], surface["initial"]
+        a = surface["asperite"]
+        initial = surface["initial"]
         mass = a["m1"] * a["m2"] / (a["m1"] + a["m2"])
         springs = [(o["inertia"], o["frequency"]) for o in surface["bath"]["torsional"]]
         inertia = np.array([mass * a["length"] ** 2, a["i2"], *(i for i, _ in springs)])
@@ -351,7 +353,9 @@ class Thermal(NamedTuple):
         table = {"duration": self.step, "interaction": WEAK, "surface": [surface, far]}
         run = simulate(table | {"output": {"samples": 2}}, method="verlet", step=self.step)
         vx, vy, omega = (run["upper"][name][-1] for name in ("vx_cm", "vy_cm", "omega"))
-        tx, ty = np.cos(0.7), np.sin(0.7)  # at the kick, half a step of rest before and after
+        # At the kick, with half a step of rest before and after.
+        tx = np.cos(0.7)
+        ty = np.sin(0.7)
         found = np.array([tx * vx + ty * vy, tx * vy - ty * vx, omega])
         expected = self.covariance(*(float(asperite[name]) for name in ("m1", "m2", "length")))
         deviation = np.sqrt(np.diag(expected)) + 1e-12  # of the weak contact
@@ -372,7 +376,8 @@ class Thermal(NamedTuple):
             arms = np.array([[0.0, 0.0, 1.0]] if reservoir.get("on") == "swing" else arms)
             friction += reservoir["gamma"] * arms.T @ arms
             noise += 2.0 * reservoir["gamma"] * reservoir["temperature"] * arms.T @ arms
-        a, q = inverse @ friction, inverse @ noise @ inverse
+        a = inverse @ friction
+        q = inverse @ noise @ inverse
         both = expm(self.step * np.block([[-a, q], [np.zeros((3, 3)), a.T]]))  # after van Loan
         return both[:3, 3:] @ both[:3, :3].T
 
@@ -416,13 +421,15 @@ class Friction(NamedTuple):
         start = start_of(table)
         run = simulate(table, method=self.method, step=self.step)
         for surface, part in zip(table["surface"], start.parts, strict=True):
-            gamma, velocity = surface["langevin"]["gamma"], surface["langevin"]["velocity"]
+            gamma = surface["langevin"]["gamma"]
+            velocity = surface["langevin"]["velocity"]
             wanted = -gamma * (start.bar_velocity[:, part] - np.array(velocity)[:, None])
             wanted /= start.mass[part]
             own = run[surface["name"]]
             found = np.array([np.diff(own[q], axis=0)[0] for q in ("vx_cm", "vy_cm")]) / self.step
             if surface["name"] == "lower":  # which its drive keeps at its velocity along x
-                found[0], wanted[0] = 0.0, 0.0
+                found[0] = 0.0
+                wanted[0] = 0.0
             if not np.allclose(found, wanted, 0.0, self.tolerance):
                 return f"{surface['name']}: {found} instead of {wanted}"
         return ""
@@ -531,7 +538,8 @@ def further_series() -> str:
         table = result[name]
         for axis in "xy":
             keys = [k for k in table if k.startswith("f") and k.endswith(f"_{axis}")]
-            force, velocity = sum(table[k] for k in keys), table[f"v{axis}_cm"]
+            force = sum(table[k] for k in keys)
+            velocity = table[f"v{axis}_cm"]
             impulse = np.sum(force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2], axis=0) / 300.0
             if np.max(np.abs(masses * (velocity[-1] - velocity[0]) - impulse)) > 1e-4:
                 return f"momentum of {name} along {axis}"
@@ -677,7 +685,8 @@ def uncompiled():
 @cache
 def baseline(without: frozenset[str] = frozenset()) -> Baseline:
     """Run every check once, but for some; raises AssertionError if one of them complains."""
-    seconds, called = {}, defaultdict(set)
+    seconds = {}
+    called = defaultdict(set)
     here = str(SOURCE)
     for name in ALL:
         solution(name)

@@ -51,13 +51,15 @@ def start_of(table: dict[str, Any]) -> Start:
         np.array([now(f"{axis}_{of}") for axis in axes])
         for of, axes in (("cm", "xy"), ("bob", "xy"), ("bar", "xy"), ("cm", ("vx", "vy")))
     )
-    omega, (x, y) = now("omega"), bar - centre
+    omega = now("omega")
+    x, y = bar - centre
     rest = [np.full(n, 0.0 if s.get("facing") != "up" else np.pi) for s, n in surfaces]
     depth = [
         s.get("depth", 0.0) + np.repeat(np.arange(n), m)[: n * m] * s.get("spacing", (0.0, 0.0))[1]
         for s, (m, n) in ((s, s.get("shape", (1, 1))) for s, _ in surfaces)
     ]
-    m1, m2 = given("m1"), given("m2")
+    m1 = given("m1")
+    m2 = given("m2")
     inertia = m1 * m2 / (m1 + m2) * given("length") ** 2
     return Start(
         counts,

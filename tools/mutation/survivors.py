@@ -27,8 +27,8 @@ EQUIVALENT = {
         "the first slots are those of contact; no drive has slot 0"
     ),
     "kernels/powers.py: all_powers: "
-    "powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power) -> "
-    "powers_of_block(model, ledger, s, i, 2.0, t, q, velocities, power)": (
+    "powers_of_block(model, s, i, 1.0, t, q, velocities, power) -> "
+    "powers_of_block(model, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
     "kernels/cells.py: adjacent: cell - 1 -> cell - 2 (2)": WIDER,

@@ -43,7 +43,8 @@ class ContactProbe:
         """
         if charges is None:
             charges = np.tile(self.charges, (len(positions), 1))
-        energies, forces = np.empty(len(positions)), np.empty((*positions.shape[:2], 2))
+        energies = np.empty(len(positions))
+        forces = np.empty((*positions.shape[:2], 2))
         columns = self.layout.places.columns
         self._probe(len(positions), columns, positions, charges, energies, forces)
         return energies, forces

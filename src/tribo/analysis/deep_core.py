@@ -18,20 +18,21 @@ DISTANCES = np.geomspace(1.0, 100.0, 31)
 @once_per_layout
 def core_notes(layout: Layout) -> tuple[str, ...]:
     """A note on the bobs that start deepest in a core, with their energy."""
-    n, start = layout.coordinates, Samples.at_zero(layout)
+    n = layout.coordinates
+    start = Samples.at_zero(layout)
     start.t[0] = layout.beginning
     start.y[0, : layout.core] = layout.start[: layout.core]
     start.y[0, layout.core :] = layout.start[n : n + layout.core]
-    found = [
-        (energy / other, energy, bobs)
-        for bobs, contact in closest_of_contacts(layout, start)
-        for energy, other in [_energies(layout, bobs, contact)]
-        if energy > DEEP * other > 0.0
-    ]
+    found = []
+    for bobs, contact in closest_of_contacts(layout, start):
+        energy, other = _energies(layout, bobs, contact)
+        if energy > DEEP * other > 0.0:
+            found.append((energy / other, energy, bobs))
     if not found:
         return ()
     ratio, energy, bobs = max(found)
-    scene, advice = layout.scene, "start them farther apart"
+    scene = layout.scene
+    advice = "start them farther apart"
     for surface in (scene.surfaces[layout.asperites.surface[k]] for k in bobs[1:]):
         slides = scene.slides_along_x(surface) or scene.slides_along_y(surface)
         if slides or not surface.asperite.is_rigid:
@@ -52,7 +53,8 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
         if kinds != sorted(contact.species.tolist()):
             return 0.0, 0.0
     charges = layout.model.each[CHARGE, columns]
-    energy, r = contact.potential.energy_between, bobs.distance * DISTANCES
+    energy = contact.potential.energy_between
+    r = bobs.distance * DISTANCES
     try:
         with np.errstate(all="ignore"):
             if not energy(r[0], *charges) > energy(r[1], *charges):

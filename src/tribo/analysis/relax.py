@@ -104,15 +104,18 @@ class _Accelerations:
     """The accelerations u'' of a scene at rest at t = 0; lengths in u are in units of the rods."""
 
     def __init__(self, layout: Layout) -> None:
+        """Find units, inertias and owners of all coordinates; no force is computed yet."""
         self._layout = layout
         # As a plain array, whose fields are found ten times sooner than a recarray's.
         self._asperites = layout.asperites.view(ASPERITE, np.ndarray)
         self._q, self._v, self._found = (room((layout.room[0],)) for _ in range(3))
         self._probe = Probe(layout, acceleration_probe)
         # The unit, the inertia and the asperite of each coordinate, (core,).
-        self.lengths, self._inertias = np.ones(layout.core), np.ones(layout.core)
+        self.lengths = np.ones(layout.core)
+        self._inertias = np.ones(layout.core)
         self._owners = np.zeros(layout.core, int)
-        a, each = layout.asperites, np.arange(layout.asperites.size)
+        a = layout.asperites
+        each = np.arange(a.size)
         for slots, row in ((each, INERTIA), (a.dof_phi, I2), (a.dof_x, MASS), (a.dof_y, MASS)):
             present = slots >= 0
             mine = slots[present]
@@ -167,7 +170,9 @@ class _Derivative:
     """J at one place, by central differences, and the largest |J w| / |w| so far [1 / time^2]."""
 
     def __init__(self, motion: _Accelerations, u: np.ndarray) -> None:
-        self._motion, self._u, self.largest = motion, u, 0.0
+        self._motion = motion
+        self._u = u
+        self.largest = 0.0
         self.longest_step = motion.longest_step(u)
         self.operator = LinearOperator((u.size, u.size), self.product, dtype=float)
 
@@ -211,7 +216,8 @@ def _descend(motion: _Accelerations, u: np.ndarray) -> tuple[np.ndarray, float]:
         if close or (power > 0.0 and power_there > -0.5 * power):
             gain = residual / max(float(np.max(np.abs(there))), 1e-300)
             interval *= min(max(gain, 1.5), 10.0)
-            u, found = u + step, there
+            u = u + step
+            found = there
         else:
             interval *= 0.25
     raise motion.failure(u, f"after {MOST_STEPS} steps forces do not vanish")
@@ -240,7 +246,8 @@ def _unstable_direction(
         try:
             values, vectors = eigs(derivative.operator, k=1, which="LR", v0=start, tol=0.01)
         except ArpackNoConvergence as error:
-            values, vectors = error.eigenvalues, error.eigenvectors
+            values = error.eigenvalues
+            vectors = error.eigenvectors
     if values.size == 0 or np.max(values.real) <= UNSTABLE * max(stiffness, derivative.largest):
         return None
     direction = vectors[:, np.argmax(values.real)].real

@@ -45,6 +45,10 @@ def all_entries() -> dict[str, HardScene]:
 
 
 def _entry(name: str, table: dict[str, object]) -> HardScene:
+    """The scene of a table in the atlas's file.
+
+    Reference values get keys such as "upper.w1"; each is a tuple of one value or of several.
+    """
     given = table.pop("reference")
     assert isinstance(given, dict)
     reference = {}

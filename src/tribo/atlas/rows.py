@@ -58,7 +58,8 @@ def row(entry: HardScene) -> Row:
 
 def judge(entry: HardScene, result: Result, seconds: float) -> Row:
     """Compare a result of an entry's scene, by any method, with the reference."""
-    stops, completed = STOP_TIME in entry.reference, result.status == Status.COMPLETED
+    stops = STOP_TIME in entry.reference
+    completed = result.status == Status.COMPLETED
     outcome = NOT_MET if completed and result.met is False else str(result.status)
     if stops == completed:  # the reference is of another end
         return Row(entry.name, entry.declared, outcome, False, None, None, seconds)

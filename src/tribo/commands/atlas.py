@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 def run_atlas(options: argparse.Namespace) -> int:
+    """Run the chosen scenes one after another, print a line for each, and compare the outcomes."""
     from tribo import atlas
 
     entries = atlas.chosen(options.names)

@@ -23,7 +23,9 @@ from tribo.model.scene_writer import toml
 from tribo.plugins.sources import files_beside
 from tribo.validation import InputError
 
-MANIFEST, SUMS = "manifest.json", "SHA256SUMS"
+# Files of an archive: what it contains, and the checksums of all others.
+MANIFEST = "manifest.json"
+SUMS = "SHA256SUMS"
 # Attributes of result files that the manifest repeats; those in JSON are decoded.
 ATTRIBUTES = ("version", "tribo_version", "status", "method", "seed", "created")
 ATTRIBUTES_IN_JSON = ("settings", "plugins", "accuracy", "met", "notes")
@@ -40,6 +42,7 @@ def add_bundle(bundle: argparse.ArgumentParser) -> None:
 
 
 def _bundle(options: argparse.Namespace) -> int:
+    """Write files, those that their scenes need, a manifest and checksums to an archive."""
     checked_target("--out", options.out)
     if options.out.suffix.lower() != ".zip":
         raise InputError("--out", f"must end on .zip, got {str(options.out)!r}")

@@ -42,7 +42,8 @@ def run_doctor(options: argparse.Namespace) -> int:
     for name, value in _machine().items():
         print(f"{name:<12} {value}")
     result = simulate(scene("A"), accuracy=ACCURACY)
-    work, cost = float(result.end["surfaces"]["upper"]["w"][0]), result.cost
+    work = float(result.end["surfaces"]["upper"]["w"][0])
+    cost = result.cost
     healthy = abs(work - KNOWN_WORK) < TOLERANCE
     agrees = "agrees with" if healthy else "DIFFERS from"
     print(

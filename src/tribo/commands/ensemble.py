@@ -98,7 +98,8 @@ def _sampler_named(name: str, scene: Scene, vary: Mapping[str, Source], seed: in
 def settings_of(options: argparse.Namespace, scene: Scene) -> dict[str, Any]:
     """The arguments of ensembles and sweeps that the options give.  Raises InputError."""
     shared.check_files(options)
-    vary, sampler = _all_varied(options.vary), None
+    vary = _all_varied(options.vary)
+    sampler = None
     if options.sampler is not None:
         sampler = _sampler_named(options.sampler, scene, vary, options.seed)
     names = ("members", "at", "statistics", "out", "resume", "threads", "seed")
@@ -121,6 +122,7 @@ def workers(options: argparse.Namespace) -> AbstractContextManager[Engine | None
 
 
 def run_ensemble(options: argparse.Namespace) -> int:
+    """Run an ensemble, print a summary of its members and draw the figure."""
     from tribo.ensembles import ensemble
 
     shared.check_figure(options.figure)
@@ -161,7 +163,8 @@ def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
 
     After an interrupt they are those of the finished members, unless these are in a file.
     """
-    attributes, finished = data.attrs, data.attrs["status"] != Status.INTERRUPTED
+    attributes = data.attrs
+    finished = attributes["status"] != Status.INTERRUPTED
     rest = {"seconds": attributes["seconds"], "method": attributes["method"]}
     notes = json.loads(attributes["notes"]) if "notes" in attributes else []
     if not finished:
@@ -177,13 +180,16 @@ def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
         # To read all members of an ensemble that was interrupted from a file takes long.
         names = json.loads(attributes["keep"]) if finished or out is None else []
         table = {name: _moments(data, name) for name in names}
-    status, wanted = attributes["status"], int(attributes.get("n", data.sizes.get("member", 0)))
+    status = attributes["status"]
+    wanted = int(attributes.get("n", data.sizes.get("member", 0)))
     head = {"status": status, "n": wanted, "members": counts, "quantities": table}
     return {**head, "notes": notes, **rest}
 
 
 def _in_words(found: Mapping[str, Any]) -> str:
-    members, table = found["members"], found["quantities"]
+    """The summary as text: statuses, a line for each quantity, notes and duration."""
+    members = found["members"]
+    table = found["quantities"]
     lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
     lines += [f"{count} {status}" for status, count in members.items()]
     if table:
@@ -202,7 +208,8 @@ def _moments(data: xarray.Dataset, name: str) -> dict[str, float]:
     Members are a sample, of n with n - 1 degrees of freedom; a surface has no other asperites.
     The half-width is that of the 95 % interval of the mean.
     """
-    end, half_width = {"time": -1} if "time" in data.dims else {}, np.nan
+    end = {"time": -1} if "time" in data.dims else {}
+    half_width = np.nan
     if "covariance" in data:
         means, variances = (data[f"{name}_{of}"].isel(end) for of in ("mean", "variance"))
         labels = [str(label).partition("[")[0] for label in data["value"].values]
@@ -213,7 +220,8 @@ def _moments(data: xarray.Dataset, name: str) -> dict[str, float]:
             half_width = student(count - 1) * float(np.sqrt(covariance.mean() / count))
     else:
         values = data[name if name in data.data_vars else f"{name}_end"].isel(end)
-        means, variances = values.mean("member"), values.var("member", ddof=1)
+        means = values.mean("member")
+        variances = values.var("member", ddof=1)
         members = values.values.reshape(values.sizes["member"], -1).mean(axis=1)
         known = members[np.isfinite(members)]
         if known.size > 1:

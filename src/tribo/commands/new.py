@@ -21,6 +21,7 @@ def add_new(new: argparse.ArgumentParser) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
+    """Print a commented scene of a kind, or a case of the paper, or write it to a new file."""
     if options.kind in CASES:
         from tribo.model.scene_writer import toml, without_defaults
         from tribo.paper import scene
@@ -28,7 +29,8 @@ def _new(options: argparse.Namespace) -> int:
         text = toml(without_defaults(scene(options.kind).to_table())).decode()
         meaning = f"case {options.kind} of the paper"
     else:
-        text, meaning = starter(options.kind), KINDS[options.kind]
+        text = starter(options.kind)
+        meaning = KINDS[options.kind]
     if options.out is None:
         print(text, end="")
         return 0

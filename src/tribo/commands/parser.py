@@ -42,7 +42,8 @@ class CommandParser(argparse.ArgumentParser):
         """Print the usage and the message; exit with status 2."""
         unknown = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if unknown is not None:
-            word, known = unknown[1], re.findall(r"[\w-]+", unknown[2])
+            word = unknown[1]
+            known = re.findall(r"[\w-]+", unknown[2])
             near = get_close_matches(word, known, 1)
             if Path(word).suffix in (".toml", ".nc"):
                 message = f"{word} is no command; did you mean: {self.prog} run {word}"
@@ -59,6 +60,7 @@ def run_command(arguments: list[str] | None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line; each command adds its options and its function."""
     from tribo import __version__
 
     parser = CommandParser(
@@ -165,12 +167,15 @@ def _add_completion(
     parser: argparse.ArgumentParser,
     commands: Iterable[argparse.ArgumentParser],
 ) -> None:
+    """Let a command print the script for a shell, which shtab makes from all other parsers."""
+
     def print_script(options: argparse.Namespace) -> int:
         import shtab
 
-        for action in (action for command in commands for action in command._actions):
-            if action.type is Path:  # completes names of files
-                action.complete = shtab.FILE  # type: ignore[attr-defined]
+        for command in commands:
+            for action in command._actions:
+                if action.type is Path:  # completes names of files
+                    action.complete = shtab.FILE  # type: ignore[attr-defined]
         print(shtab.complete(parser, options.shell))
         return 0
 
@@ -185,6 +190,7 @@ def _ensemble(options: argparse.Namespace) -> int:
 
 
 def _paper(options: argparse.Namespace) -> int:
+    """Compare the paper's cases with its printed values, and draw its figures on request."""
     from tribo import paper
 
     cases = [options.case] if options.case else list(paper.CASES)
@@ -235,6 +241,7 @@ def _export_lammps(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
+    """Print the report card of a potential with parameters; the status tells if it passed."""
     from tribo.potentials.tables import from_table
     from tribo.report_card import check
 

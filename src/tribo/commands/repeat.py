@@ -32,7 +32,8 @@ def repeat(result: Result, plugins: bool = True, **others: Any) -> Result:
             scene_from(plain_table(result.scene))
     others |= {"accuracy": result.accuracy, "method": result.method}
     others["step"] = step if isinstance(step, float) else None
-    initial, estimate = settings.get("initial", {}), settings.get("estimate", True)
+    initial = settings.get("initial", {})
+    estimate = settings.get("estimate", True)
     if initial or not estimate:  # files of earlier versions do not contain them
         return simulate_prepared(result.scene, initial, estimate, **others)
     return simulate(result.scene, **others)
@@ -46,10 +47,13 @@ def differences(before: Result, after: Result) -> dict[str, float]:
     """
     if before.status != after.status:
         return {"status": np.inf}
-    one, other, none = _series(before), _series(after), np.empty(0)
+    one = _series(before)
+    other = _series(after)
+    none = np.empty(0)
     found = {}
     for name in one | other:
-        a, b = one.get(name, none), other.get(name, none)
+        a = one.get(name, none)
+        b = other.get(name, none)
         if a.tobytes() != b.tobytes():
             gap = np.abs(a - b) if a.shape == b.shape else np.inf
             found[name] = float(np.max(gap, initial=0.0))

@@ -21,6 +21,7 @@ CHANGES = ("set", "accuracy", "method", "step", "allow_unresolved", "samples")
 
 
 def add_run(run: argparse.ArgumentParser) -> None:
+    """Add the arguments and options of `tribo run`."""
     shared.add_scene(run, "SCENE.toml|FILE.nc")
     out = "write all time series as NetCDF; until the run is complete, FILE.part contains its "
     shared.add_files(run, f"{out}samples", "print the result if FILE is complete")
@@ -34,12 +35,14 @@ def add_run(run: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    """Run a scene, or repeat the run of a result file; print the end and draw the works."""
     shared.check_files(options)
     shared.check_figure(options.figure)
     if options.scene.suffix == ".nc":
         result, same = _repeated(options)
     else:
-        result, same = _simulated(options), True
+        result = _simulated(options)
+        same = True
     print(result.to_json() if options.json else result)
     shared.draw_to(options.figure, partial(_draw, result))
     return COMPLETED if result.status == "completed" and same else STOPPED

@@ -7,7 +7,7 @@ import json
 import re
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
     from tribo.sweeps.grid import Keys
 
-# Most points, and quantities, that a summary shows.
-LINES, COLUMNS = 20, 5
+# Most points that a summary shows.
+LINES = 20
+# Most quantities that it shows.
+COLUMNS = 5
 # Characters of a column, of which long headings take more.
 WIDTH = 18
 # The heading of the intervals of means over members.
@@ -30,12 +32,17 @@ HALF_WIDTH = "half-width"
 
 
 def run_sweep(options: argparse.Namespace) -> int:
+    """Run a sweep, print a summary of its points and draw the figure.
+
+    Errors name the option of the command that has the value.
+    """
     from tribo.commands.ensemble import settings_of, workers
     from tribo.sweeps import sweep
     from tribo.sweeps.figure import ends, with_single_asperites_as_numbers
 
     check_figure(options.figure)
-    values, scene = _values_of(options.set), load(options)
+    values = _values_of(options.set)
+    scene = load(options)
     settings = settings_of(options, scene)
     with workers(options) as engine:
         try:
@@ -73,15 +80,18 @@ def _values_of(texts: list[str]) -> dict[Keys, list[object]]:
 
 
 def _as_json(data: xarray.Dataset) -> str:
+    """A sweep as JSON: for each point its values, quantities, and status or statuses of members."""
     dimensions, keys, scalars = _layout(data)
     points = []
     for at in np.ndindex(tuple(data.sizes[name] for name in dimensions)):
         places = dict(zip(dimensions, at, strict=True))
         values = {key: data[key].isel(places, missing_dims="ignore").item() for key in keys}
-        points.append(
-            {"values": values, **{name: data[name].isel(places).item() for name in scalars}}
-            | ({} if "status" in scalars else {"members": _statuses(data, places)})
-        )
+        point: dict[str, Any] = {"values": values}
+        for name in scalars:
+            point[name] = data[name].isel(places).item()
+        if "status" not in scalars:
+            point["members"] = _statuses(data, places)
+        points.append(point)
     whole = {"status": data.attrs["status"], "points": points}
     rest = {"notes": json.loads(data.attrs["notes"]), "seconds": data.attrs["seconds"]}
     return strict_json(whole | rest)

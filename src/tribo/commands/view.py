@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 def add_view(view: argparse.ArgumentParser) -> None:
+    """Add the arguments and options of `tribo view`."""
     shared.add_scene(view, "SCENE.toml|FILE.nc")
     beside = "a second run, shown beside the first"
     view.add_argument("beside", type=Path, nargs="?", metavar="OTHER", help=beside)
@@ -62,6 +63,7 @@ def _sliders(options: argparse.Namespace, scene: Scene) -> list[Slider]:
 
 
 def _view(options: argparse.Namespace) -> int:
+    """Write a page that plays one run, two side by side, or the runs of sliders."""
     from tribo.viewer.contents import contents
     from tribo.viewer.html import document
 
@@ -72,7 +74,8 @@ def _view(options: argparse.Namespace) -> int:
         from tribo.sliders import grid_page
 
         scene = shared.load_with_values(options)
-        page, complete = grid_page(scene, _sliders(options, scene), options.bath), True
+        page = grid_page(scene, _sliders(options, scene), options.bath)
+        complete = True
     else:
         files = [options.scene] if options.beside is None else [options.scene, options.beside]
         results = [_result(options, file) for file in files]
@@ -103,6 +106,7 @@ def _result(options: argparse.Namespace, file: Path) -> Result:
 
 
 def _play(options: argparse.Namespace) -> int:
+    """Serve a page with sliders on this machine, whose runs are made when they are asked for."""
     import webbrowser
 
     from tribo.sliders import Playing

@@ -207,7 +207,8 @@ def _followed(name: str, value: Any, attributes: list[str]) -> tuple[str, Any]:
         inside = isinstance(value, (ModuleType, type))
         if not inside or not hasattr(value, attribute):
             break
-        name, value = f"{name}.{attribute}", getattr(value, attribute)
+        name = f"{name}.{attribute}"
+        value = getattr(value, attribute)
     return name, value
 
 
@@ -227,10 +228,11 @@ def names_in(code: CodeType) -> tuple[tuple[str, ...], ...]:
             chains[-1].append(each.argval)
         elif each.opname not in IDLE:
             reading = False
-    inner = [
-        names for part in code.co_consts if isinstance(part, CodeType) for names in names_in(part)
-    ]
-    return tuple(dict.fromkeys([*map(tuple, chains), *inner]))
+    found = [tuple(chain) for chain in chains]
+    for part in code.co_consts:
+        if isinstance(part, CodeType):
+            found += names_in(part)
+    return tuple(dict.fromkeys(found))
 
 
 def python_function(value: Any) -> FunctionType | None:
@@ -244,8 +246,11 @@ def is_as_written(function: FunctionType) -> bool:
     registered = overloads_of(function)
     if registered is None:
         return False
-    closures = [getattr(each, "__closure__", None) or () for each in registered]
-    return all(any(cell.cell_contents is function for cell in cells) for cells in closures)
+    for each in registered:
+        cells = getattr(each, "__closure__", None) or ()
+        if not any(cell.cell_contents is function for cell in cells):
+            return False
+    return True
 
 
 def _is_of_package(value: Any) -> bool:

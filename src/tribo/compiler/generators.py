@@ -45,6 +45,7 @@ def generator_at(typing_context, address):
     kind = types.NumPyRandomGeneratorType("NumPyRandomGeneratorType")
 
     def build(context, builder, sig, args):
+        """Fill numba's record of a generator with the pointers at an address."""
         made = cgutils.create_struct_proxy(kind)(context, builder)
         source = context.data_model_manager[kind].get_member_fe_type("bit_generator")
         draws = cgutils.create_struct_proxy(source)(context, builder)

@@ -94,9 +94,12 @@ def stamp_of(places: tuple[str, ...]) -> str:
     """Hash of the sources of this package in some folders and files [16 hex digits]."""
     digest = hashlib.blake2b(digest_size=8)
     root = Path(__file__).resolve().parents[1]
-    kinds = ("*.py", "*.json")
-    paths = {path for place in places for kind in kinds for path in (root / place).rglob(kind)}
-    paths |= {root / place for place in places if place.endswith(".py")}
+    paths = set()
+    for place in places:
+        if place.endswith(".py"):
+            paths.add(root / place)
+        for kind in ("*.py", "*.json"):
+            paths.update((root / place).rglob(kind))
     for path in sorted(path for path in paths if path.parent.name != "__pycache__"):
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())

@@ -26,6 +26,7 @@ class KeptType(types.Type):
     """The type of a NamedTuple in memory."""
 
     def __init__(self, kind: Any) -> None:
+        """Find the first word of each field; `kind` is the type of the tuple that is kept."""
         self.kind = kind
         self.places: dict[str, tuple[Any, int]] = {}  # field -> its type, and its first word
         place = 0
@@ -55,7 +56,8 @@ class Kept:
     """A tuple that :func:`keep` has written into memory."""
 
     def __init__(self, item: Any, kind: KeptType) -> None:
-        self.item, self.kind = item, kind  # whose arrays must live as long
+        self.item = item  # whose arrays must live as long
+        self.kind = kind
         self._words = np.array(words_of(item), np.int64)
         self.address = self._words.ctypes.data
 
@@ -177,12 +179,14 @@ def _array(context: Any, builder: Any, kind: Any, address: Any, shape: list[Any]
         return make_pointer(context, builder, kind, builder.inttoptr(address, data), shape)
     array = context.make_array(kind)(context, builder)
     size = ir.Constant(_WORD, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
-    strides, items = [size], ir.Constant(_WORD, 1)
+    strides = [size]
+    items = ir.Constant(_WORD, 1)
     for length in reversed(shape):
         strides.insert(0, builder.mul(strides[0], length))
         items = builder.mul(items, length)
     array.data = builder.inttoptr(address, data)
     array.shape = cgutils.pack_array(builder, shape)
     array.strides = cgutils.pack_array(builder, strides[1:])
-    array.itemsize, array.nitems = size, items
+    array.itemsize = size
+    array.nitems = items
     return array._getvalue()

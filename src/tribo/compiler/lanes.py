@@ -24,7 +24,8 @@ from tribo.compiler.numba_private import cgutils, cpu_features
 
 LANES = 8
 NARROW = 4
-_FLOAT, _INDEX = ir.DoubleType(), ir.IntType(32)
+_FLOAT = ir.DoubleType()
+_INDEX = ir.IntType(32)
 _VECTOR = ir.VectorType(_FLOAT, LANES)
 
 
@@ -36,7 +37,8 @@ class LanesType(types.Type):
         self.vector = ir.VectorType(_FLOAT, count)
 
 
-lanes, narrow_lanes = LanesType(LANES), LanesType(NARROW)
+lanes = LanesType(LANES)
+narrow_lanes = LanesType(NARROW)
 
 
 @register_model(LanesType)
@@ -117,6 +119,8 @@ def instruction(signature, python=None) -> Any:
     """
 
     def make(build):
+        """A function of kernels from one that emits instructions, with its name and docstring."""
+
         def function(typing_context, *kinds):
             def code(context, builder, sig, args):
                 result = build(builder, *args)
@@ -155,7 +159,8 @@ def _of_each(name: str, python) -> Any:
     return instruction(lambda x: x(x), python)(lambda builder, x: _llvm(builder, name, x.type, [x]))
 
 
-sqrt, absolute = _of_each("sqrt", np.sqrt), _of_each("fabs", np.abs)
+sqrt = _of_each("sqrt", np.sqrt)
+absolute = _of_each("fabs", np.abs)
 floor = _of_each("floor", np.floor)
 
 
@@ -173,7 +178,8 @@ def inverse_root(builder, x):
     Only where FAST_INVERSE_ROOTS.  The estimate y has an error of 2^-14; with d = 1 - x y^2 the
     value is y (1 - d)^(-1/2).
     """
-    count, mask = x.type.count, ir.IntType(8)
+    count = x.type.count
+    mask = ir.IntType(8)
     kind = ir.FunctionType(x.type, [x.type, x.type, mask])
     name = f"llvm.x86.avx512.rsqrt14.pd.{64 * count}"
     estimate = cgutils.get_or_insert_function(builder.module, kind, name)

@@ -110,7 +110,8 @@ class LinkedLowering(typed.NativeLowering):
         library.finalize()
         lowered = state["cr"]
         description = lowered.fndesc
-        entry, module = WRONG_CALL, description.lookup_module()
+        entry = WRONG_CALL
+        module = description.lookup_module()
         mark = _dynfunc.make_function(
             module, description.qualname, "", entry, lowered.env, (library,)
         )

@@ -22,8 +22,10 @@ from tribo.validation import InputError, TriboWarning
 # Versions of numba with which the native way was tested, and that of llvmlite beside each.
 TESTED = {"0.68": "0.50"}
 
-# The environment variable, and its only value.
-VARIABLE, PLAIN = "TRIBO_NUMBA", "plain"
+# The environment variable that avoids undocumented names.
+VARIABLE = "TRIBO_NUMBA"
+# Its only value.
+PLAIN = "plain"
 
 
 def _is_native() -> bool:

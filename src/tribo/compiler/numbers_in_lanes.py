@@ -37,6 +37,7 @@ def _read_as(number: types.Type, spacing: int) -> Any:
         found = like(shared, number)
 
         def build(context, builder, sig, args):
+            """Load the numbers of all fields, which are `spacing` numbers apart."""
             step = ir.Constant(args[3].type, spacing)
             place = builder.mul(args[3], step)
             pointer = context.get_value_type(number).as_pointer()
@@ -53,7 +54,8 @@ def _read_as(number: types.Type, spacing: int) -> Any:
 
 
 # Numbers of one scene, side by side in the array; and Lanes of eight, in blocks of it.
-numbers_in_row, numbers_in_lanes = _read_as(types.float64, 1), _read_as(lanes, LANES)
+numbers_in_row = _read_as(types.float64, 1)
+numbers_in_lanes = _read_as(lanes, LANES)
 
 
 @in_kernels(lambda each, i: each)

@@ -168,7 +168,8 @@ def _kind(cls: Any, base: type, version: str) -> Any:
     formulas = _formulas(cls, version)
     namespace = {"version": version, "formulas": formulas}
     kind = type(f"{cls.__name__}Type", (PluginType, base), namespace)
-    models, uniform = extending.models, base is types.NamedUniTuple
+    models = extending.models
+    uniform = base is types.NamedUniTuple
     extending.register_model(kind)(models.UniTupleModel if uniform else models.TupleModel)
     for name, method in formulas.items():
         find = _finder(method)
@@ -198,6 +199,7 @@ def _constructor(cls: Any, version: str) -> Any:
 
     @extending.intrinsic
     def build(typing_context, members):  # type: ignore[no-untyped-def]
+        """Type and code of a function that makes the tuple of a class from a plain tuple."""
         kinds = [types.unliteral(kind) for kind in members.types]
         kind = plugin_type(cls, kinds)
 
@@ -266,7 +268,8 @@ class Formulas:
         if function in self._made:
             return self._made[function]
         own = is_known(module_of(function))
-        scope, cells = dict(function.__globals__), closure_of(function)
+        scope = dict(function.__globals__)
+        cells = closure_of(function)
         copy = FunctionType(
             function.__code__,
             scope,
@@ -275,7 +278,8 @@ class Formulas:
             tuple(CellType() for _ in function.__closure__ or ()),
         )
         copy.__kwdefaults__ = function.__kwdefaults__
-        copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+        copy.__qualname__ = function.__qualname__
+        copy.__module__ = function.__module__
         self._made[function] = function if own else copy  # also for those that call themselves
         attributes: dict[str, list[tuple[str, ...]]] = {}
         for name, *rest in names_in(function.__code__):
@@ -319,7 +323,8 @@ class Formulas:
     def _function(self, value: Any) -> Any:
         """What stands for a compiled function; any other value itself."""
         if isinstance(value, FunctionType):
-            function, compiler = value, jit(nopython=True)
+            function = value
+            compiler = jit(nopython=True)
             if is_known(module_of(value)) or not overloads_of(value) or not is_as_written(value):
                 return value
         elif (function := python_function(value)) is None:

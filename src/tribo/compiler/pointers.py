@@ -30,7 +30,8 @@ class PointerType(types.Type):
     """The type of a C-contiguous array without its owner."""
 
     def __init__(self, dtype: types.Type, ndim: int) -> None:
-        self.dtype, self.ndim = dtype, ndim
+        self.dtype = dtype
+        self.ndim = ndim
         super().__init__(name=f"Pointer({dtype}, {ndim})")
 
 
@@ -194,7 +195,8 @@ def _locate(context, builder, kind, value, index_kinds, indices):
     place = None
     for index_kind, index in zip(index_kinds, indices, strict=True):
         index = context.cast(builder, index, index_kind, types.intp)
-        length, shape = shape[0], shape[1:]
+        length = shape[0]
+        shape = shape[1:]
         place = index if place is None else builder.add(builder.mul(place, length), index)
     for length in shape:
         place = builder.mul(place, length)

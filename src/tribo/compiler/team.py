@@ -30,12 +30,21 @@ LISTS, CONTACT, REACTIONS, DRIFT, KICK = range(5)
 
 # Places of the counters.  Those that threads write at the same time are in cache lines of their
 # own, of at most 16 numbers.
-WORK, DONE, CLOSED, PHASE, END, INTERACTION, PAIR, THREADS, RANK = 0, 16, *range(32, 38), 48
+WORK = 0
+DONE = 16
+CLOSED = 32
+PHASE = 33
+END = 34
+INTERACTION = 35
+PAIR = 36
+THREADS = 37
+RANK = 48
 COUNTERS = 64
 # Counter WORK is the number of phases so far times this, plus the pieces of the present one.
 MOST_PIECES = 1 << 20
-# Places in the row of a thread: the last phase that it saw, and how many of its pieces it tried.
-SEEN, TRIED = 0, 1
+# Places in the row of a thread.
+SEEN = 0  # the last phase that it saw
+TRIED = 1  # how many pieces of this phase it tried
 OWN_NUMBERS = 16  # a cache line and the next one
 
 # Looks for work after which a waiting thread lets others have its core: about a microsecond.
@@ -134,7 +143,8 @@ def continue_phase(team):
 @kernel
 def piece_or_end(team):
     """The next piece for the thread of the time loop; -1 when all pieces are finished."""
-    piece, looks = next_piece(team, 0), 0
+    piece = next_piece(team, 0)
+    looks = 0
     while piece < 0 and _load(_at(team.counters, DONE)) != team.counters[END]:
         looks += 1
         if looks > LOOKS:
@@ -146,7 +156,8 @@ def piece_or_end(team):
 def next_piece(team, rank):
     """Take the next piece of the present phase; -1 where none is left."""
     work = _load(_at(team.counters, WORK))
-    phase, pieces = work // MOST_PIECES, work % MOST_PIECES
+    phase = work // MOST_PIECES
+    pieces = work % MOST_PIECES
     own = team.ranks[rank]
     if own[SEEN] != phase:
         own[SEEN] = phase

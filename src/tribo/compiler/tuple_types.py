@@ -121,5 +121,6 @@ class TupleLibrary(JITCodeLibrary):
         """An empty module that declares what it uses."""
         plain = super().create_ir_module(name)
         module = Module(plain.name)
-        module.triple, module.data_layout = plain.triple, plain.data_layout
+        module.triple = plain.triple
+        module.data_layout = plain.data_layout
         return module

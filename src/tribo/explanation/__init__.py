@@ -135,7 +135,9 @@ class Explanation:
         )
 
     def __str__(self) -> str:
-        scene, n = self.scene, len(self.scene.surfaces)
+        """The scene, what is simulated and what is absent, and the plan, as paragraphs."""
+        scene = self.scene
+        n = len(scene.surfaces)
         title = f"{scene.title}: " if scene.title else ""
         count = f"{scene.count} asperite{'s' * (scene.count > 1)} on {n} surface{'s' * (n > 1)}"
         lines = [f"{title}{count}, until t = {scene.duration:g}."]
@@ -152,7 +154,9 @@ class Explanation:
 
     def _plan(self) -> dict[str, str]:
         """What is said of each subject; nothing where a text is empty."""
-        output, contact, count = self.scene.output, self.contact, self.scene.count
+        output = self.scene.output
+        contact = self.contact
+        count = self.scene.count
         kinds = ", ".join(f"{n} {kind}" for kind, n in self.coordinates.items() if n)
         place = "neighbour lists, about" if contact.by_list else "all pairs of bobs,"
         names = ", ".join(contact.scalar)
@@ -191,7 +195,8 @@ class Explanation:
 
     def _basis(self) -> str:
         """How the evaluations are known, and whether the run will stop or fall short."""
-        cost, used = self.predicted, f"{self.evaluations_used:,} evaluations"
+        cost = self.predicted
+        used = f"{self.evaluations_used:,} evaluations"
         basis = {
             "counted": "Counted from the step",
             "searched": f"The search for settings, with which a run begins, took {used}",
@@ -225,7 +230,8 @@ def explain(scene: Scene) -> Explanation:
         As for :func:`tribo.prepare`.
     """
     scene = instance(Scene)("scene", scene)
-    layout, given = lay_out(scene), scene.numerics
+    layout = lay_out(scene)
+    given = scene.numerics
     check_keep(layout)
     with inside("numerics"):
         choice = choose(layout, given.accuracy, given.method, given.step)

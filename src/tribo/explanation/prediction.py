@@ -99,7 +99,8 @@ class Search(Integrator):
         resolved: bool = False,
     ) -> Integration:
         """Integrate through `times`.  Raises OverBudgetError or KeyboardInterrupt."""
-        rest, most = self._budget - self.evaluations, most or most_evaluations(self.layout.scene)
+        rest = self._budget - self.evaluations
+        most = most or most_evaluations(self.layout.scene)
         if isinstance(setting, float):
             count = counted(self.layout, self.method, setting, times)
             if count > rest:
@@ -120,15 +121,21 @@ class Search(Integrator):
 
 def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
     """Predict the cost of a run, and its step where all steps are equal and known."""
-    layout, method, tuned, setting = search.layout, search.method, None, None
+    layout = search.layout
+    method = search.method
+    tuned = None
+    setting = None
     began = time.perf_counter()
     try:
         plan = make_plan(choice, search)
-        tuned, setting = plan.tuned, plan.setting
-        basis, evaluations = "searched", float(search.evaluations)
+        tuned = plan.tuned
+        setting = plan.setting
+        basis = "searched"
+        evaluations = float(search.evaluations)
         samples = sum(times.size for times, _, _ in search.runs)
     except OverBudgetError:
-        basis, evaluations = "extrapolated", _extrapolated(choice, search)
+        basis = "extrapolated"
+        evaluations = _extrapolated(choice, search)
         samples = 2 * sum(times.size for times in StopTimes.for_samples(layout.times))
     seconds = time.perf_counter() - began
     step = setting if isinstance(setting, float) else choice.step
@@ -138,7 +145,8 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         each = 0.0 if tuned is not None else _measured(search, step)
     if choice.step is not None:
         assert isinstance(step, float)
-        basis, samples = "counted", layout.times.size
+        basis = "counted"
+        samples = layout.times.size
         evaluations = counted(layout, method, step, layout.times)
     stop, status = _stop(search, tuned)
     predicted = Predicted(
@@ -155,11 +163,14 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
 
 def _measured(search: Search, step: float | None) -> float:
     """Seconds of an evaluation in a short run with equal steps, after the first of them."""
-    layout, first = search.layout, search.first_step
+    layout = search.layout
+    first = search.first_step
     loop = GeneralLoop(layout, search.method, step or first, layout.start, 0.0, search.threads)
-    columns, evaluations = loop.room(layout.times.size + 1), loop.clocks.evaluations
+    columns = loop.room(layout.times.size + 1)
+    evaluations = loop.clocks.evaluations
     loop.advance(layout.times, columns, 1)
-    before, began = int(evaluations[0]), time.perf_counter()
+    before = int(evaluations[0])
+    began = time.perf_counter()
     steps = int(1e9 * MEASURED / evaluation_time(layout, search.method))
     loop.advance(layout.times, columns, max(1, steps))
     return (time.perf_counter() - began) / max(1, int(evaluations[0]) - before)
@@ -171,7 +182,8 @@ def _stop(search: Search, tuned: FoundSettings | None) -> tuple[str, Status]:
     if last is not None and last.evaluations == 0:
         where = f"it ends where it starts, at t = {last.samples.t[0]:g}; change the start"
         return where, last.status
-    scene, whole = search.layout.scene, search.runs[-1][1] if search.runs else 0.0
+    scene = search.layout.scene
+    whole = search.runs[-1][1] if search.runs else 0.0
     too_many = search.method.adaptive and whole > MOST_PREDICTED * most_evaluations(scene)
     if not too_many and (last is None or last.status != Status.NO_PROGRESS):
         return "", Status.COMPLETED
@@ -184,24 +196,31 @@ def _stop(search: Search, tuned: FoundSettings | None) -> tuple[str, Status]:
 
 def _extrapolated(choice: Choice, search: Search) -> float:
     """The evaluations of a search whose last run was not complete."""
-    method, slope = choice.method, rate_of(search.layout, choice.method).slope
+    method = choice.method
+    slope = rate_of(search.layout, method).slope
     times, last, left = search.runs[-1]
-    stops, finer = StopTimes.for_samples(search.layout.times), fine_level(method) ** (-1.0 / slope)
+    stops = StopTimes.for_samples(search.layout.times)
+    finer = fine_level(method) ** (-1.0 / slope)
     if method.adaptive and len(search.runs) == 1:  # the pilot
         assert choice.accuracy is not None
         level = min(FIRST * method.first_level * strictest(choice.accuracy), PILOT_LEVEL)
-        coarse, runs = last * (PILOT_LEVEL / level) ** (1.0 / slope), COARSE_RUNS + finer
+        coarse = last * (PILOT_LEVEL / level) ** (1.0 / slope)
+        runs = COARSE_RUNS + finer
     elif np.array_equal(times, stops.fine):
-        coarse, runs = last / finer, COARSE_RUNS
+        coarse = last / finer
+        runs = COARSE_RUNS
     else:
-        coarse, runs = last, 1.0 if np.array_equal(times, stops.many) else 2.0
+        coarse = last
+        runs = 1.0 if np.array_equal(times, stops.many) else 2.0
     return search.evaluations + left + runs * coarse
 
 
 def bytes_of_run(layout: Layout, method: Method, samples: int, compared: bool) -> int:
     """Bytes of a scene, its loop, so many samples in all runs, all series, and comparing these."""
-    loop, times = GeneralLoop(layout, method, 1.0, layout.start, 0.0), layout.times.size
-    found, series = loop.bytes, assemble(layout, Samples.at_zero(layout))
+    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    times = layout.times.size
+    found = loop.bytes
+    series = assemble(layout, Samples.at_zero(layout))
     if is_streamed(layout, times):
         series = series.only(layout.scene.output.keep or ())
         found += PORTION_BYTES

@@ -77,7 +77,9 @@ def _motion(result: RunResult, point: str) -> np.ndarray:
     A point of a pendulum turns about its centre of mass: v = v_cm + omega x (r - r_cm).
     """
     all_of = partial(of_all, result)
-    x, y, omega = all_of(f"x_{point}"), all_of(f"y_{point}"), all_of("omega")
+    x = all_of(f"x_{point}")
+    y = all_of(f"y_{point}")
+    omega = all_of("omega")
     z = np.concatenate([surface.resting_bobs()[:, 2] for surface in result.scene.surfaces])
     vx = all_of("vx_cm") - omega * (y - all_of("y_cm"))
     vy = all_of("vy_cm") + omega * (x - all_of("x_cm"))

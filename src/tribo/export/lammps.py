@@ -22,7 +22,10 @@ from tribo.model.scene import Scene
 from tribo.plugins.classes import parts
 from tribo.validation import as_path, must_be
 
-DATA, FORCES, RUN = "scene.data", "forces.in", "run.in"
+# Names of the files: atoms, the commands for their forces, and those for a run, which read both.
+DATA = "scene.data"
+FORCES = "forces.in"
+RUN = "run.in"
 # Step that is written, where the scene has none, as a fraction of the shortest time of a motion.
 STEP = 0.02
 # Largest number of surfaces: LAMMPS has 32 groups, one of which holds all atoms.
@@ -80,7 +83,8 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
         raise must_be("directory", f"a folder ({error.strerror})", str(folder)) from None
     files = LammpsFiles(folder / DATA, folder / FORCES, folder / RUN, tuple(omitted))
     replace_file(files.data, data_file(scene, atoms, max(reach, 1.0)).encode())
-    forces, run = _forces(scene, atoms, pairs, reach), _run(scene, atoms, files.omitted)
+    forces = _forces(scene, atoms, pairs, reach)
+    run = _run(scene, atoms, files.omitted)
     for path, lines in ((files.forces, forces), (files.run, run)):
         replace_file(path, ("\n".join(lines) + "\n").encode())
     return files
@@ -91,7 +95,8 @@ def _forces(scene: Scene, atoms: Atoms, pairs: list[str], reach: float) -> list[
     along_x, along_z = ("m" if p is None else "p" for p in (scene.periodic.x, scene.periodic.z))
     lines = ["# Units of the scene; k_B = 1", "units lj", "atom_style full"]
     lines.append(f"boundary {along_x} m {along_z}")
-    skin, read = SKIN * reach, f"read_data {DATA}"
+    skin = SKIN * reach
+    read = f"read_data {DATA}"
     if np.any(atoms.constant_forces):
         lines.append("fix constant all property/atom d_constant_x d_constant_y")
         read += f" fix constant NULL {CONSTANT_FORCES}"
@@ -143,7 +148,8 @@ def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
 
 def _step(scene: Scene, atoms: Atoms) -> float:
     """A step [time] that resolves passes, and oscillations in contact, in fields and on springs."""
-    lightest, speed = min(kind.mass for kind in atoms.kinds), atoms.largest_speed
+    lightest = min(kind.mass for kind in atoms.kinds)
+    speed = atoms.largest_speed
     times = [scene.duration / 50.0]
     layout = lay_out(scene)
     for frequency in (spring_frequency(layout), corrugation_frequency(layout)):

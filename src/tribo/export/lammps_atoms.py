@@ -53,11 +53,13 @@ def atoms_of(scene: Scene) -> Atoms:
     for index, surface in enumerate(scene.surfaces):
         numbers, own = _kinds(surface, index, surface.each["mass"])
         bobs, bars = _start(scene, index)
-        initial, velocities = surface.initial.for_each(surface.count), np.zeros((surface.count, 3))
+        initial = surface.initial.for_each(surface.count)
+        velocities = np.zeros((surface.count, 3))
         velocities[:, :2] = surface.velocity + np.column_stack([initial["vx"], initial["vy"]])
         ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
         if surface.springs.turned:  # no bond has their force
-            ends, strengths = ends[:0], strengths[:0]
+            ends = ends[:0]
+            strengths = strengths[:0]
         constant = _constant_forces(scene, surface, bobs, bars, ends, strengths)
         of_atoms = len(kinds) + numbers, bobs, velocities, surface.each["charge"]
         parts.append((*of_atoms, scene.parts[surface.name].start + ends, strengths, constant))
@@ -81,8 +83,10 @@ def _kinds(surface: Surface, index: int, masses: np.ndarray) -> tuple[np.ndarray
 def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
-    each, bobs = surface.each, surface.resting_bobs(seed=[scene.seed, index, 0])
-    initial, swing = surface.initial.for_each(surface.count), surface.initial_swing
+    each = surface.each
+    bobs = surface.resting_bobs(seed=[scene.seed, index, 0])
+    initial = surface.initial.for_each(surface.count)
+    swing = surface.initial_swing
     swing = initial["phi"] if swing is None else swing
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
     bars = np.column_stack([initial["x"], initial["y"]])
@@ -116,11 +120,14 @@ def _constant_forces(
 
 def data_file(scene: Scene, atoms: Atoms, margin: float) -> str:
     """The text of the data file, in a box with a margin where it is not periodic [length]."""
-    n, strengths = len(atoms.positions), list(dict.fromkeys(atoms.stiffness.tolist()))
-    low, high = atoms.positions.min(axis=0) - margin, atoms.positions.max(axis=0) + margin
+    n = len(atoms.positions)
+    strengths = list(dict.fromkeys(atoms.stiffness.tolist()))
+    low = atoms.positions.min(axis=0) - margin
+    high = atoms.positions.max(axis=0) + margin
     for axis, period in ((0, scene.periodic.x), (2, scene.periodic.z)):
         if period is not None:
-            low[axis], high[axis] = 0.0, period
+            low[axis] = 0.0
+            high[axis] = period
     lines = [scene.title.replace("\n", " ") or "asperites as atoms", ""]
     lines += [f"{n} atoms", f"{len(atoms.kinds)} atom types"]
     if strengths:

@@ -21,6 +21,7 @@ def group_names(scene: Scene) -> list[str]:
 
 
 def motion_lines(scene: Scene, atoms: Atoms) -> Iterator[str]:
+    """Lines that move each surface: forces that its drive cancels, adds or shares, and noise."""
     if scene.fields:
         yield "compute unwrapped all property/atom xu"
     for index, (surface, group) in enumerate(zip(scene.surfaces, group_names(scene), strict=True)):
@@ -50,6 +51,7 @@ def moves_uniformly(scene: Scene, surface: Surface) -> bool:
 
 
 def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
+    """Effects of a surface that the files leave out, each as the end of a sentence."""
     present = {
         "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
         "bars that turn": surface.bars == "free",
@@ -92,7 +94,8 @@ def _cancelled_axes(surface: Surface) -> list[str]:
 
 def _drive(surface: Surface, group: str) -> Iterator[str]:
     """The forces of the drive, beyond those that it cancels."""
-    drive, forces = surface.drive, ["0", "0"]
+    drive = surface.drive
+    forces = ["0", "0"]
     if isinstance(drive, Pulled):
         forces[0] = f"{drive.stiffness * drive.speed!r}*time"
         yield f"fix {group}_spring {group} spring/self {drive.stiffness!r} x"
@@ -117,7 +120,9 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
     reservoir = surface.reservoir("bar")
     if reservoir is None or reservoir.gamma == 0.0:
         return
-    gamma, temperature, types = reservoir.gamma, reservoir.temperature, atoms.types_of(index)
+    gamma = reservoir.gamma
+    temperature = reservoir.temperature
+    types = atoms.types_of(index)
     masses = [atoms.kinds[i - 1].mass for i in types]
     line = f"fix {group}_friction {group} viscous {gamma!r}"
     if temperature > 0.0:

@@ -105,13 +105,13 @@ def _types(scene: Scene, interaction: Interaction, kinds: Sequence[Kind]) -> lis
     """The pairs of types between which an interaction acts, the lower one first."""
     pairs = {frozenset(pair) for pair in scene.pairs(interaction)}
     wanted = None if interaction.species is None else set(interaction.species)
-    return [
-        (i, j)
-        for j, two in enumerate(kinds, 1)
-        for i, one in enumerate(kinds[:j], 1)
-        if frozenset((one.surface, two.surface)) in pairs
-        and wanted in (None, {one.species, two.species})
-    ]
+    found = []
+    for j, two in enumerate(kinds, 1):
+        for i, one in enumerate(kinds[:j], 1):
+            acts = frozenset((one.surface, two.surface)) in pairs
+            if acts and wanted in (None, {one.species, two.species}):
+                found.append((i, j))
+    return found
 
 
 def _commands(pairs: dict[tuple[int, int], Pair], count: int, strength: float) -> list[str]:
@@ -119,7 +119,8 @@ def _commands(pairs: dict[tuple[int, int], Pair], count: int, strength: float) -
     if not pairs:
         return ["pair_style zero 1.0", "pair_coeff * *"]
     variants = sorted({(pair.style, pair.shifted) for pair in pairs.values()})
-    names, styles = {}, ""
+    names = {}
+    styles = ""
     for style, shifted in variants:
         both = [v for v in variants if v[0] == style]
         number = f" {both.index((style, shifted)) + 1}" if len(both) == 2 else ""

@@ -46,11 +46,10 @@ def end_table(result: RunResult) -> pandas.DataFrame:
     """The end state: a row for each asperite, a column for each of its quantities."""
     import pandas
 
-    ends = result.ledger.at_end().surfaces
-    frames = {
-        name: pandas.DataFrame({key: values[-1] for key, values in table.items()})
-        for name, table in ends.items()
-    }
+    frames = {}
+    for name, table in result.ledger.at_end().surfaces.items():
+        ends = {key: values[-1] for key, values in table.items()}
+        frames[name] = pandas.DataFrame(ends)
     return pandas.concat(frames, names=["surface", "asperite"])
 
 

@@ -13,14 +13,16 @@ from tribo.kernels.powers import add_works
 def impulse_on_end(model, s, i, impulse):
     """The impulse on the left ends of clamped bars at rest that an angular impulse makes."""
     inverse_length = constant(model, rows.INVERSE_BAR_LENGTH, s, i)
-    sin, cos = constant(model, rows.SIN_PHI, s, i), constant(model, rows.COS_PHI, s, i)
+    sin = constant(model, rows.SIN_PHI, s, i)
+    cos = constant(model, rows.COS_PHI, s, i)
     return end_force(impulse, inverse_length, sin, cos)
 
 
 @inlined
 def push_bars(model, s, i, px, py, v, accounts, slot):
     """Give momenta (px, py) to a block of bars, frozen; works are added from account `slot` on."""
-    l2, mobility = constant(model, rows.L2, s, i), constant(model, rows.INVERSE_MASS, s, i)
+    l2 = constant(model, rows.L2, s, i)
+    mobility = constant(model, rows.INVERSE_MASS, s, i)
     tx, ty = vectors(model.directions, i)
     along = tx * px + ty * py
     omega = block(v, i)
@@ -36,7 +38,8 @@ def push_bars(model, s, i, px, py, v, accounts, slot):
         return
     swept = along * (omega + 0.5 * change)
     pivot = pivot_lengths(model.pivots, s, i)
-    about, pseudowork = 0.0 - (l2 + pivot) * swept, px * vx + py * vy + pivot * swept
+    about = 0.0 - (l2 + pivot) * swept
+    pseudowork = px * vx + py * vy + pivot * swept
     add_works(accounts, s, slot, i, px, py, about, pseudowork)
     if s.fixed > 0:
         x, y = impulse_on_end(model, s, i, 0.0 - l2 * along)

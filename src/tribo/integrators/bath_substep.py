@@ -58,7 +58,8 @@ def rotate_bath(model, bath, reservoirs, tau, q, v, accounts, rotations):
             s = model.surfaces[k]
             if s.oscillators > 0:
                 for first in range(s.start, s.stop, LANES):
-                    after_x, after_y = broadcast(0.0), broadcast(0.0)
+                    after_x = broadcast(0.0)
+                    after_y = broadcast(0.0)
                     for i in range(first, min(first + LANES, s.end)):
                         px, py = rotate_bath_of(model, bath, s, i, q, v, rotations)
                         after_x = with_lane(after_x, i - first, px)

@@ -68,7 +68,9 @@ class Collocation(NamedTuple):
     most_growth: float = MAX_EXTRAPOLATION
 
     def workspace(self, model: Model, state: State) -> Nodes:
-        count, n = self.c.size, state.acceleration.size
+        """Arrays for the nodes of a step."""
+        count = self.c.size
+        n = state.acceleration.size
         powers = room((count, state.s.size))
         return Nodes(room((count, n)), powers, room((2 * n,)), room((n,)), room((n,)))
 
@@ -76,7 +78,8 @@ class Collocation(NamedTuple):
         """Advance the state to the time `end`, the polynomial found to round-off."""
         set_round_off(state, h, work.unit)
         copy(state.acceleration, work.accelerations[0])
-        if not solve(self, model, neighbours, clock, h, state, work, 0.0, STALL_LIMIT):
+        limits = 0.0, STALL_LIMIT
+        if not solve(self, model, neighbours, clock, h, state, work, limits):
             return NOT_CONVERGED if computable(work.acceleration) else NOT_FINITE
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         complete_step(self, model, neighbours, clock, h, end, state, work)
@@ -89,7 +92,8 @@ class Collocation(NamedTuple):
             work.unit[m - n] = tolerance.y[m] + 2.0 * EPSILON * abs(state.y[m])
         copy(state.acceleration, work.accelerations[0])
         copy(state.power, work.powers[0])
-        if not solve(self, model, neighbours, clock, h, state, work, SWEEP_TOLERANCE, 1.0):
+        limits = SWEEP_TOLERANCE, 1.0
+        if not solve(self, model, neighbours, clock, h, state, work, limits):
             return math.inf, all_finite(work.acceleration)
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         error = estimate_error(self, h, state, work, tolerance)
@@ -159,8 +163,9 @@ def sweep(model, neighbours, method, clock, h, y, work):
 
 
 @expanded
-def solve(method, model, neighbours, clock, h, state, work, tolerance, stall):
-    """Whether sweeps bring the next change below `tolerance`, or a change stalls below `stall`."""
+def solve(method, model, neighbours, clock, h, state, work, limits):
+    """Whether sweeps converge: the next change is below a first limit, or stalls below a second."""
+    tolerance, stall = limits
     predict(method, clock, h, state.memory, work.accelerations)
     before = 0.0
     for _ in range(MAX_SWEEPS):

@@ -37,7 +37,8 @@ def stage_velocities(v: np.ndarray, c: np.ndarray, matched: int, weighed: int) -
     """
     live = np.flatnonzero(v)
     n = live.size
-    weights, nodes = v[live], c[live]
+    weights = v[live]
+    nodes = c[live]
     upper, whole = _integrals(nodes, max(matched, weighed))
     values = np.polynomial.legendre.legvander(2.0 * nodes - 1.0, max(matched, weighed))
     one = np.eye(n)
@@ -87,7 +88,10 @@ def collocation(nodes: tuple[str, ...]) -> dict[str, np.ndarray]:
     """The coefficients of the method with these nodes by name, each rounded once."""
     c = [Fraction(node) for node in nodes]
     others = [c[:j] + c[j + 1 :] for j in range(len(c))]
-    poles = [1 / Fraction(math.prod(x - y for y in r)) for x, r in zip(c, others, strict=True)]
+    poles = []
+    for x, rest in zip(c, others, strict=True):
+        differences = [x - y for y in rest]
+        poles.append(1 / Fraction(math.prod(differences)))
     # Coefficients of Lagrange's polynomials, from the constant on.
     products: list[Any] = [np.poly(np.array(rest, object))[::-1] for rest in others]
     basis = [product * pole for product, pole in zip(products, poles, strict=True)]
@@ -96,7 +100,11 @@ def collocation(nodes: tuple[str, ...]) -> dict[str, np.ndarray]:
     def integrals(ends: list[Fraction], times: int) -> np.ndarray:
         """Integrals of the polynomials from 0 to each end, taken once or twice."""
         sums = [polyint(each, times) for each in basis]
-        return np.array([[float(polyval(x, each)) for each in sums] for x in ends])
+        found = np.empty((len(ends), len(sums)))
+        for i, end in enumerate(ends):
+            for j, antiderivative in enumerate(sums):
+                found[i, j] = float(polyval(end, antiderivative))
+        return found
 
     return {
         "c": np.array([float(x) for x in c]),

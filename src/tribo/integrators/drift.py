@@ -36,7 +36,8 @@ def add_end_impulses(model, s, i, impulse, v, accounts):
         add_works(accounts, s, k, i, x)
     add_works(accounts, s, k + s.account_stride, i, y)
     if not keeps_velocity(s):
-        vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
+        vx = coordinates(s.dof_x, s, i, v)
+        vy = coordinates(s.dof_y, s, i, v)
         add_works(accounts, s, k + 2 * s.account_stride, i, x * vx + y * vy)
 
 
@@ -64,20 +65,31 @@ def settle_end_works(model, q, accounts, arcs):
                 set_block(arcs, i, arc)
 
 
+@inlined
+def end_impulse(model, s, i, change_of_rate):
+    """The angular impulse on clamped bars that changes the rates of their twists."""
+    return 0.0 - constant(model, rows.INERTIA, s, i) * change_of_rate
+
+
 @apart
-def add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts):
+def add_turning_end_works(model, s, i, twists, t, tau, v, accounts):
     """Add the works of the ends where clamped bars turn, by Gauss-Legendre quadrature."""
-    stiffness, frequency = constant(model, rows.KAPPA, s, i), constant(model, rows.FREQUENCY, s, i)
+    twist, rate, change_of_rate = twists
+    vx = coordinates(s.dof_x, s, i, v)
+    vy = coordinates(s.dof_y, s, i, v)
+    stiffness = constant(model, rows.KAPPA, s, i)
+    frequency = constant(model, rows.FREQUENCY, s, i)
     inverse_length = constant(model, rows.INVERSE_BAR_LENGTH, s, i)
-    start, nu = constant(model, rows.PHI_START, s, i), constant(model, rows.NU_START, s, i)
-    turning = 0.5 * nu * impulse
+    start = constant(model, rows.PHI_START, s, i)
+    nu = constant(model, rows.NU_START, s, i)
+    turning = 0.5 * nu * end_impulse(model, s, i, change_of_rate)
     add_works(accounts, s, s.acc_ends, i, -turning, -turning)
     for m in range(NODES.size):
         weight = WEIGHTS[m] * tau
         turn = rotation(frequency, NODES[m] * tau)
-        change, change_of_rate = changes(twist, rate, turn)
+        change, change_by_then = changes(twist, rate, turn)
         now = twist + change
-        now_rate = rate + change_of_rate
+        now_rate = rate + change_by_then
         phi = start + nu * (t + NODES[m] * tau)
         sin, cos = sine_cosine(phi)
         x, y = end_force(stiffness * now, inverse_length, sin, cos)
@@ -109,13 +121,11 @@ def drift_clamped(model, s, i, t, tau, q, v, turn):
 @inlined
 def add_end_works(model, s, i, twists, t, tau, v, accounts):
     """Add impulses of the ends of clamped bars in a drift, and works where they turn."""
-    twist, rate, change_of_rate = twists
-    impulse = 0.0 - constant(model, rows.INERTIA, s, i) * change_of_rate
     if s.turning == 0:
+        impulse = end_impulse(model, s, i, twists[2])
         add_end_impulses(model, s, i, impulse, v, accounts)
     else:
-        vx, vy = coordinates(s.dof_x, s, i, v), coordinates(s.dof_y, s, i, v)
-        add_turning_end_works(model, s, i, twist, rate, impulse, t, tau, vx, vy, accounts)
+        add_turning_end_works(model, s, i, twists, t, tau, v, accounts)
 
 
 @apart
@@ -126,7 +136,8 @@ def drift_free(model, s, i, tau, q, v, turn):
     phi = block(q, k)
     omega = block(v, i)
     nu = block(v, k)
-    inertia, i2 = constant(model, rows.INERTIA, s, i), constant(model, rows.I2, s, i)
+    inertia = constant(model, rows.INERTIA, s, i)
+    i2 = constant(model, rows.I2, s, i)
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)

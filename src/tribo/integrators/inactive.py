@@ -81,7 +81,7 @@ def set_active(model, neighbours, active, t, q, v):
     """Set the active blocks: those within reach of others, and those that cannot be inactive."""
     wanted = np.zeros(active.since.size, np.int8)
     for k in range(neighbours.reach.size):
-        mark_pair(model, model.box, neighbours, active, k, t, q, v, wanted)
+        mark_pair(model, neighbours, active, k, t, q, v, wanted)
     n = 0
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
@@ -96,18 +96,20 @@ def set_active(model, neighbours, active, t, q, v):
 
 
 @owning_kernel
-def mark_pair(model, box, neighbours, active, k, t, q, v, wanted):
+def mark_pair(model, neighbours, active, k, t, q, v, wanted):
     """Mark the blocks of the kth pair of surfaces that are within reach of each other."""
     one = model.surfaces[neighbours.pairs[k, 0]]
     other = model.surfaces[neighbours.pairs[k, 1]]
     reach = neighbours.reach[k] + active.margin
-    own, boxes, cells = neighbours.own, neighbours.others, neighbours.cells
+    own = neighbours.own
+    boxes = neighbours.others
+    cells = neighbours.cells
     set_boxes_of_paths(model, active, neighbours.pairs[k, 0], t, q, v, own)
     set_boxes_of_paths(model, active, neighbours.pairs[k, 1], t, q, v, boxes)
-    sort_boxes(box, own, boxes, reach, cells)
+    sort_boxes(model.box, own, boxes, reach, cells)
     near = np.empty(active.since.size, np.int64)
     for m in range((one.stop - one.start) // LANES):
-        count = near_blocks(box, own, m, boxes, reach, cells, near)
+        count = near_blocks(model.box, own, m, boxes, reach, cells, near)
         for n in range(count):
             wanted[one.start // LANES + m] = 1
             wanted[other.start // LANES + near[n]] = 1

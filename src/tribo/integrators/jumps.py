@@ -109,8 +109,9 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
 
 
 @inlined
-def set_jump(model, s, i, t, q, turn, x, y, jumps, accounts):
-    """Set the jump of a block by angles and displacements, and add its works on the torsion."""
+def set_jump(model, s, i, t, q, jump, jumps, accounts):
+    """Set the jump (angles, x, y) of a block, and add its works on the torsion."""
+    turn, x, y = jump
     set_block(jumps, i, turn)
     set_coordinates(s.dof_x, s, i, jumps, x)
     set_coordinates(s.dof_y, s, i, jumps, y)

@@ -68,8 +68,10 @@ def kick_slot(slot, s, i, change, v):
 
 
 @inlined
-def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, acceleration):
+def kick_block(model, s, i, t, tau, state, work, acceleration):
     """Kick a block of asperites, and add works at the mid-kick velocities."""
+    q, v = blocks.halves(state.y)
+    reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     swing, phi, x, y = acceleration
     omega = kick_slot(s.start, s, i, tau * swing, v)
     nu = kick_slot(s.dof_phi, s, i, tau * phi, v)
@@ -79,17 +81,18 @@ def kick_block(model, reservoirs, s, i, t, tau, q, v, middle, accounts, accelera
         vx = kick_slot(s.dof_x, s, i, tau * x, v)
         vy = kick_slot(s.dof_y, s, i, tau * y, v)
     if s.acc_block >= 0:
-        blocks.set_coordinates(s.dof_x, s, i, middle, vx)
-        blocks.set_coordinates(s.dof_y, s, i, middle, vy)
-    power = Powers(accounts, model.sums, tau)
+        blocks.set_coordinates(s.dof_x, s, i, work.middle, vx)
+        blocks.set_coordinates(s.dof_y, s, i, work.middle, vy)
+    power = Powers(state.s, model.sums, tau)
     velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
-    powers_of_block(model, model.ledger, s, i, 0.0, t, q, velocities, power)
+    powers_of_block(model, s, i, 0.0, t, q, velocities, power)
     if acts(reservoirs):
-        add_opposite_works(model, reservoirs, s, i, acceleration, accounts)
+        add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
 
 
 @inlined
 def pushed(velocities, tau, acceleration):
+    """All velocities of a block after accelerations have acted for tau."""
     omega, nu, vx, vy = velocities
     swing, phi, x, y = acceleration
     return omega + tau * swing, nu + tau * phi, vx + tau * x, vy + tau * y
@@ -97,6 +100,7 @@ def pushed(velocities, tau, acceleration):
 
 @inlined
 def mean(one, other):
+    """Means of two sets of the four velocities of a block."""
     a, b, c, d = one
     e, f, g, h = other
     return 0.5 * (a + e), 0.5 * (b + f), 0.5 * (c + g), 0.5 * (d + h)
@@ -116,13 +120,12 @@ def kick_part(model, part, active, s, begin, end, t, tau, state, work):
     if part == FIRST_HALF:
         kick_first_half(model, active, s, begin, end, t, tau, state, work)
         return
-    q, v = blocks.halves(state.y)
-    reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
+    q = blocks.halves(state.y)[0]
     for n in range(begin, end):
         i = blocks.column_of(active, n)
         drive = drive_in_kick(model, s, i, t, q)
         acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
-        kick_block(model, reservoirs, s, i, t, tau, q, v, work.middle, state.s, acceleration)
+        kick_block(model, s, i, t, tau, state, work, acceleration)
 
 
 @apart
@@ -161,5 +164,5 @@ def repeat_kick(model, active, t, tau, state, work):
             between = mean(
                 blocks.all_coordinates(s, i, work.middle), with_jump(reservoirs, s, i, now)
             )
-            powers_of_block(model, model.ledger, s, i, 0.0, t, q, between, power)
+            powers_of_block(model, s, i, 0.0, t, q, between, power)
             add_opposite_works(model, reservoirs, s, i, acceleration, state.s)

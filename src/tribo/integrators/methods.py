@@ -187,7 +187,10 @@ for _method in METHODS.values():
 
 def noisy(scene: Scene) -> bool:
     """Whether the scene has thermal noise."""
-    return any(each.temperature > 0.0 for s in scene.surfaces for each in s.reservoirs)
+    for surface in scene.surfaces:
+        if any(reservoir.temperature > 0.0 for reservoir in surface.reservoirs):
+            return True
+    return False
 
 
 def refusal(method: Method, scene: Scene) -> str | None:

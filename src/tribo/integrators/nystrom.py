@@ -54,7 +54,9 @@ class Nystrom(NamedTuple):
     most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
-        count, n = self.c.size, state.acceleration.size
+        """Arrays for a step; the stages' forces include bobs and directions, which powers need."""
+        count = self.c.size
+        n = state.acceleration.size
         tables = model.bobs, model.directions, model.f1, model.drive
         tables += model.inner, model.external, model.internal
         rows = sum(len(table) for table in tables if table.shape[1] > 0)
@@ -67,6 +69,7 @@ class Nystrom(NamedTuple):
         )
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+        """Try a step; see :mod:`tribo.integrators.time_loops`."""
         error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
         clock.evaluations += self.c.size
         return error, math.isfinite(error)
@@ -152,7 +155,9 @@ def evaluate_powers(method, model, t, h, state, work):
 def estimate_error(method, h, state, work, tolerance):
     """The step's error by the embedded method, in units of the tolerance; nan where one is."""
     n = state.acceleration.size
-    q, v, f = state.y[:n], state.y[n:], work.accelerations
+    q = state.y[:n]
+    v = state.y[n:]
+    f = work.accelerations
     coordinates = largest(h * h, method.eb, f, q, tolerance.y[:n])
     velocities = largest(h, method.ev, f, v, tolerance.y[n:])
     accounts = largest(h, method.ev, work.powers, state.s, tolerance.s)

@@ -19,7 +19,7 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import absent, column_of_constants, constant, own_number, vectors
+from tribo.kernels.blocks import absent, constant, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import add_total, add_works, momentum
@@ -35,34 +35,44 @@ def torsion_gains(model, s, i, t, tau, q):
     """
     if s.fixed > 0:
         return broadcast(0.0)
-    a, c = model.constants, column_of_constants(s, i)
-    angle = 0.5 * tau * block(a[rows.FREQUENCY], c)
+    angle = 0.5 * tau * constant(model, rows.FREQUENCY, s, i)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
     sin, cos = sine_cosine(angle)
     ratio = where_less(0.0, angle, sin / (angle * cos), 1.0)
     twist = block(q, i) - bar_angles(model, s, i, t, q)
-    return 0.0 - tau * ratio * block(a[rows.KAPPA], c) * block(a[rows.INVERSE_INERTIA], c) * twist
+    stiffness = constant(model, rows.KAPPA, s, i)
+    return 0.0 - tau * ratio * stiffness * constant(model, rows.INVERSE_INERTIA, s, i) * twist
 
 
 @inlined
-def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
-    """Friction and noise on a block of bars, along their arcs and across; on their swings too."""
-    a, c, tau = model.constants, column_of_constants(s, i), reservoirs.tau
+def damp_block(model, s, i, reservoirs, motion, accounts, noise):
+    """Friction and noise on a block of bars, along their arcs and across; on their swings too.
+
+    `motion` is the time, and the coordinates and velocities then.
+    """
+    t, q, v = motion
+    tau = reservoirs.tau
     tx, ty = vectors(model.directions, i)
     vx, vy = velocities_of_bars(model, s, i, v)
     old_x, old_y = velocities_of_bars(model, s, i, reservoirs.before)
-    gain_x, gain_y = 2.0 * (vx - old_x), 2.0 * (vy - old_y)  # half a kick is still to come
+    # What the whole kick adds: half of it is still to come.
+    gain_x = 2.0 * (vx - old_x)
+    gain_y = 2.0 * (vy - old_y)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    across = block(a[rows.INVERSE_MASS], c)
-    lever = block(a[rows.L2], c)
-    count, omega = min(LANES, s.end - i), block(v, i)
-    warmest, each = max(s.temperature, s.swing_temperature), 6 if s.swing_gamma > 0.0 else 4
-    first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, each)
+    across = constant(model, rows.INVERSE_MASS, s, i)
+    inverse_inertia = constant(model, rows.INVERSE_INERTIA, s, i)
+    lever = constant(model, rows.L2, s, i)
+    count = min(LANES, s.end - i)
+    omega = block(v, i)
+    warmest = max(s.temperature, s.swing_temperature)
+    deviates = 6 if s.swing_gamma > 0.0 else 4  # of each asperite
+    first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, deviates)
     gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
     heat = own_number(model.own, rows.OWN_TEMPERATURE, s.temperature, i)
     present = block(model.each[rows.PRESENT], i)
-    slip, gain = tx * x + ty * y, tx * gain_x + ty * gain_y
+    slip = tx * x + ty * y
+    gain = tx * gain_x + ty * gain_y
     turn_gain = torsion_gains(model, s, i, t, tau, q)
     turning = broadcast(0.0)
     given = turning
@@ -70,12 +80,11 @@ def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
         # Of the centre of mass, and of the swing.
         turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
+        swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
         along, turning, far, turn, given = damped_arc(
-            gamma * across,
-            own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-            * block(a[rows.INVERSE_INERTIA], c),
+            (gamma * across, swing_gamma * inverse_inertia),
             (heat, own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
-            (block(a[rows.MASS], c), block(a[rows.INERTIA], c)),
+            (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
             lever,
             (slip + lever * omega, omega),
             (gain, turn_gain),
@@ -83,21 +92,25 @@ def damp_block(model, s, i, reservoirs, t, q, v, accounts, noise):
             (first, second, fifth, sixth),
         )
     else:
-        arc = across + lever * lever * block(a[rows.INVERSE_INERTIA], c)
+        arc = across + lever * lever * inverse_inertia
         gain = gain - lever * turn_gain
         along, far = damped_motion(gamma, heat, arc, slip, gain, tau, first, second)
         # A jump has the directions of the momentum that would cause it.
-        turn = 0.0 - lever * (far / arc) * block(a[rows.INVERSE_INERTIA], c)
+        turn = 0.0 - lever * (far / arc) * inverse_inertia
         far = across * (far / arc)
+    slip = tx * y - ty * x
     gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
-    side, aside = damped_motion(gamma, heat, across, tx * y - ty * x, gain, tau, third, fourth)
-    px, py = present * (along * tx - side * ty), present * (along * ty + side * tx)
+    side, aside = damped_motion(gamma, heat, across, slip, gain, tau, third, fourth)
+    px = present * (along * tx - side * ty)
+    py = present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
     if s.swing_gamma > 0.0:
         turn_swings(model, s, i, present * turning, present * given, v, accounts)
-    turn, far, aside = present * turn, present * far, present * aside
+    turn = present * turn
+    far = present * far
+    aside = present * aside
     x, y = far * tx - aside * ty, far * ty + aside * tx
-    set_jump(model, s, i, t, q, turn, x, y, reservoirs.jumps, accounts)
+    set_jump(model, s, i, t, q, (turn, x, y), reservoirs.jumps, accounts)
 
 
 @inlined
@@ -125,7 +138,7 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
                 continue
             before_x, before_y = momentum(model, s, v)
             for i in range(s.start, s.stop, LANES):
-                damp_block(model, s, i, reservoirs, t, q, v, accounts, noise)
+                damp_block(model, s, i, reservoirs, (t, q, v), accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
@@ -138,14 +151,15 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
 def damp_swings(model, reservoirs, t, q, v, accounts, noise):
     """Friction and noise on the swings of all surfaces that have no other reservoir."""
     if not absent(model.swing_friction):
-        a, tau, zero = model.constants, reservoirs.tau, broadcast(0.0)
+        tau = reservoirs.tau
+        zero = broadcast(0.0)
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0 and s.gamma == 0.0:
                 for i in range(s.start, s.stop, LANES):
                     gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
                     heat = own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)
-                    mobility = block(a[rows.INVERSE_INERTIA], column_of_constants(s, i))
+                    mobility = constant(model, rows.INVERSE_INERTIA, s, i)
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
                     omega = block(v, i)
@@ -158,4 +172,5 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
                     set_block(v, i, now)
                     if s.acc_swing >= 0:
                         add_works(accounts, s, s.acc_swing, i, gained * (0.5 * (omega + now)))
-                    set_jump(model, s, i, t, q, turn, zero, zero, reservoirs.jumps, accounts)
+                    jump = turn, zero, zero
+                    set_jump(model, s, i, t, q, jump, reservoirs.jumps, accounts)

@@ -9,10 +9,13 @@ from tribo.compiler.lanes_memory import block, room, set_block
 from tribo.kernels import blocks
 from tribo.kernels.records import FREQUENCY
 
+# Rows of a table of rotations, see :func:`rotation`.
+VERSINE, OVER, TIMES = range(3)
+
 
 def empty_rotations(table: np.ndarray, times: int) -> np.ndarray:
     """Room for the rotations of the columns of a table in some times, and for these times."""
-    rotations = room((times, 3, table.shape[1] + LANES))
+    rotations = room((times, TIMES + 1, table.shape[1] + LANES))
     rotations[:] = np.nan
     return rotations
 
@@ -72,12 +75,14 @@ def set_active_rotations(model, active, tau, rotations):
 
 @kernel
 def set_rotation(frequencies, i, tau, rotations):
+    """Set the rotations of a block of oscillators in tau."""
     versine, over, times = rotation(block(frequencies, i), tau)
-    set_block(rotations[0], i, versine)
-    set_block(rotations[1], i, over)
-    set_block(rotations[2], i, times)
+    set_block(rotations[VERSINE], i, versine)
+    set_block(rotations[OVER], i, over)
+    set_block(rotations[TIMES], i, times)
 
 
 @inlined
 def rotation_of(rotations, i):
-    return block(rotations[0], i), block(rotations[1], i), block(rotations[2], i)
+    """The rotations of a block of oscillators, as :func:`rotation` returns them."""
+    return block(rotations[VERSINE], i), block(rotations[OVER], i), block(rotations[TIMES], i)

@@ -43,15 +43,23 @@ class RungeKutta(NamedTuple):
     most_growth: float = MAX_GROWTH
 
     def workspace(self, model: Model, state: State) -> Stages:
-        stages, coordinates, accounts = self.b.size, state.y.size, state.s.size
+        """Arrays for the stages of a step."""
+        stages = self.b.size
+        coordinates = state.y.size
+        accounts = state.s.size
         return Stages(room((stages, coordinates)), room((stages, accounts)), room((coordinates,)))
 
     def step(self, model, neighbours, clock, h, end, state, work):
+        """Advance the state to the time `end`."""
         evaluate_stages(self, model, neighbours, clock, h, state, work)
         complete_step(self, model, neighbours, clock, h, end, state, work)
         return COMPLETED
 
     def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+        """Try a step; see :mod:`tribo.integrators.time_loops`.
+
+        The error is that of order 5, damped where the one of order 3 is larger.
+        """
         evaluate_stages(self, model, neighbours, clock, h, state, work)
         fifth = largest_error(self.e5, h, state, work, tolerance)
         third = largest_error(self.e3, h, state, work, tolerance)
@@ -66,6 +74,7 @@ class RungeKutta(NamedTuple):
 
 @expanded
 def evaluate_stages(method, model, neighbours, clock, h, state, work):
+    """Rates of change at all stages of a step from `state`, powers included."""
     n = state.acceleration.size
     copy(state.y[n:], work.derivatives[0][:n])
     copy(state.acceleration, work.derivatives[0][n:])

@@ -34,7 +34,10 @@ DOP853 = RungeKutta(_TABLE["a"], _TABLE["b"], _TABLE["c"], _TABLE["e5"], _TABLE[
 def _nystrom(name: str, order: float) -> Nystrom:
     """A method from the files of its coefficients."""
     table = read(name)
-    a, v, c, error = table["a"], table["v"], table["c"], table["error"]
+    a = table["a"]
+    v = table["v"]
+    c = table["c"]
+    error = table["error"]
     stages = c.size
     counts = (v != 0.0) | (error[:stages] != 0.0)
     return Nystrom(

@@ -71,15 +71,16 @@ def correlated(z, other_z, correlation, deviates):
     travels = (1.0 - mean - other_mean + velocities) / (z * other_z)
     travels = travels - part * velocity_travel - other_part * travel_velocity
     travels = travels + part * other_part * velocities
-    a = correlation * velocities / (norm * other_norm)
-    b = correlation * (velocity_travel - other_part * velocities) / (norm * other_rest)
-    c = correlation * (travel_velocity - part * velocities) / (rest * other_norm)
-    d = correlation * travels / (rest * other_rest)
-    own = positive_root(1.0 - a * a - c * c)
-    shared = 0.0 - (a * b + c * d) / where_less(own, LEAST_SHARE, LEAST_SHARE, own)
-    last = positive_root(1.0 - b * b - d * d - shared * shared)
-    velocity = a * first + c * second + own * third
-    return velocity, b * first + d * second + shared * third + last * fourth
+    # Correlations of velocity (v) and travel (t) of the first mode with those of the other.
+    vv = correlation * velocities / (norm * other_norm)
+    vt = correlation * (velocity_travel - other_part * velocities) / (norm * other_rest)
+    tv = correlation * (travel_velocity - part * velocities) / (rest * other_norm)
+    tt = correlation * travels / (rest * other_rest)
+    own = positive_root(1.0 - vv * vv - tv * tv)
+    shared = 0.0 - (vv * vt + tv * tt) / where_less(own, LEAST_SHARE, LEAST_SHARE, own)
+    last = positive_root(1.0 - vt * vt - tt * tt - shared * shared)
+    velocity = vv * first + tv * second + own * third
+    return velocity, vt * first + tt * second + shared * third + last * fourth
 
 
 @inlined
@@ -89,10 +90,10 @@ def positive_root(x):
 
 
 @inlined
-def damped_arc(on_bar, on_swing, temperatures, masses, lever, velocities, gains, tau, deviates):
+def damped_arc(rates, temperatures, masses, lever, velocities, gains, tau, deviates):
     """What friction and noise do in a step to a bar and its swing along the arc.
 
-    `on_bar` and `on_swing` are gamma / M and gamma / I [1 / time], `masses` M and I, `lever` l2.
+    `rates` are gamma / M and gamma / I [1 / time], `masses` M and I, `lever` l2.
     `velocities` are those of the centre of mass relative to the reservoir, and of the swing, in the
     middle of the kick; `gains` is what all other forces add to them in the step.
 
@@ -100,22 +101,29 @@ def damped_arc(on_bar, on_swing, temperatures, masses, lever, velocities, gains,
     gives, the displacements of centre of mass and angle that the drifts leave out, and the heat
     given to the reservoir on the swing.
     """
-    root_mass, root_inertia = sqrt(masses[0]), sqrt(masses[1])
+    on_bar, on_swing = rates
+    root_mass = sqrt(masses[0])
+    root_inertia = sqrt(masses[1])
     temperature, other = temperatures
     arm = lever * root_mass / root_inertia
     fast, slow, c, s = modes_of_friction(on_bar, on_swing, arm)
     # Of the modes: slip of the bar and of the swing, strength of the noise, its correlation.
-    bar, slow_bar = c + s * arm, s - c * arm
+    bar = c + s * arm
+    slow_bar = s - c * arm
     strength = temperature * on_bar * bar * bar + other * on_swing * s * s
     slow_strength = temperature * on_bar * slow_bar * slow_bar + other * on_swing * c * c
     both = (temperature - other) * on_swing * c * s
     correlation = both / (sqrt(strength * slow_strength) + TINY)
     first, second, _, _ = deviates
     third, fourth = correlated(tau * fast, tau * slow, correlation, deviates)
-    v, omega = root_mass * velocities[0], root_inertia * velocities[1]
-    gain, turn = root_mass * gains[0], root_inertia * gains[1]
-    w, gained = c * v - s * omega, c * gain - s * turn
-    slow_w, slow_gained = s * v + c * omega, s * gain + c * turn
+    v = root_mass * velocities[0]
+    omega = root_inertia * velocities[1]
+    gain = root_mass * gains[0]
+    turn = root_inertia * gains[1]
+    w = c * v - s * omega
+    gained = c * gain - s * turn
+    slow_w = s * v + c * omega
+    slow_gained = s * gain + c * turn
     change, jump = damped_motion(fast, strength / (fast + TINY), 1.0, w, gained, tau, first, second)
     slow_change, slow_jump = damped_motion(
         slow, slow_strength / (slow + TINY), 1.0, slow_w, slow_gained, tau, third, fourth
@@ -123,7 +131,8 @@ def damped_arc(on_bar, on_swing, temperatures, masses, lever, velocities, gains,
     # The integrals of products of w follow from their changes, up to noise without a mean:
     # d(w_a w_b) = (2 D_ab - (g_a + g_b) w_a w_b + F_a w_b + F_b w_a) dt.
     rate = 1.0 / tau
-    middle, slow_middle = w + 0.5 * change, slow_w + 0.5 * slow_change
+    middle = w + 0.5 * change
+    slow_middle = slow_w + 0.5 * slow_change
     squares = rate * gained * jump - change * middle + tau * strength
     slow_squares = rate * slow_gained * slow_jump - slow_change * slow_middle + tau * slow_strength
     products = rate * (gained * slow_jump + slow_gained * jump) + 2.0 * tau * both

@@ -70,7 +70,8 @@ def oscillate(table, oscillators, q, centre, acceleration):
 def oscillator_energy(table, oscillators, q, v, centre):
     """Energy of a bar's oscillators about a place, and the kinetic part of it."""
     first, count, slot = oscillators
-    energy, kinetic = broadcast(0.0), broadcast(0.0)
+    energy = broadcast(0.0)
+    kinetic = broadcast(0.0)
     for m in range(0, count, LANES):
         away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, slot + m) - centre)
         rate = block(v, slot + m)

@@ -51,7 +51,10 @@ def set_cells(own, boxes, reach, axis, period, most, cells):
 
     There is one cell where a period has fewer than three: two would be neighbours twice.
     """
-    low, high, widest, own_widest = math.inf, -math.inf, 0.0, 0.0
+    low = math.inf
+    high = -math.inf
+    widest = 0.0
+    own_widest = 0.0
     for m in range(boxes.count[0]):
         low = min(low, boxes.centres[2 * axis, m])
         high = max(high, boxes.centres[2 * axis, m])
@@ -63,7 +66,8 @@ def set_cells(own, boxes, reach, axis, period, most, cells):
     count = int(min(max(extent / size, 1.0), most))
     if period > 0.0 and count < 3:
         count = 1
-    cells.corner[axis], cells.counts[axis] = low, count
+    cells.corner[axis] = low
+    cells.counts[axis] = count
     cells.widths[axis] = max(extent / count, size)
 
 
@@ -75,7 +79,8 @@ def sort_boxes(box, own, boxes, reach, cells):
     most = 2.0 * n + 16.0  # cells, for which `first` has room
     set_cells(own, boxes, reach, 0, box_x, most, cells)
     set_cells(own, boxes, reach, 1, box_z, max(most / cells.counts[0], 1.0), cells)
-    nx, nz = cells.counts[0], cells.counts[1]
+    nx = cells.counts[0]
+    nz = cells.counts[1]
     first = cells.first
     for c in range(nx * nz + 1):
         first[c] = 0
@@ -100,9 +105,12 @@ def sort_boxes(box, own, boxes, reach, cells):
 def near_blocks(box, own, k, boxes, reach, cells, near):
     """Boxes within reach of the kth of `own` boxes, ascending; returns their number."""
     box_x, box_z = periods(box)
-    nx, nz = cells.counts[0], cells.counts[1]
-    place, half = own.centres, own.halves
-    centres, halves = boxes.centres, boxes.halves
+    nx = cells.counts[0]
+    nz = cells.counts[1]
+    place = own.centres
+    half = own.halves
+    centres = boxes.centres
+    halves = boxes.halves
     cx = cell_of(cells, 0, place[0, k], box_x)
     cz = cell_of(cells, 1, place[2, k], box_z)
     count = 0

@@ -115,9 +115,12 @@ def differences(model, box, x, y, i, m):
 
 
 @inlined
-def over_distances(potential, square, dx, dy, dz, charge, others, low, high):
-    """Forces over distances of the pairs from `low` to `high`, 0 elsewhere."""
-    r, inverse = separations(square, dx, dy, dz, low, high)
+def over_distances(potential, square, separation, charge, others, low, high):
+    """Forces over distances of the pairs from `low` to `high`, 0 elsewhere.
+
+    `separation` (dx, dy, dz) of each pair, whose square is `square`.
+    """
+    r, inverse = separations(square, *separation, low, high)
     end = range_in_lanes(potential, 1.0, 1.0)
     f = force_in_lanes(potential, r, end, charge, others, low, high)
     return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
@@ -128,9 +131,11 @@ def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
     """The same of eight pairs; of four where these have all that are wanted."""
     square = dx * dx + dy * dy + dz * dz  # for both, which could round its sums differently
     if high <= NARROW:
-        near = narrow(square), narrow(dx), narrow(dy), narrow(dz)
-        return widen(over_distances(potential, *near, charge, narrow(others), low, high))
-    return over_distances(potential, square, dx, dy, dz, charge, others, low, high)
+        few = narrow(dx), narrow(dy), narrow(dz)
+        return widen(
+            over_distances(potential, narrow(square), few, charge, narrow(others), low, high)
+        )
+    return over_distances(potential, square, (dx, dy, dz), charge, others, low, high)
 
 
 @inlined
@@ -239,15 +244,18 @@ def add_lane_by_lane(model, contact, k, table):
     charges = model.each[CHARGE]
     for i in range(one.start, one.stop, LANES):
         partners = partner_species(contact.species, contact.kinds, i)
-        x, y, own = block(model.bobs[X], i), block(model.bobs[Y], i), block(charges, i)
+        x = block(model.bobs[X], i)
+        y = block(model.bobs[Y], i)
+        own = block(charges, i)
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for m in range(max(other.start, i + LANES), other.stop, LANES):
             if is_partner(contact.species, partners, m):
-                dx, dy, dz = differences(model, contact.box, x, y, i, m)
+                separation = differences(model, contact.box, x, y, i, m)
+                dx, dy, dz = separation
                 square = dx * dx + dy * dy + dz * dz
                 others = block(charges, m)
-                f = over_distances(contact.potential, square, dx, dy, dz, own, others, 0, LANES)
+                f = over_distances(contact.potential, square, separation, own, others, 0, LANES)
                 blocks.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
                 own_x = own_x + f * dx
                 own_y = own_y + f * dy

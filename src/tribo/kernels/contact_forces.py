@@ -41,7 +41,8 @@ def add_contacts(model, team, neighbours):
 
 def share_contacts(model, neighbours):
     """Add the forces of all interactions together with assistants, pair by pair of surfaces."""
-    contacts, team = model.contacts, model.team
+    contacts = model.contacts
+    team = model.team
     for n in range(contacts.pieces.size):
         for k in range(contacts.first[n], contacts.first[n + 1]):
             team.counters[teams.INTERACTION] = n
@@ -63,7 +64,8 @@ def share_phase(model, team, neighbours, phase, pieces):
 @apart
 def contact_piece(model, team, neighbours, piece):
     """A chunk of rows of one pair of surfaces, or a tile of the sum of their reactions."""
-    contacts, n = model.contacts, team.counters[teams.INTERACTION]
+    contacts = model.contacts
+    n = team.counters[teams.INTERACTION]
     if team.counters[teams.PHASE] == teams.CONTACT:
         call_unit(contacts.pieces[n], (model, neighbours, contacts.numbers[n], n, piece))
     else:
@@ -90,7 +92,8 @@ def add_reactions(model, team, pairs, table, piece):
     k = team.counters[teams.PAIR]
     if team.tiles[piece, 0] == pairs[k, 1]:
         s = model.surfaces[team.tiles[piece, 0]]
-        first, last = s.start // LANES, s.stop // LANES
+        first = s.start // LANES
+        last = s.stop // LANES
         begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
         # The reactions to all chunks, in their order.
         for chunk in range(team.reach.shape[0]):

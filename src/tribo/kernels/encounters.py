@@ -45,10 +45,12 @@ def thermal_energy(model, own, lane):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.gamma + s.swing_gamma > 0.0:
-            bar, swing = s.temperature, s.swing_temperature
+            bar = s.temperature
+            swing = s.swing_temperature
             if not blocks.absent(own):
                 i = blocks.column_range(s, lane)[0]
-                bar, swing = own[OWN_TEMPERATURE, i], own[OWN_SWING_TEMPERATURE, i]
+                bar = own[OWN_TEMPERATURE, i]
+                swing = own[OWN_SWING_TEMPERATURE, i]
             energy = max(energy, bar, swing)
     return energy
 
@@ -72,8 +74,11 @@ def can_matter(potential, r, charge, other_charge, thermal):
 def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
     """Let encounters of one interaction take the place of those found before that come later."""
     charges = model.each[CHARGE]
-    rate, closest, clearance = found[RATE], found[CLOSEST], found[CLEARANCE]
-    ignored, thermal = found[IGNORED], found[THERMAL]
+    rate = found[RATE]
+    closest = found[CLOSEST]
+    clearance = found[CLEARANCE]
+    ignored = found[IGNORED]
+    thermal = found[THERMAL]
     potential = numbers_at_lane(contact.potential, lane)
     for k in range(contact.first, contact.stop):
         one = model.surfaces[contact.pairs[k, 0]]
@@ -101,17 +106,16 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
                             rate = faster
                         elif faster > ignored:
                             ignored = faster
-                            found[ONE], found[OTHER] = i, j
+                            found[ONE] = i
+                            found[OTHER] = j
         if contact.rows[k] >= 0:
             speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
             rate = max(rate, speed / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
-    found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED] = (
-        rate,
-        closest,
-        clearance,
-        ignored,
-    )
+    found[RATE] = rate
+    found[CLOSEST] = closest
+    found[CLEARANCE] = clearance
+    found[IGNORED] = ignored
 
 
 def encounter_unit(model, neighbours, potential, n, speeds, lane):
@@ -131,12 +135,19 @@ def next_encounter(model, neighbours, speeds, lane):
     pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has the velocity of
     each centre of mass, and the largest speed of the bob about it.
     """
-    contacts, found = model.contacts, model.found
-    found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED] = 0.0, np.inf, np.inf, 0.0
-    found[ONE], found[OTHER], found[THERMAL] = -1.0, -1.0, thermal_energy(model, model.own, lane)
+    contacts = model.contacts
+    found = model.found
+    found[RATE] = 0.0
+    found[CLOSEST] = np.inf
+    found[CLEARANCE] = np.inf
+    found[IGNORED] = 0.0
+    found[ONE] = -1.0
+    found[OTHER] = -1.0
+    found[THERMAL] = thermal_energy(model, model.own, lane)
     for n in range(contacts.encounter.size):
         call_unit(contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, lane))
-    one, other = int(found[ONE]), int(found[OTHER])
+    one = int(found[ONE])
+    other = int(found[OTHER])
     return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
 
 

@@ -33,6 +33,7 @@ def field_forces_unit(model, potential, n, t):
 
 @kernel
 def energy_in_field(model, potential, n, t, lane):
+    """Energy of the bobs of one member, or of all where `lane` is None, in the nth field."""
     energy = 0.0
     shift_x, shift_y = field_shift(model.fields, n, t)
     for k in range(model.fields.first[n], model.fields.first[n + 1]):

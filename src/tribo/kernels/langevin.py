@@ -79,8 +79,12 @@ def normals(noise, temperature, count, each):
     Only `each` of them are drawn, 2, 4 or 6; the others are 0, and all where no noise acts.  Those
     of one asperite come after those of another.
     """
-    first, second, third = broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    fourth, fifth, sixth = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    first = broadcast(0.0)
+    second = broadcast(0.0)
+    third = broadcast(0.0)
+    fourth = broadcast(0.0)
+    fifth = broadcast(0.0)
+    sixth = broadcast(0.0)
     if temperature > 0.0:
         for i in range(count):
             first = with_lane(first, i, noise.standard_normal())
@@ -103,14 +107,22 @@ def next_row(noise):
 
 
 def _normals_of_members(noise, temperature, count, each):
-    first, second, third = broadcast(0.0), broadcast(0.0), broadcast(0.0)
-    fourth, fifth, sixth = broadcast(0.0), broadcast(0.0), broadcast(0.0)
+    """As :func:`normals` where lanes are members, from rows that were drawn before."""
+    first = broadcast(0.0)
+    second = broadcast(0.0)
+    third = broadcast(0.0)
+    fourth = broadcast(0.0)
+    fifth = broadcast(0.0)
+    sixth = broadcast(0.0)
     if temperature > 0.0:
-        first, second = next_row(noise), next_row(noise)
+        first = next_row(noise)
+        second = next_row(noise)
         if each > 2:
-            third, fourth = next_row(noise), next_row(noise)
+            third = next_row(noise)
+            fourth = next_row(noise)
         if each > 4:
-            fifth, sixth = next_row(noise), next_row(noise)
+            fifth = next_row(noise)
+            sixth = next_row(noise)
     return first, second, third, fourth, fifth, sixth
 
 

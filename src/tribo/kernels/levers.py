@@ -16,7 +16,8 @@ from tribo.kernels.records import L1, L2
 @inlined
 def levers(model, pivots, s, i):
     """Distances from the centre of mass to the bob and to the bar, of a block."""
-    bob, bar = constant(model, L1, s, i), constant(model, L2, s, i)
+    bob = constant(model, L1, s, i)
+    bar = constant(model, L2, s, i)
     if absent(pivots):
         return bob, bar
     return bob - pivot_lengths(pivots, s, i), bar + pivot_lengths(pivots, s, i)

@@ -49,7 +49,8 @@ def have_crossed(model, active, place, width, elapsed):
 @inlined
 def have_moved(model, place, width, i):
     """1 in the lanes of bobs of a block that are not within half of `width` of `place`, else 0."""
-    (x, y), (old_x, old_y) = vectors(model.bobs, i), vectors(place, i)
+    x, y = vectors(model.bobs, i)
+    old_x, old_y = vectors(place, i)
     dx, dy = x - old_x, y - old_y
     return 1.0 - (dx * dx + dy * dy < 0.25 * width * width)
 
@@ -68,6 +69,7 @@ def inactive_have_crossed(model, active, width, elapsed):
 
 @kernel
 def keep_places(model, place):
+    """Copy the places of all bobs, from which :func:`have_moved` measures."""
     for i in range(place.shape[1]):
         place[X, i] = model.bobs[X, i]
         place[Y, i] = model.bobs[Y, i]
@@ -127,8 +129,10 @@ def list_rows(model, box, neighbours, k, begin, end, used, room):
     reach = neighbours.reach[k]
     start = neighbours.start
     box_x, box_z = periods(box)
-    own, boxes = neighbours.own, neighbours.others
-    centres, halves = boxes.centres, boxes.halves
+    own = neighbours.own
+    boxes = neighbours.others
+    centres = boxes.centres
+    halves = boxes.halves
     row = first_row(model, neighbours, k, begin)
     top = neighbours.pairs[k, 2] - one.start
     near = np.empty(boxes.count[0], np.int64)
@@ -172,11 +176,13 @@ def first_row(model, neighbours, k, n):
 @apart
 def list_pair(model, team, neighbours, k, used):
     """Fill the rows of the kth pair of surfaces; returns the length of the list that it needs."""
-    own, others = neighbours.own, neighbours.others
+    own = neighbours.own
+    others = neighbours.others
     set_boxes(model, neighbours.active, neighbours.pairs[k, 0], own)
     set_boxes(model, neighbours.active, neighbours.pairs[k, 1], others)
     if own.count[0] == 0 or others.count[0] == 0:
-        one, row = model.surfaces[neighbours.pairs[k, 0]], neighbours.pairs[k, 2]
+        one = model.surfaces[neighbours.pairs[k, 0]]
+        row = neighbours.pairs[k, 2]
         fill_rows(neighbours.start, row, row + one.end - one.start, used)
         return used
     sort_boxes(model.box, own, others, neighbours.reach[k], neighbours.cells)
@@ -218,7 +224,8 @@ def list_chunk(model, team, neighbours, chunk):
     """Fill the rows of a chunk of a pair's active blocks; note their length."""
     k = team.counters[PAIR]
     begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
-    first, room = team.begins[chunk], team.begins[chunk + 1]
+    first = team.begins[chunk]
+    room = team.begins[chunk + 1]
     last = list_rows(model, model.box, neighbours, k, begin, end, first, room)
     team.lengths[chunk] = last - first
 

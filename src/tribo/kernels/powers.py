@@ -55,8 +55,14 @@ from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import levers, velocities_of_centres
 from tribo.kernels.records import BARS
 
-# Number of accounts in each group; POINT is that of internal, field and thermal.
-CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, SWING = 4, 2, 4, 5, 8, 4, 1
+# Number of accounts in each group, as listed above; POINT is that of internal, field and thermal.
+CONTACT = 4
+SLIDE = 2
+DRIVE = 4
+ENDS = 5
+USER_ENDS = 8
+POINT = 4
+SWING = 1
 
 
 @inlined
@@ -133,8 +139,9 @@ def held_torques(model, s, i, phi, q):
 
 
 @apart
-def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
+def clamped_ends(model, s, i, t, q, velocities, power):
     """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
+    omega, vx, vy = velocities
     phi = equations.bar_angles(model, s, i, t, q)
     torque = held_torques(model, s, i, phi, q)
     x, y = end_force(torque, constant(model, rows.INVERSE_BAR_LENGTH, s, i), *sine_cosine(phi))
@@ -146,15 +153,17 @@ def clamped_ends(model, s, i, t, q, omega, vx, vy, power):
 
 
 @apart
-def custom_end_powers(model, left, right, s, i, t, q, velocities, power):
+def custom_end_powers(model, s, i, t, q, velocities, power):
     """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
-    (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
+    left_x, left_y = vectors(model.left, i)
+    right_x, right_y = vectors(model.right, i)
     sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
     omega, nu, vx, vy = velocities
     tip = 0.5 * constant(model, rows.BAR_LENGTH, s, i) * nu
     tip_x = -tip * sin
     tip_y = tip * cos
-    zero, l2 = broadcast(0.0), constant(model, rows.L2, s, i)
+    zero = broadcast(0.0)
+    l2 = constant(model, rows.L2, s, i)
     x, y = rod_velocity(zero, zero, omega, -l2, *vectors(model.directions, i))
     on_left = left_x * (x - tip_x) + left_y * (y - tip_y)
     on_right = right_x * (x + tip_x) + right_y * (y + tip_y)
@@ -164,27 +173,30 @@ def custom_end_powers(model, left, right, s, i, t, q, velocities, power):
 
 
 @apart
-def set_point_powers(model, table, lever, slot, s, i, omega, vx, vy, power):
+def set_point_powers(model, table, lever, slot, s, i, velocities, power):
     """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces at a lever from r_cm.
 
     The lever is positive towards the bob, negative towards the bar.
     """
     if not absent(table):
+        omega, vx, vy = velocities
         x, y = vectors(table, i)
         about = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
         write(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def set_swing_powers(model, swing_friction, s, i, omega, power):
+def set_swing_powers(model, s, i, omega, power):
+    """Set the power of the torque of a reservoir on the swing."""
     if s.acc_swing >= 0:
-        if not absent(swing_friction):
-            write(power, s, s.acc_swing, i, block(swing_friction[0], i) * omega)
+        if not absent(model.swing_friction):
+            write(power, s, s.acc_swing, i, block(model.swing_friction[0], i) * omega)
 
 
 @apart
-def set_internal_powers(model, s, i, omega, vx, vy, power):
+def set_internal_powers(model, s, i, velocities, power):
     """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
+    omega, vx, vy = velocities
     tx, ty = vectors(model.directions, i)
     bob, bar = levers(model, model.pivots, s, i)
     x, y = vectors_if_any(model.internal, i)
@@ -196,57 +208,58 @@ def set_internal_powers(model, s, i, omega, vx, vy, power):
 
 
 @inlined
-def set_contact_powers(model, sums, s, i, omega, power):
+def set_contact_powers(model, s, i, omega, power):
     """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
     x, y = vectors(model.f1, i)
     tx, ty = vectors(model.directions, i)
     along_x, along_y = x * omega * tx, y * omega * ty
-    if sums:
+    if model.sums:
         lever = levers(model, model.pivots, s, i)[0]
         along_x, along_y = lever * along_x, lever * along_y
     write(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
 @inlined
-def set_drive_powers(model, sums, s, i, omega, vx, vy, power):
+def set_drive_powers(model, s, i, velocities, power):
     """Set the powers of f2, likewise; the ledger finds the reaction of driven bars."""
     if s.acc_drive >= 0 and s.drive != BARS:
+        omega, vx, vy = velocities
         x, y = vectors(model.drive, i)
         tx, ty = vectors(model.directions, i)
         about = omega * (tx * x + ty * y)
-        if sums:
+        if model.sums:
             about = levers(model, model.pivots, s, i)[1] * about
         write(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def powers_of_block(model, ledger, s, i, torsion, t, q, velocities, power):
+def powers_of_block(model, s, i, torsion, t, q, velocities, power):
     """Set the powers of a block's accounts, forces in place, if there is a ledger.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
     """
-    if ledger:
+    if model.ledger:
         omega, _, vx, vy = velocities
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
-        set_contact_powers(model, model.sums, s, i, omega, power)
+        at_centre = omega, vx, vy
+        set_contact_powers(model, s, i, omega, power)
         if s.acc_slide >= 0:
             fx, fy = vectors(model.f1, i)
             write(power, s, s.acc_slide, i, fx * vx, fy * vy)
-        set_drive_powers(model, model.sums, s, i, omega, vx, vy, power)
+        set_drive_powers(model, s, i, at_centre, power)
         if s.acc_ends >= 0 and (torsion != 0.0 or s.fixed > 0):
-            clamped_ends(model, s, i, t, q, omega, vx, vy, power)
+            clamped_ends(model, s, i, t, q, at_centre, power)
         bob, bar = levers(model, model.pivots, s, i)
         if s.acc_field >= 0:
-            set_point_powers(model, model.external, bob, s.acc_field, s, i, omega, vx, vy, power)
+            set_point_powers(model, model.external, bob, s.acc_field, s, i, at_centre, power)
         if s.acc_internal >= 0:
-            set_internal_powers(model, s, i, omega, vx, vy, power)
+            set_internal_powers(model, s, i, at_centre, power)
         if s.acc_thermal >= 0:
-            arm, slot = -bar, s.acc_thermal
-            set_point_powers(model, model.friction, arm, slot, s, i, omega, vx, vy, power)
-        set_swing_powers(model, model.swing_friction, s, i, omega, power)
+            set_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, at_centre, power)
+        set_swing_powers(model, s, i, omega, power)
         if s.acc_user_ends >= 0:
-            custom_end_powers(model, model.left, model.right, s, i, t, q, velocities, power)
+            custom_end_powers(model, s, i, t, q, velocities, power)
 
 
 def field_power_unit(model, potential, n, t, accounts, tau):
@@ -356,7 +369,7 @@ def all_powers(model, ledger, t, q, v, accounts):
             s = model.surfaces[k]
             for i in range(s.start, s.stop, LANES):
                 velocities = all_coordinates(s, i, v)
-                powers_of_block(model, ledger, s, i, 1.0, t, q, velocities, power)
+                powers_of_block(model, s, i, 1.0, t, q, velocities, power)
         set_bath_momenta(model, v)
         shared_powers(model, ledger, t, v, power)
         if not absent(model.torsional):

@@ -28,7 +28,8 @@ def add_bath(internal, found, baths, i):
     set_vectors(found[SPRING], i, x, y)
     if not absent(internal):
         if baths.shape[0] > 0:
-            pull_x, pull_y = block(baths[PULL_X], i), block(baths[PULL_Y], i)
+            pull_x = block(baths[PULL_X], i)
+            pull_y = block(baths[PULL_Y], i)
             set_vectors(found[BATH], i, pull_x, pull_y)
             set_vectors(internal, i, x + pull_x, y + pull_y)
 

@@ -26,7 +26,8 @@ SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
 PULL_X, PULL_Y, KINETIC, BATH_ROWS = range(4)
 
 # Ranges of axes of oscillators: those along x and y, and the torsional ones.
-ALONG, TURNING = (0, 2), (2, 3)
+ALONG = (0, 2)
+TURNING = (2, 3)
 
 
 class State(NamedTuple):

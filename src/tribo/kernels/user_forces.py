@@ -18,18 +18,21 @@ def coordinate(slot, s, i, q):
 def custom_drive_unit(model, plugin, n, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     plugin = fetched(plugin)
-    a, drives = model.constants, model.drives
+    constants = model.constants
+    drives = model.drives
     s = model.surfaces[drives.surface[n]]
     for i in range(s.start, s.end):
-        c = column_of_constants(s, i)
+        column = column_of_constants(s, i)
+        l1 = constants[rows.L1, column]
+        l2 = constants[rows.L2, column]
         tx, ty = model.directions[rows.X, i], model.directions[rows.Y, i]
-        length = a[rows.L1, c] + a[rows.L2, c]
-        x, y = rod_position(model.bobs[rows.X, i], model.bobs[rows.Y, i], -length, tx, ty)
+        x, y = rod_position(model.bobs[rows.X, i], model.bobs[rows.Y, i], -(l1 + l2), tx, ty)
         now = lane_of(t, i)
         x = x + drives.origin[n, rows.X] + drives.velocity[n, rows.X] * now
         y = y + drives.origin[n, rows.Y] + drives.velocity[n, rows.Y] * now
-        vx, vy = coordinate(s.dof_x, s, i, v), coordinate(s.dof_y, s, i, v)
-        vx, vy = rod_velocity(vx, vy, v[i], -a[rows.L2, c], tx, ty)
+        vx = coordinate(s.dof_x, s, i, v)
+        vy = coordinate(s.dof_y, s, i, v)
+        vx, vy = rod_velocity(vx, vy, v[i], -l2, tx, ty)
         vx += s.vx + drives.velocity[n, rows.X]
         vy += s.vy + drives.velocity[n, rows.Y]
         fx, fy = model.f1[rows.X, i], model.f1[rows.Y, i]
@@ -49,8 +52,10 @@ def custom_ends_unit(model, plugin, n, t, q, v):
         nu = coordinate(s.dof_phi, s, i, v)
         now = lane_of(t, i) - model.ends.begun[n]
         found = plugin.end_forces(now, phi, nu, q[i] - phi)
-        model.left[rows.X, i], model.left[rows.Y, i] = found[0], found[1]
-        model.right[rows.X, i], model.right[rows.Y, i] = found[2], found[3]
+        model.left[rows.X, i] = found[0]
+        model.left[rows.Y, i] = found[1]
+        model.right[rows.X, i] = found[2]
+        model.right[rows.Y, i] = found[3]
     return 0.0
 
 

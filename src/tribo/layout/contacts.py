@@ -38,7 +38,8 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
     reaches [length].  An interaction with a cutoff has a list where its bobs are many.
     """
     found: list[Contact] = []
-    rows, longest = 0, 0.0
+    rows = 0
+    longest = 0.0
     for interaction in scene.interactions:
         reach = interaction.potential.range()
         pairs = [pair for pair in scene.pairs(interaction) if are_coupled(scene, interaction, pair)]
@@ -50,10 +51,12 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
             if listed:
                 rows += count
                 longest = max(longest, reach)
-        inner, potential = any(one == other for one, other in pairs), interaction.potential
+        inner = any(one == other for one, other in pairs)
+        potential = interaction.potential
         if isinstance(potential, Live):
             potential = ZeroForce(potential.length, potential.reach)
-        both, named = np.array(pairs, np.int64).reshape(-1, 2), interaction.species
+        both = np.array(pairs, np.int64).reshape(-1, 2)
+        named = interaction.species
         kinds = None if named is None else np.searchsorted(scene.species, named)
         found.append(Contact(potential, both, np.array(first, np.int64), kinds, inner or None))
     if not found:  # kernels cannot iterate over an empty tuple: a contact without pairs
@@ -81,17 +84,19 @@ def neighbours(scene: Scene, model: Tables, rows: int, skin: float, splits: bool
     """
     if rows == 0:
         return NO_NEIGHBOURS
-    listed = [
-        ((one, other, row), contact)
-        for contact in model.contacts
-        for (one, other), row in zip(contact.pairs, contact.rows, strict=True)
-        if row >= 0
-    ]
-    kinds = [(-1, -1) if each.species is None else each.species for _, each in listed]
+    pairs = []
+    kinds = []
+    reach = []
+    for contact in model.contacts:
+        for (one, other), row in zip(contact.pairs, contact.rows, strict=True):
+            if row >= 0:
+                pairs.append((one, other, row))
+                kinds.append((-1, -1) if contact.species is None else contact.species)
+                reach.append(contact.potential.range() + skin)
     return _no_lists(model.each.shape[1] // LANES)._replace(
-        pairs=np.array([pair for pair, _ in listed], np.int64),
+        pairs=np.array(pairs, np.int64),
         species=np.array(kinds, np.int64),
-        reach=np.array([contact.potential.range() + skin for _, contact in listed]),
+        reach=np.array(reach),
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
         skin=skin,
@@ -122,7 +127,9 @@ def _no_lists(blocks: int) -> Neighbours:
 
 def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
     """All blocks, before the first selection; none where no asperite can be inactive."""
-    unlisted = {int(k) for each in model.contacts for k in each.pairs[each.rows < 0].ravel()}
+    unlisted: set[int] = set()  # surfaces of pairs without lists
+    for contact in model.contacts:
+        unlisted.update(contact.pairs[contact.rows < 0].ravel().tolist())
     eligible = []
     for k, surface in enumerate(scene.surfaces):
         # Nothing but contact acts on its asperites, and its bars move uniformly.
@@ -132,7 +139,8 @@ def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
         eligible.append(uniform and not (acted_on or turning or k in unlisted))
     if model.calculators is not None or not any(eligible):
         return ALL_ACTIVE
-    count, surfaces = model.each.shape[1], model.surfaces
+    count = model.each.shape[1]
+    surfaces = model.surfaces
     return Active(
         blocks=np.arange(count // LANES),
         first=np.append(surfaces.start, surfaces.stop[-1:]) // LANES,
@@ -175,7 +183,8 @@ def calculators(
             surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
                 symbols = elements([name for s in surfaces for name in s.species_of_each.tolist()])
-            z, counts = np.concatenate([depths[k] for k in indices]), [s.count for s in surfaces]
+            z = np.concatenate([depths[k] for k in indices])
+            counts = [s.count for s in surfaces]
             lengths = scene.periodic.x or 0.0, scene.periodic.z or 0.0
             call = Call(interaction.potential.calculator, symbols, z, counts, lengths)
             calls.append(call)

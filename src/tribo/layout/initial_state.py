@@ -30,6 +30,7 @@ class InitialState:
     """
 
     def __init__(self, layout: Layout, continues: bool = False) -> None:
+        """Prepare the starts of runs of a layout; runs that continue others draw nothing."""
         self._layout = layout
         model = layout.model
         baths = any(item is not None for item in (model.bath, model.torsional))
@@ -67,6 +68,7 @@ class InitialState:
         return self._states(dict(values), seeds.size, seeds.tolist())
 
     def _states(self, values: Values, members: int, seeds: list[int] | None) -> np.ndarray:
+        """States y with these values by key, (members, 2 coordinates); each seed draws its own."""
         y = self._layout.start[None].repeat(members, axis=0)
         if self._is_drawn and seeds:
             draw_starts(*self._scene, y, seeds)

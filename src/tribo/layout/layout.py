@@ -136,15 +136,14 @@ class Layout:
 
         `anchors` are the places of pulling stages and fields at t = 0.
         """
-        model, count = self.model, len(self.scene.surfaces)
+        model = self.model
+        count = len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
         surfaces.push -= surfaces.push_rate * begun[:, 0]
         surfaces.load -= surfaces.load_rate * begun[:, 0]
-        drives, ends = (
-            tuple(each._replace(begun=float(begun[each.surface, k])) for each in forces or ())
-            for k, forces in enumerate((model.drives, model.ends))
-        )
+        drives = _begun_at(model.drives, begun[:, 0])
+        ends = _begun_at(model.ends, begun[:, 1])
         moved = tuple(
             field._replace(origin=field.origin - anchor, anchor=anchor)
             for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
@@ -157,7 +156,8 @@ class Layout:
     @property
     def constants(self) -> np.ndarray:
         """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
-        surfaces, owners = self.model.surfaces, self.asperites.surface
+        surfaces = self.model.surfaces
+        owners = self.asperites.surface
         columns = columns_of_constants(surfaces, owners, self.places.columns)
         return np.asarray(self.model.constants[:, columns])
 
@@ -266,8 +266,10 @@ class Layout:
         in 5 units of time, an error grew to 70 times the difference of two runs.  So one of the
         runs that are compared has other places.
         """
-        (x, y), columns = self.shifts, self.places.columns
-        asperites, each = self.asperites.copy(), room(self.model.each.shape)
+        x, y = self.shifts
+        columns = self.places.columns
+        asperites = self.asperites.copy()
+        each = room(self.model.each.shape)
         asperites.x += x
         asperites.y += y
         each[:] = self.model.each
@@ -278,6 +280,13 @@ class Layout:
     def neighbours(self, splits: bool = False) -> Neighbours:
         """An empty list, which the first evaluation fills; `splits` leaves inactive blocks out."""
         return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
+
+
+def _begun_at(
+    forces: tuple[records.Custom, ...] | None, times: np.ndarray
+) -> tuple[records.Custom, ...]:
+    """A user's forces, each begun at the time of its surface, (surfaces,)."""
+    return tuple(each._replace(begun=float(times[each.surface])) for each in forces or ())
 
 
 def lay_out(scene: Scene) -> Layout:

@@ -17,7 +17,9 @@ from tribo.model.parameters import INTERACTION, reservoir_part, with_values
 from tribo.model.surface import Surface
 from tribo.validation import inside
 
-VELOCITY, ASPERITE_PART = "velocity", "asperite"
+# Keys of a surface whose numbers may differ between members: its velocity, and a part of it.
+VELOCITY = "velocity"
+ASPERITE_PART = "asperite"
 Values = Mapping[str, np.ndarray]  # of a key: (members, 1), or (members, 2) of velocities
 
 
@@ -27,7 +29,8 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
     loop of a pair takes no mass of a surface from the scene.
     """
-    surfaces, slides = layout.scene.surfaces, slide(layout.scene) & (not by_pair_loop)
+    surfaces = layout.scene.surfaces
+    slides = slide(layout.scene) & (not by_pair_loop)
     plain = [
         f"{surface.name}.{ASPERITE_PART}."
         for surface, slides_too in zip(surfaces, slides, strict=True)
@@ -37,11 +40,13 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     for index, surface in enumerate(surfaces):
         known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
     # A field, a plug-in or a reservoir may be given in the laboratory.
-    fixed = (each.velocity is not None for s in surfaces for each in s.reservoirs)
-    if not any((layout.model.fields, layout.model.drives, layout.model.ends, *fixed)):
+    reservoirs = [reservoir for surface in surfaces for reservoir in surface.reservoirs]
+    fixed = any(reservoir.velocity is not None for reservoir in reservoirs)
+    if not (layout.model.fields or layout.model.drives or layout.model.ends or fixed):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
     # Surfaces without charges are no pair of a layout whose potential acts between charges.
-    scene, keys = layout.scene, tuple(keys)
+    scene = layout.scene
+    keys = tuple(keys)
     if any(key.endswith(".charge") for key in keys):
         for interaction in scene.interactions:
             if not all(are_coupled(scene, interaction, pair) for pair in scene.pairs(interaction)):
@@ -59,7 +64,8 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
         found["drive.load"] = "load"
     if any(each.temperature > 0.0 for each in surface.reservoirs):  # so that there is noise
         for each in surface.reservoirs:
-            part, before = reservoir_part(surface, each.on), "swing_" * (each.on == "swing")
+            part = reservoir_part(surface, each.on)
+            before = "swing_" * (each.on == "swing")
             found |= {f"{part}.{name}": before + name for name in ("gamma", "temperature")}
     return found
 
@@ -87,7 +93,8 @@ def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumber
     charges = np.empty(asperites.shape)
     velocity = np.empty((members, len(scene.surfaces), 2))
     for index, surface in enumerate(scene.surfaces):
-        part, rows = layout.parts[surface.name], (members, surface.count)
+        part = layout.parts[surface.name]
+        rows = (members, surface.count)
         each = parameters_of_members(surface, members, values)
         bobs = np.tile(resting_bobs(scene, index), (members, 1))
         own = asperites[:, part].ravel()
@@ -96,7 +103,8 @@ def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumber
         charges[:, part] = each["charge"].reshape(rows)
         velocity[:, index] = values.get(f"{surface.name}.{VELOCITY}", surface.velocity)
     own_velocity = velocity[:, layout.asperites.surface] - velocity[:, :1]
-    asperites["vx"], asperites["vy"] = own_velocity[..., 0], own_velocity[..., 1]
+    asperites["vx"] = own_velocity[..., 0]
+    asperites["vy"] = own_velocity[..., 1]
     others = _of_surfaces(layout, velocity, values), _potentials(layout, members, values)
     return MemberNumbers(asperites, charges, velocity, *others)
 
@@ -132,7 +140,8 @@ def _checked(layout: Layout, key: str, rows: np.ndarray) -> np.ndarray:
     for extreme in (float(rows.min()), float(rows.max())):
         if not low <= extreme <= high:
             with_values(layout.scene, {key: extreme})
-            low, high = min(low, extreme), max(high, extreme)
+            low = min(low, extreme)
+            high = max(high, extreme)
     known[key] = low, high
     return rows[:, 0]
 
@@ -145,7 +154,8 @@ def _usable(layout: Layout) -> dict[str, tuple[float, float]]:
 
 def parameters_of_members(surface: Surface, members: int, values: Values) -> dict[str, np.ndarray]:
     """Every parameter of the asperites of a surface, (members x count,)."""
-    before, count = f"{surface.name}.{ASPERITE_PART}.", surface.count
+    before = f"{surface.name}.{ASPERITE_PART}."
+    count = surface.count
     own = {
         key.removeprefix(before): np.repeat(v[:, 0], count)
         for key, v in values.items()

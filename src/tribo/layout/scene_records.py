@@ -46,7 +46,8 @@ def scene_records(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     asperites = np.zeros(scene.count, records.ASPERITE)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
-        own, record = asperites[scene.parts[surface.name]], surfaces[k : k + 1]
+        own = asperites[scene.parts[surface.name]]
+        record = surfaces[k : k + 1]
         _fill_surface(record, surface, scene.surfaces[0])
         fill_parameters(own, surface, surface.each, resting_bobs(scene, k))
         own["surface"] = k
@@ -84,6 +85,7 @@ def fill_parameters(
 
 
 def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
+    """Set what a surface's record takes from the scene; velocities are relative to the first's."""
     record["oscillators"] = surface.bath.masses.size
     record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
@@ -130,9 +132,11 @@ def fields_on_surfaces(
     """
     names = [surface.name for surface in scene.surfaces]
     velocity = np.array(scene.surfaces[0].velocity)
-    fields, count = [], accounts or 0
+    fields = []
+    count = accounts or 0
     for item in scene.fields:
-        drift, on = np.array(item.velocity), np.array([names.index(name) for name in item.on])
+        drift = np.array(item.velocity)
+        on = np.array([names.index(name) for name in item.on])
         moves = accounts is not None and bool(np.any(drift != 0.0))
         field = FieldOn(
             potential=item.potential,
@@ -162,7 +166,8 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
     """All lattice springs between bars with the columns (n, members); None without any."""
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
-    tables, chains = [], []
+    tables = []
+    chains = []
     for k, surface in enumerate(scene.surfaces):
         ends, stiffness = surface.springs.bonds(surface.shape, surface.count, periodic)
         i, j = (scene.parts[surface.name].start + ends).T
@@ -173,17 +178,21 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
             # The distance of the resting bars, minus the same distance turned.
             heights = asperites["y"] + asperites["facing"] * asperites["l2"]
             x, y = (bars[i] - bars[j] for bars in (asperites["x"], heights))
-            less, sin = 2.0 * np.sin(0.5 * turned) ** 2, np.sin(turned)
-            table[records.REST_X], table[records.REST_Y] = less * x + sin * y, less * y - sin * x
+            less = 2.0 * np.sin(0.5 * turned) ** 2
+            sin = np.sin(turned)
+            table[records.REST_X] = less * x + sin * y
+            table[records.REST_Y] = less * y - sin * x
         tables.append(np.repeat(table, columns.shape[1], axis=1))
         chains.append(_chains(columns[i].ravel(), columns[j].ravel(), k))
-    every, springs = np.concatenate(chains), np.concatenate(tables, axis=1)
+    every = np.concatenate(chains)
+    springs = np.concatenate(tables, axis=1)
     if not every.size:
         return None
     # Each chain begins with a block and fills its last one.
     whole = -(-every["count"] // LANES) * LANES
     every["first"] = np.cumsum(whole) - whole
-    blocks, within = room((len(springs), int(np.sum(whole)))), np.arange(springs.shape[1])
+    blocks = room((len(springs), int(np.sum(whole))))
+    within = np.arange(springs.shape[1])
     before = np.cumsum(every["count"]) - every["count"]  # springs of the chains before each
     blocks[:, within + np.repeat(every["first"] - before, every["count"])] = springs
     return Springs(every.view(np.recarray), blocks)
@@ -204,7 +213,8 @@ def _chains(i: np.ndarray, j: np.ndarray, surface: int) -> np.ndarray:
     """Runs of springs, each of which joins the neighbours of the bars of the one before it."""
     begins = np.flatnonzero((np.diff(i, prepend=-2) != 1) | (np.diff(j, prepend=-2) != 1))
     chains = np.zeros(begins.size, records.CHAIN)
-    chains["i"], chains["j"] = i[begins], j[begins]
+    chains["i"] = i[begins]
+    chains["j"] = j[begins]
     chains["count"] = np.diff(begins, append=i.size)
     chains["surface"] = surface
     return chains

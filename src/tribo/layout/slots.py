@@ -47,12 +47,14 @@ def number(
     surfaces = surfaces.copy()
     counts = members * np.array([surface.count for surface in scene.surfaces])
     stops = np.cumsum(_whole(counts, width))
-    surfaces["start"], surfaces["stop"] = stops - _whole(counts, width), stops
+    surfaces["start"] = stops - _whole(counts, width)
+    surfaces["stop"] = stops
     surfaces["end"] = surfaces["start"] + counts
     for name, first in (("oscillators", "first_oscillator"), ("torsionals", "first_torsional")):
         surfaces[name] = _whole(surfaces[name], width)
         surfaces[first] = np.cumsum(surfaces[name]) - surfaces[name]
-    own, core = scene.surfaces, int(stops[-1])
+    own = scene.surfaces
+    core = int(stops[-1])
     for name, wanted in (  # after the swings
         ("dof_phi", [s.bars != "clamped" for s in own]),
         ("dof_x", [scene.slides_along_x(s) for s in own]),
@@ -92,8 +94,10 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     Sums over surfaces have accounts for what follows, asperite by asperite, from other accounts:
     the work of drives on arms of different shapes, and the pseudowork of contact on driven bars.
     """
-    own, ledger = scene.surfaces, scene.output.ledger
-    sums, bars = ledger == "surfaces", surfaces["drive"] == BARS
+    own = scene.surfaces
+    ledger = scene.output.ledger
+    sums = ledger == "surfaces"
+    bars = surfaces["drive"] == BARS
     size = surfaces["stop"] - surfaces["start"]
     surfaces["account_stride"] = np.minimum(size, LANES) if sums else size
     surfaces["account_mask"] = LANES - 1 if sums else -1
@@ -140,7 +144,8 @@ def lanes_of_surfaces(scene: Scene, surfaces: np.ndarray) -> np.ndarray:
     counts = surfaces["account_stride"]
     asperites = np.zeros(int(np.sum(counts)), records.ASPERITE)
     asperites["surface"] = np.repeat(np.arange(len(surfaces)), counts)
-    asperites["l1"], asperites["facing"] = 1.0, 1.0
+    asperites["l1"] = 1.0
+    asperites["facing"] = 1.0
     ratios = [arm_ratios(surface)[0] for surface in scene.surfaces]
     asperites["l2"] = np.repeat(np.where(surfaces["acc_drive"] >= 0, 1.0, ratios), counts)
     for name in records.ASPERITE.names or ():
@@ -164,7 +169,8 @@ def spatial_order(bobs: np.ndarray) -> np.ndarray:
 
     They follow strips in x, each as wide as a square with eight bobs, in alternating directions.
     """
-    x, z = bobs[:, 0], bobs[:, 2]
+    x = bobs[:, 0]
+    z = bobs[:, 2]
     area = float(np.ptp(x) * np.ptp(z))
     strip = np.zeros(len(bobs), np.int64)
     if area > 0.0:

@@ -56,7 +56,8 @@ def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
 
 def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:
     """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
-    mine, names = records["surface"], records.dtype.names or ()
+    mine = records["surface"]
+    names = records.dtype.names or ()
     # Attributes of records take microseconds.
     asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
     return Span(

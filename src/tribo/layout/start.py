@@ -25,14 +25,16 @@ def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.nd
     y = np.zeros(2 * numbering.coordinates)
     q, v = np.split(y, 2)
     for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
-        own, initial = asperites[part], surface.initial.for_each(surface.count)
+        own = asperites[part]
+        initial = surface.initial.for_each(surface.count)
         swing = surface.initial_swing
         q[part] = initial["phi"] if swing is None else swing
         v[part] = initial["omega"]
         for name, rate in (("phi", "nu"), ("x", "vx"), ("y", "vy")):
             slots = own[f"dof_{name}"]
             if slots[0] >= 0:
-                q[slots], v[slots] = initial[name], initial[rate]
+                q[slots] = initial[name]
+                v[slots] = initial[rate]
     draw_starts(asperites, scene, y[None], [scene.seed])
     start_baths(asperites, scene, y[None], [scene.seed])
     return y
@@ -48,7 +50,8 @@ def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
         temperature = surface.initial.temperature
         if not temperature:
             continue
-        part, draws = scene.parts[surface.name], Draws(seeds, index, 3)
+        part = scene.parts[surface.name]
+        draws = Draws(seeds, index, 3)
         own = asperites[part]
 
         def drawn(inertia: np.ndarray, T: float = temperature, draws: Draws = draws) -> np.ndarray:
@@ -102,13 +105,16 @@ def bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
 def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:
     """Put all oscillators of q, (..., coordinates), at their bars, where they exert no force."""
     for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
-        own, swing = asperites[part], q[..., part]
+        own = asperites[part]
+        swing = q[..., part]
         # Displacements of the bars from their uniform motion at rest: driven bars stay in place.
         arm = (own["l2"] - own["pivot"]) * own["facing"]
-        x, y = -arm * np.sin(swing), -arm * 2.0 * np.sin(0.5 * swing) ** 2
+        x = -arm * np.sin(swing)
+        y = -arm * 2.0 * np.sin(0.5 * swing) ** 2
         for bars, slots in ((x, own["dof_x"]), (y, own["dof_y"])):
             if np.all(slots >= 0):
                 bars += q[..., slots]
         along_x, along_y, torsional = bath_slots(own, surface.bath)
-        q[..., along_x], q[..., along_y] = x[..., None], y[..., None]
+        q[..., along_x] = x[..., None]
+        q[..., along_y] = y[..., None]
         q[..., torsional] = q[..., own["dof_phi"], None]

@@ -34,7 +34,8 @@ def model_tables(
     bath = _oscillators([(each.masses, each.frequencies) for each in baths])
     torsional = _oscillators([(each.inertias, each.torsional_frequencies) for each in baths])
     lattice = springs(scene, asperites, columns)
-    pulls, pivots = lattice is not None or bath is not None, asperites["pivot"][None]
+    pulls = lattice is not None or bath is not None
+    pivots = asperites["pivot"][None]
     on_bars = any(surface.reservoir("bar") for surface in scene.surfaces)
     on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
     return Tables(
@@ -73,10 +74,12 @@ def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
 
 
 def _place_constants(surfaces: np.ndarray, asperites: np.ndarray, apart: bool) -> None:
-    ends, first = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1)), 0
+    ends = np.searchsorted(asperites["surface"], np.arange(surfaces.size + 1))
+    first = 0
     for k, surface in enumerate(surfaces):
         alike = not apart and are_alike(surface, asperites[ends[k] : ends[k + 1]])
-        surface["first_constants"], surface["constants_mask"] = first, 0 if alike else -1
+        surface["first_constants"] = first
+        surface["constants_mask"] = 0 if alike else -1
         first += LANES if alike else surface["stop"] - surface["start"]
 
 
@@ -140,7 +143,8 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
     table[records.INVERSE_INERTIA] = 1.0 / table[records.INERTIA]
     table[records.INVERSE_BAR_LENGTH] = 1.0 / asperites["bar_length"]
     phi = asperites["phi"]
-    table[records.SIN_PHI], table[records.COS_PHI] = np.sin(phi), np.cos(phi)
+    table[records.SIN_PHI] = np.sin(phi)
+    table[records.COS_PHI] = np.cos(phi)
     turning = asperites["dof_phi"] >= 0
     mobility = table[records.INVERSE_INERTIA] + np.where(turning, 1.0 / asperites["i2"], 0.0)
     table[records.FREQUENCY] = np.sqrt(asperites["kappa"] * mobility)
@@ -152,7 +156,8 @@ def _oscillators(baths: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | Non
     whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
     if sum(whole) == 0:
         return None
-    table, first = room((2, sum(whole))), np.cumsum(whole) - whole
+    table = room((2, sum(whole)))
+    first = np.cumsum(whole) - whole
     for k, (masses, frequencies) in enumerate(baths):
         table[:, first[k] : first[k] + masses.size] = masses, frequencies
     return table

@@ -104,8 +104,10 @@ class Asperite(ComparedByValue):
         from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
         """
         each = {name: broadcast(name, getattr(self, name), count) for name in LIMITS}
-        m1, m2 = self.m1, self.m2
+        m1 = self.m1
+        m2 = self.m2
         mass = m1 + m2
-        l1, l2 = self.length * m2 / mass, self.length * m1 / mass
+        l1 = self.length * m2 / mass
+        l2 = self.length * m1 / mass
         derived = {"mass": mass, "l1": l1, "l2": l2, "inertia": m1 * l1**2 + m2 * l2**2}
         return each | {name: broadcast(name, value, count) for name, value in derived.items()}

@@ -56,6 +56,7 @@ class Bath(ComparedByValue):
     spectrum: Spectrum | None = None
 
     def __post_init__(self) -> None:
+        """Check all values; the oscillators of a spectrum become masses and frequencies."""
         put = object.__setattr__
         for sizes, rates, unit in (
             ("masses", "frequencies", "mass"),
@@ -132,6 +133,7 @@ def _listed(table: dict[str, Any], key: str, size: str) -> tuple[list[float], li
 
 
 def as_table(bath: Bath) -> dict[str, Any]:
+    """The table of a scene file that describes a bath, by its spectrum where it has one."""
     table: dict[str, Any] = {}
     if bath.spectrum is None:
         pairs = zip(bath.masses.tolist(), bath.frequencies.tolist(), strict=True)

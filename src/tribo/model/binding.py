@@ -77,7 +77,8 @@ def check_apart(scene: Scene, one: Iterable[str], other: Iterable[str], how: str
 
     Other keys say how their values are given: they are "swept", or "set".
     """
-    one, other = list(one), list(other)
+    one = list(one)
+    other = list(other)
     for key in one:
         if key in other:
             raise InputError(key, f"is {how} too; give it once")
@@ -86,10 +87,11 @@ def check_apart(scene: Scene, one: Iterable[str], other: Iterable[str], how: str
 
 def check_arguments(values: Mapping[str, object], arguments: Mapping[str, object]) -> None:
     """Raise InputError about a key whose value an argument replaces, if that is given."""
-    inner = (
-        f"{key}.{k}" for key, value in values.items() if isinstance(value, Mapping) for k in value
-    )
-    for key in (*values, *inner):
+    keys = list(values)
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            keys += [f"{key}.{inner}" for inner in value]
+    for key in keys:
         for name in REPLACED_BY.get(key, ()):
             if arguments.get(name) not in (None, False):
                 problem = f"cannot go with {name}, which replaces it; give one or the other"

@@ -225,7 +225,8 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         value = {"kind": check.choice("", value, KINDS)}
     if isinstance(value, dict) and plugins.is_named(value.get("kind")):
         parameters = dict(value)
-        name, load = parameters.pop("kind"), parameters.pop("load", None)
+        name = parameters.pop("kind")
+        load = parameters.pop("load", None)
         force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
         return Custom(load=load, force=force)
     table = check.known_keys(value, value, ["kind"])

@@ -95,12 +95,15 @@ def _drives(kind: type[Drive], key: str, value: Callable[[Any], object]) -> Find
 
 def _reservoirs(on: str) -> Finder:
     """Finds the reservoirs on "bar" or "swing"; of two, by its place, which is 0 for the bars."""
-    return lambda scene: (
-        f"surface[{i}].langevin{f'[{j}]' * (len(surface.reservoirs) == 2)}.gamma = {item.gamma}"
-        for i, surface in enumerate(scene.surfaces)
-        for j, item in enumerate(surface.reservoirs)
-        if item.on == on
-    )
+
+    def found(scene: Any) -> Iterator[str]:
+        for i, surface in enumerate(scene.surfaces):
+            for j, reservoir in enumerate(surface.reservoirs):
+                if reservoir.on == on:
+                    place = f"[{j}]" if len(surface.reservoirs) == 2 else ""
+                    yield f"surface[{i}].langevin{place}.gamma = {reservoir.gamma}"
+
+    return found
 
 
 def _interactions(wanted: Callable[[Any, Interaction], bool]) -> Finder:
@@ -120,6 +123,7 @@ def _swings(scene: Any) -> Iterator[str]:
 
 
 def _slides(scene: Any) -> Iterator[str]:
+    """Reasons why surfaces can leave their uniform motion, one for each that can."""
     for i, surface in enumerate(scene.surfaces):
         if not (scene.slides_along_x(surface) or scene.slides_along_y(surface)):
             continue

@@ -90,7 +90,8 @@ def opened(table: dict[str, Any], stamps: Mapping[str, str | None], folder: Path
         scene = scene_from(table, folder)
     for place, item in plugins_of(scene):
         if isinstance(item, Unloaded):
-            item.stamp, item.folder = stamps.get(place), folder.absolute()
+            item.stamp = stamps.get(place)
+            item.folder = folder.absolute()
     return scene
 
 

@@ -57,6 +57,7 @@ class Interaction:
     species: tuple[str, str] | None = None
 
     def __post_init__(self) -> None:
+        """Check the potential, and that surfaces and species are two names each."""
         put = object.__setattr__
         if not isinstance(self.potential, Live):
             put(self, "potential", as_potential(self.potential))
@@ -85,5 +86,6 @@ def as_interaction(value: object) -> Interaction:
 def from_table(table: Any, folder: Path) -> Interaction:
     """The interaction that a table of a scene file describes."""
     parameters = known_keys(table, table)
-    between, species = parameters.pop("between", None), parameters.pop("species", None)
+    between = parameters.pop("between", None)
+    species = parameters.pop("species", None)
     return Interaction(tables.from_table(parameters, folder), between, species)

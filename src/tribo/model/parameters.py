@@ -53,8 +53,9 @@ OF_SURFACE = [*INITIAL, *OWN]
 READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
 READ |= {"langevin": as_langevin, "springs": as_springs}
 READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_table, Initial)}
-# Before the keys of the only interaction and of the only field of a scene.
-INTERACTION, FIELD = "interaction", "field"
+# First parts of the keys of a scene's only interaction, and of its only field.
+INTERACTION = "interaction"
+FIELD = "field"
 # The values of a field beside those of its potential.
 OF_FIELD = ("on", "origin", "velocity")
 
@@ -87,7 +88,8 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         part, _, name = key.rpartition(".")
         outer, _, inner = key.partition(".")
         if outer in (INTERACTION, FIELD) and inner:
-            part, name = outer, inner
+            part = outer
+            name = inner
         if part not in known:
             raise _unknown(scene, key)
         of_parts.setdefault(part, {})[name] = value
@@ -103,7 +105,8 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         if part in whole:
             own[name] = whole[part]
     if whole.keys() & {INTERACTION, FIELD}:  # of which parts may change too
-        scene, own = replace(scene, **own), {}
+        scene = replace(scene, **own)
+        own = {}
     if INTERACTION in of_parts:
         (interaction,) = scene.interactions
         with inside(INTERACTION):
@@ -153,7 +156,8 @@ def _changed_settings(
     scene: Scene, part: str, whole: Mapping[str, Any], own: dict[str, Any]
 ) -> Any:
     """The output, numerics or periods with other values; what one excludes is replaced."""
-    present, own = getattr(scene, part), dict(own)
+    present = getattr(scene, part)
+    own = dict(own)
     if part in whole:
         with inside(part):
             present = from_table(PARTS_OF_SCENE[part], whole[part])
@@ -176,7 +180,8 @@ def _parts_of(scene: Scene) -> list[str]:
 
 def _unknown(scene: Scene, key: str) -> InputError:
     """The error of a key whose part the scene does not have."""
-    part, outer = key.rpartition(".")[0], key.partition(".")[0]
+    part = key.rpartition(".")[0]
+    outer = key.partition(".")[0]
     for name, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
         if outer == name:
             return InputError(key, f"needs one {name}, and the scene has {len(items)}")
@@ -198,8 +203,10 @@ def _values_of_only(scene: Scene, part: str) -> dict[str, Any]:
 
 
 def _value_of_part(surface: Surface, part: str, name: str) -> object:
+    """The value of a key of a part, as "drive" or "langevin.bar"; None if it is absent."""
     key, _, on = part.partition(".")
-    present, values = getattr(surface, key), dict[str, Any]()
+    present = getattr(surface, key)
+    values = dict[str, Any]()
     if on:
         present = present[list(PLACES).index(on)]
     elif isinstance(present, Bath):
@@ -210,6 +217,11 @@ def _value_of_part(surface: Surface, part: str, name: str) -> object:
 
 
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
+    """A surface with other values of its own and of its parts.
+
+    `of_parts` has the values by the name of the surface, for example "upper", or its part,
+    "upper.drive".  Its own values are set first, so that they may replace a part.
+    """
     with inside(surface.name):
         given = of_parts.get(surface.name, {})
         for key in sorted(given.keys() & table_of(surface.asperite).keys() - {*OF_SURFACE}):
@@ -241,9 +253,11 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
 
 
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
+    """A part with other values, read as from the table of a scene file."""
     if isinstance(present, Custom):
         own = {"load": present.load} | own
-        load, parameters = own.pop("load"), present.force._asdict() | own
+        load = own.pop("load")
+        parameters = present.force._asdict() | own
         return Custom(load=load, force=instance(type(present.force), parameters))
     if part == "drive":
         return as_drive(drive_table(present) | own)

@@ -99,7 +99,8 @@ class Motion:
 
         As exp(r (t + s)) = exp(r t) exp(r s), a block is a product of two small matrices.
         """
-        rates, weights = self.rates, np.stack([self.velocity, self.stretch])
+        rates = self.rates
+        weights = np.stack([self.velocity, self.stretch])
         fine = np.exp(np.outer(rates, step * np.arange(SIDE)))
         coarse = np.exp(np.outer(step * SIDE * np.arange(SIDE), rates))
         to_next_block = np.exp(step * SIDE**2 * rates)
@@ -110,8 +111,10 @@ class Motion:
             coarse = coarse * to_next_block
             remaining = np.abs(coarse[0]) > DECAYED
             if not remaining.all():
-                weights, fine = weights[:, remaining], fine[remaining]
-                coarse, to_next_block = coarse[:, remaining], to_next_block[remaining]
+                weights = weights[:, remaining]
+                fine = fine[remaining]
+                coarse = coarse[:, remaining]
+                to_next_block = to_next_block[remaining]
 
 
 def motion_with_oscillators(
@@ -154,13 +157,17 @@ def _decay(kind: Kind, friction: float, frequency: float, tolerance: float) -> M
     friction Re sum c_j y_j, where y_j' = -r_j y_j + v: linear equations for v, w0 x and all y_j.
     """
     c, r = _exponentials(kind, tolerance)
-    real, imag = 2 + np.arange(c.size), 2 + c.size + np.arange(c.size)
+    real = 2 + np.arange(c.size)
+    imag = 2 + c.size + np.arange(c.size)
     matrix = np.zeros((2 + 2 * c.size, 2 + 2 * c.size))
-    matrix[0, 1], matrix[1, 0] = -frequency, frequency
-    matrix[0, real], matrix[0, imag] = -friction * c.real, friction * c.imag
+    matrix[0, 1] = -frequency
+    matrix[1, 0] = frequency
+    matrix[0, real] = -friction * c.real
+    matrix[0, imag] = friction * c.imag
     matrix[real, 0] = 1.0
     matrix[real, real] = matrix[imag, imag] = -r.real
-    matrix[real, imag], matrix[imag, real] = r.imag, -r.imag
+    matrix[real, imag] = r.imag
+    matrix[imag, real] = -r.imag
     rates, vectors = np.linalg.eig(matrix)
     start = np.linalg.solve(vectors, np.eye(matrix.shape[0])[0])
     # A rate above the real axis stands for its complex conjugate as well.

@@ -86,7 +86,8 @@ def incommensurate_rows(
     ratio : float
         Upper spacing over lower spacing, by default the golden mean: the lower row is denser.
     """
-    n, spacing = integer("n", n, 1), number("spacing", spacing, POSITIVE, "length")
+    n = integer("n", n, 1)
+    spacing = number("spacing", spacing, POSITIVE, "length")
     below = spacing / number("ratio", ratio, POSITIVE)
     first, count = _extent((n - 1) * spacing, below, number("slide", slide, unit="length"), lower_n)
     return (
@@ -130,7 +131,9 @@ def periodic_rows(
     """
     upper_n, lower_n = approximant(n, ratio)
     repeats = n // upper_n
-    upper_n, lower_n, ratio = repeats * upper_n, repeats * lower_n, lower_n / upper_n
+    ratio = lower_n / upper_n  # of whole numbers, where the given one need not be
+    upper_n *= repeats
+    lower_n *= repeats
     rows = incommensurate_rows(
         upper_n, spacing, ratio, gap=gap, lower_n=lower_n, upper=upper, lower=lower
     )

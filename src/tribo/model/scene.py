@@ -89,9 +89,11 @@ class Scene(ComparedByValue):
             fields: Field | Sequence[Field | Mapping[str, object]] | Mapping[str, object] = ...,
             output: Output | Mapping[str, object] = ...,
             numerics: Numerics | Mapping[str, object] = ...,
-        ) -> None: ...
+        ) -> None:
+            """For type checkers: the types that `__post_init__` converts."""
 
     def __post_init__(self) -> None:
+        """Check all parts and how they go together; tables become objects."""
         put = object.__setattr__
         check.fields(self, duration=check.one(check.POSITIVE, "time"), seed=check.count(0))
         if self.duration < check.SHORTEST_DURATION:
@@ -115,6 +117,7 @@ class Scene(ComparedByValue):
             )
 
     def _checked_surfaces(self) -> tuple[Surface, ...]:
+        """The surfaces as a tuple, with names of their own."""
         if not isinstance(self.surfaces, (list, tuple)) or not self.surfaces:
             raise InputError("surface", "is missing; give at least one surface")
         surfaces: list[Surface] = []
@@ -129,6 +132,7 @@ class Scene(ComparedByValue):
         return tuple(surfaces)
 
     def _checked_interactions(self) -> tuple[Interaction, ...]:
+        """The interactions as a tuple, from one potential or several, between known surfaces."""
         value: object = self.interactions
         one = isinstance(value, (Interaction, Live, Mapping)) or hasattr(value, "energy")
         listed = [value] if one else value
@@ -147,6 +151,7 @@ class Scene(ComparedByValue):
         return interactions
 
     def _checked_fields(self) -> tuple[Field, ...]:
+        """The fields as a tuple, from one or several, on known surfaces."""
         one = isinstance(self.fields, (Field, Mapping))
         listed = [self.fields] if one else self.fields
         if not isinstance(listed, (list, tuple)):
@@ -183,15 +188,18 @@ class Scene(ComparedByValue):
     def _held(self, surface: Surface, name: str) -> str:
         """Why centres of mass cannot be displaced along an axis, in a message; else empty."""
         if name[-1] == "x":
-            can_move, instead = self.slides_along_x(surface), 'drive = "free" lets them move'
+            can_move = self.slides_along_x(surface)
+            instead = 'drive = "free" lets them move'
         else:
-            can_move, instead = self.slides_along_y(surface), "a load frees them"
+            can_move = self.slides_along_y(surface)
+            instead = "a load frees them"
         if not can_move:
             return f", as the drive holds the asperites along {name[-1]}; {instead}"
         alike = name[-1] == "x" and surface.moves_as_one
         return " where drive.rigid = true: all move as one" if alike else ""
 
     def _refuse_two_for_one_pair(self, interactions: tuple[Interaction, ...]) -> None:
+        """Raise InputError if two interactions act on the same species of a pair of surfaces."""
         seen: dict[tuple[int, int], list[set[str] | None]] = {}
         for i, interaction in enumerate(interactions):
             kinds = set(interaction.species) if interaction.species else None
@@ -351,11 +359,14 @@ class Scene(ComparedByValue):
     def to_table(self) -> dict[str, Any]:
         """The nested table of that file."""
         table: dict[str, Any] = {"title": self.title} if self.title else {}
-        interactions = [
-            potentials.as_table(i.potential)
-            | {key: list(names) for key in ("between", "species") if (names := getattr(i, key))}
-            for i in self.interactions
-        ]
+        interactions = []
+        for interaction in self.interactions:
+            own = potentials.as_table(interaction.potential)
+            for key in ("between", "species"):
+                names = getattr(interaction, key)
+                if names:
+                    own[key] = list(names)
+            interactions.append(own)
         return table | {
             "duration": self.duration,
             "seed": self.seed,

@@ -61,7 +61,8 @@ def scene_from(table: dict[str, Any], folder: Path = Path()) -> Scene:
         table[key] = part(partial(from_table, kind))(key, table.get(key, {}))
     table["surfaces"] = _each("surface", table.pop("surface"), partial(_surface, folder=folder))
     table["fields"] = _each("field", table.pop("field", []), partial(field_of, folder=folder))
-    given, read = table.pop("interaction", []), partial(interaction_of, folder=folder)
+    given = table.pop("interaction", [])
+    read = partial(interaction_of, folder=folder)
     one = isinstance(given, dict)
     found = part(read)("interaction", given) if one else _each("interaction", given, read)
     return Scene(interactions=found, **table)
@@ -75,6 +76,7 @@ def _each(key: str, value: object, read: Callable[[Any], object]) -> tuple[Any, 
 
 
 def _surface(table: object, folder: Path) -> Surface:
+    """The surface that a table of a scene file describes; files are relative to `folder`."""
     table = known_keys(table, field_names(Surface), ["name"])
     readers: dict[str, Callable[[Any], object]] = {
         "asperite": partial(from_table, Asperite),

@@ -9,9 +9,10 @@ import numpy as np
 from tribo import validation as check
 from tribo.validation import InputError, inside, is_list, must_be
 
-# Range of accuracies.  Round-off grows to about the first in a run; above the second an error
-# estimate means little.
-FINEST, COARSEST = 1e-13, 0.1
+# The smallest accuracy: round-off grows to about this in a run.
+FINEST = 1e-13
+# The largest accuracy: above it an error estimate means little.
+COARSEST = 0.1
 # Of what the works and pseudoworks are kept.
 LEDGERS = ("asperites", "surfaces", "none")
 # Groups of further series that are reported on request.

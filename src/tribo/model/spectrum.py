@@ -108,11 +108,14 @@ class Spectrum:
         """
         x = (np.arange(self.n) + 0.5) / self.n
         if self.kind == "drude":
-            w, share = np.tan(np.pi / 2.0 * x), np.ones(self.n)
+            w = np.tan(np.pi / 2.0 * x)
+            share = np.ones(self.n)
         elif self.kind == "ohmic":
-            w, share = -2.0 * np.log1p(-x), 4.0 / np.pi * (1.0 - x)
+            w = -2.0 * np.log1p(-x)
+            share = 4.0 / np.pi * (1.0 - x)
         else:  # debye
-            w, share = x, np.full(self.n, 2.0 / np.pi)
+            w = x
+            share = np.full(self.n, 2.0 / np.pi)
         return self.gamma / (self.cutoff * self.n) * share / w**2, self.cutoff * w
 
     def kernel(self, t: np.ndarray | float) -> np.ndarray:
@@ -172,7 +175,8 @@ def discrete_decay(
     """
     mass, frequency, t = _checked(mass, frequency, t)
     masses = check.vector("masses", masses, check.POSITIVE, unit="mass")
-    count, unit = masses.size, "rad / time"
+    count = masses.size
+    unit = "rad / time"
     frequencies = check.vector("frequencies", frequencies, check.POSITIVE, count, unit)
     motion = recurrence.motion_with_oscillators(masses / mass, frequencies, frequency)
     return 0.5 * mass * motion.energy(t)
@@ -251,7 +255,8 @@ def _fastest_rate(motion: Motion) -> float:
 
 def _first_difference(one: Motion, other: Motion, t: float, step: float) -> float:
     """The last time before the energies first differ, given a sample at t where they do."""
-    low, high = max(t - 8.0 * step, 0.0), t
+    low = max(t - 8.0 * step, 0.0)
+    high = t
     for _ in range(3):
         times = np.linspace(low, high, 129)
         differing = np.abs(one.energy(times) - other.energy(times)) > VALID

@@ -42,6 +42,7 @@ class Springs:
     turned: float = 0.0
 
     def __post_init__(self) -> None:
+        """Check the values; listed pairs must be different, and exclude `wrap`."""
         kind = check.pair if is_list(self.stiffness) else check.one
         check.fields(self, stiffness=kind(check.NOT_NEGATIVE, "force / length"))
         check.fields(self, wrap=check.boolean, turned=check.one(unit="rad"))
@@ -93,7 +94,8 @@ class Springs:
             listed = np.array(self.pairs if self else (), dtype=np.int64).reshape(-1, 2)
             return listed, np.full(len(listed), self._both[0])
         index = np.arange(shape[0] * shape[1]).reshape(shape[1], shape[0])
-        ends, stiffnesses = [np.empty((0, 2), dtype=np.int64)], [np.empty(0)]
+        ends = [np.empty((0, 2), dtype=np.int64)]
+        stiffnesses = [np.empty(0)]
         for along, (axis, stiffness) in enumerate(zip((1, 0), self._both, strict=True)):
             length = index.shape[axis]
             ring = self.wrap and length > 1 and (periodic[along] or not any(periodic))

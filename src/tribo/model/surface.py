@@ -120,9 +120,11 @@ class Surface(ComparedByValue):
             species: str | Sequence[str] = ...,
             asperite: Asperite | Settings = ...,
             initial: Initial | Settings = ...,
-        ) -> None: ...
+        ) -> None:
+            """For type checkers: the types that `__post_init__` converts."""
 
     def __post_init__(self) -> None:
+        """Check all values and how they go together; tables and words become objects."""
         self._check_place()
         check.fields(self, drive=part(as_drive))
         heights = as_heights(self.heights, Grid(*self._grid, self.facing_sign))
@@ -203,7 +205,8 @@ class Surface(ComparedByValue):
             # They are names in NetCDF files, which allow no blanks at their ends.
             raise must_be("name", "a word without . or /, and without blanks at its ends", name)
         check.choice("facing", self.facing, ["down", "up"])
-        lengths, velocity = check.pair(unit="length"), check.pair(unit="length / time")
+        lengths = check.pair(unit="length")
+        velocity = check.pair(unit="length / time")
         check.fields(self, bob=lengths, velocity=velocity, spacing=lengths)
         check.vector("shape", self.shape, size=2)
         shape = tuple(check.integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape))
@@ -213,6 +216,7 @@ class Surface(ComparedByValue):
             raise must_be("shape", f"at most {check.LARGEST_COUNT} asperites", self.count)
 
     def _listed_positions(self, field: str, given: object) -> np.ndarray:
+        """The given resting bobs as a read-only array, (n, 3) [length], in place of a grid."""
         for key in ("bob", "shape", "spacing", "depth"):
             if getattr(self, key) != getattr(Surface, key):
                 raise InputError(key, f"cannot go with {field}; give one or the other")
@@ -266,7 +270,8 @@ class Surface(ComparedByValue):
     @property
     def initial_swing(self) -> np.ndarray | None:
         """(n,) initial angles theta - rest [rad], from `theta` or `swing`; None without either."""
-        given, each = self.initial, self.initial.for_each(self.count)
+        given = self.initial
+        each = self.initial.for_each(self.count)
         if given.theta is not None:
             return each["theta"] - self.rest
         return None if given.swing is None else each["swing"]

@@ -87,6 +87,7 @@ class Topography(ComparedByValue):
     sampled: Sampled | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        """Check the settings; a file is read later, when heights are needed."""
         if isinstance(self.topography, (str, PathLike)):
             with inside("topography"):
                 file = str(check.as_path(self.topography).absolute())
@@ -229,6 +230,7 @@ def _defined(scan: Any) -> Any:
 
 
 def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
+    """A topography of SurfaceTopography from a file; wrong settings and files raise InputError."""
     if not Path(path).is_file():
         raise InputError("topography", f"{path} cannot be read (no such file)")
     try:

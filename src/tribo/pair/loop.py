@@ -31,6 +31,7 @@ COLUMNS = ENERGY + 1
 
 @kernel
 def write_sample(pair, potential, clock, work, record):
+    """Record coordinates, velocities, accounts and the contact energy as the next sample."""
     k = clock.sample
     for m in range(J + 1):
         record[k, m] = work[rows.PLACE, m]
@@ -49,19 +50,28 @@ def begin(pair, potential, clock, start, work):
     for m in range(rows.STATE, rows.ROWS):
         for i in range(LANES):
             work[m, i] = 0.0
-    clock.t, clock.t_low, clock.h, clock.last_step = 0.0, 0.0, work[rows.LIMITS, rows.FIRST], 0.0
-    clock.sample, clock.steps, clock.rejected = 0, 0, 0
-    clock.after_rejection, clock.not_finite = 0, 0
+    clock.t = 0.0
+    clock.t_low = 0.0
+    clock.h = work[rows.LIMITS, rows.FIRST]
+    clock.last_step = 0.0
+    clock.sample = 0
+    clock.steps = 0
+    clock.rejected = 0
+    clock.after_rejection = 0
+    clock.not_finite = 0
     n = start.size // 2
-    work[rows.PLACE, Q1], work[rows.PLACE, Q2] = start[0], start[1]
-    work[rows.PLACE, V1], work[rows.PLACE, V2] = start[n], start[n + 1]
+    work[rows.PLACE, Q1] = start[0]
+    work[rows.PLACE, Q2] = start[1]
+    work[rows.PLACE, V1] = start[n]
+    work[rows.PLACE, V2] = start[n + 1]
     q1, q2, k = three_in(work, rows.PLACE, Q1)
     r = distance(pair, clock.t, q1, q2, k)
     if r == 0.0:
         return codes.BOBS_COINCIDE
     v1, v2, j = three_in(work, rows.PLACE, V1)
     work[rows.START, rows.RATE] = encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j)
-    swing1, swing2 = broadcast(q1), broadcast(q2)
+    swing1 = broadcast(q1)
+    swing2 = broadcast(q2)
     contact = contact_at(pair, potential, broadcast(clock.t), swing1, swing2, broadcast(k))
     f = accelerations_of(pair, contact, swing1, swing2)
     set_three_in(work, rows.START, f)

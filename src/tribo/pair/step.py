@@ -58,8 +58,11 @@ def table(method: Collocation) -> np.ndarray:
     """The coefficients of a method whose eight nodes begin with 0, row by row."""
     found = np.empty((rows.R + LANES, LANES))
     found[rows.AT] = np.append(1.0, method.c[1:])
-    found[rows.NODES], found[rows.POLE] = method.c, method.pole
-    found[rows.B], found[rows.V], found[rows.LAST] = method.b, method.v, method.last
+    found[rows.NODES] = method.c
+    found[rows.POLE] = method.pole
+    found[rows.B] = method.b
+    found[rows.V] = method.v
+    found[rows.LAST] = method.last
     for j in range(LANES):
         found[rows.A + j] = np.append(method.b[j], method.a[1:, j])
         found[rows.R + j] = np.append(method.v[j], method.r[1:, j])
@@ -70,13 +73,24 @@ def table(method: Collocation) -> np.ndarray:
 @inlined
 def lagrange(work, x):
     """Lagrange's polynomials of the nodes, at eight places x."""
-    d0, d1 = x - work[rows.NODES, 0], x - work[rows.NODES, 1]
-    d2, d3 = x - work[rows.NODES, 2], x - work[rows.NODES, 3]
-    d4, d5 = x - work[rows.NODES, 4], x - work[rows.NODES, 5]
-    d6, d7 = x - work[rows.NODES, 6], x - work[rows.NODES, 7]
-    d01, d23, d45, d67 = d0 * d1, d2 * d3, d4 * d5, d6 * d7
-    front, back = d01 * d23, d45 * d67
-    but01, but23, but45, but67 = d23 * back, d01 * back, front * d67, front * d45
+    d0 = x - work[rows.NODES, 0]
+    d1 = x - work[rows.NODES, 1]
+    d2 = x - work[rows.NODES, 2]
+    d3 = x - work[rows.NODES, 3]
+    d4 = x - work[rows.NODES, 4]
+    d5 = x - work[rows.NODES, 5]
+    d6 = x - work[rows.NODES, 6]
+    d7 = x - work[rows.NODES, 7]
+    d01 = d0 * d1
+    d23 = d2 * d3
+    d45 = d4 * d5
+    d67 = d6 * d7
+    front = d01 * d23
+    back = d45 * d67
+    but01 = d23 * back
+    but23 = d01 * back
+    but45 = front * d67
+    but67 = front * d45
     return (
         work[rows.POLE, 0] * d1 * but01,
         work[rows.POLE, 1] * d0 * but01,
@@ -131,7 +145,9 @@ def solve(pair, potential, clock, h, work):
         contact = contact_at(pair, potential, t, q1, q2, k)
         new1, new2, newk = accelerations_of(pair, contact, q1, q2)
         found = with_first((new1, new2, newk), start)
-        change1, change2, changek = found[0] - f[0], found[1] - f[1], found[2] - f[2]
+        change1 = found[0] - f[0]
+        change2 = found[1] - f[1]
+        changek = found[2] - f[2]
         shift1 = weighted_sums(work, rows.A, change1)
         shift2 = weighted_sums(work, rows.A, change2)
         new = new1 - springs1 * shift1, new2 - springs2 * shift2, newk
@@ -194,7 +210,9 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     finite = math.isfinite(error) and math.isfinite(sum_of_lanes(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
         return False, growth_factor(error), finite
-    r, q1, q2 = lane(nodes.contact.r, 0), lane(nodes.q1, 0), lane(nodes.q2, 0)
+    r = lane(nodes.contact.r, 0)
+    q1 = lane(nodes.q1, 0)
+    q2 = lane(nodes.q2, 0)
     v1, v2, j = plus(three_in(work, rows.PLACE, V1), times(h, sums.once))
     later = encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j)
     if h * later > 1.0:

@@ -2,12 +2,23 @@
 
 from tribo.compiler.lanes import LANES
 
-# The loop's memory is an array of rows of eight numbers.  Rows of the method's table:
-AT, NODES, POLE, B, V, LAST, A, AA, R = 0, 1, 2, 3, 4, 5, 6, 14, 22
+# The loop's memory is an array of rows of eight numbers.  Rows of the method's table, whose
+# coefficients are those of Collocation.  The first node is the start of a step, where nothing is to
+# be found, so rows for all nodes have the end of the step in its place.
+AT = 0  # times of the end and of nodes 1 to 7, in steps
+NODES = 1  # times of all nodes, in steps
+POLE = 2
+B = 3
+V = 4
+LAST = 5
+A = 6  # eight rows, one for each node: its weights in coordinates, b and a
+AA = 14  # eight rows: the matrix of A times a, which applies the weights twice
+R = 22  # eight rows, one for each node: its weights in velocities, v and r
 
 # Rows of the limits: the tolerances of the rates, with the level and the first step, and the
 # reciprocals of the tolerances of the accounts.
-LIMITS, ALLOWED = R + LANES, R + LANES + 1
+LIMITS = R + LANES
+ALLOWED = R + LANES + 1
 
 # Columns of LIMITS.
 OF_V1, OF_V2, OF_J, LEVEL, FIRST = range(5)

@@ -96,7 +96,8 @@ def sums_of(work, nodes, power):
     once = lane(motion, 3), lane(motion, 4), lane(motion, 5)
     ends = lane(motion, 6), lane(motion, 7), sum_of_lanes(last * fk)
     at_start = load(work, rows.BEGINNING)
-    within, rest = with_lane(v, 0, 0.0), with_lane(last, 0, 0.0)
+    within = with_lane(v, 0, 0.0)
+    rest = with_lane(last, 0, 0.0)
     gains = sums_of_lanes(weighted(within, power)) + lane(v, 0) * at_start
     high = sums_of_lanes(weighted(rest, power)) + lane(last, 0) * at_start
     return Sums(twice, once, ends, gains, high)
@@ -136,7 +137,8 @@ def update_state(h, work, sums):
         work[rows.PLACE, m], work[rows.LOW, m] = new
         new = compensated_sum(work[rows.PLACE, m + 3], work[rows.LOW, m + 3], h * sums.once[m])
         work[rows.PLACE, m + 3], work[rows.LOW, m + 3] = new
-    accounts, low = load(work, rows.ACCOUNTS), load(work, rows.REMAINDERS)
+    accounts = load(work, rows.ACCOUNTS)
+    low = load(work, rows.REMAINDERS)
     accounts, low = compensated_sum(accounts, low, h * sums.gains)
     store(work, rows.ACCOUNTS, accounts)
     store(work, rows.REMAINDERS, low)

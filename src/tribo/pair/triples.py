@@ -26,7 +26,8 @@ def store_three(work, row, values):
 @inlined
 def set_three_in(work, row, values):
     """Set the first three numbers of a row to those in lane 0."""
-    work[row, 0], work[row, 1] = lane(values[0], 0), lane(values[1], 0)
+    work[row, 0] = lane(values[0], 0)
+    work[row, 1] = lane(values[1], 0)
     work[row, 2] = lane(values[2], 0)
 
 

@@ -147,7 +147,8 @@ class Run:
 
     def event(self, name: str, near: float) -> float:
         """The computed time of an event, as "time the bobs pass"; the paper prints `near`."""
-        upper, lower = self.result["upper"], self.result["lower"]
+        upper = self.result["upper"]
+        lower = self.result["lower"]
         if name == "time the bobs pass":
             return self.root((upper.x_bob - lower.x_bob)[:, 0], near)
         if name == "time the centres of mass pass":
@@ -161,11 +162,11 @@ class Run:
     def ends(self) -> list[int]:
         """Whole times at which every number that the paper gives "at the end" agrees."""
         rows = [r for r in published(self.case) if r["t"] == "end" and r["quantity"][:4] != "sign"]
-        return [
-            t
-            for t in range(20, int(LAST) + 1)
-            if all(agrees(float(self.at(r["quantity"], t)), r["printed"]) for r in rows)
-        ]
+
+        def all_agree(t: float) -> bool:
+            return all(agrees(float(self.at(r["quantity"], t)), r["printed"]) for r in rows)
+
+        return [t for t in range(20, int(LAST) + 1) if all_agree(t)]
 
 
 def _parts(quantity: str) -> dict[str, float]:

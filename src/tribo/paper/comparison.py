@@ -89,6 +89,7 @@ def compare(cases: Iterable[str]) -> dict[str, list[Row]]:
 
 
 def _rows(case: str) -> Iterator[Row]:
+    """The rows of one case, by what the paper prints: a sign, the time of an event, or a value."""
     run = Run.extended(case)
     printed_rows = published(case)
     for row in printed_rows:
@@ -101,7 +102,9 @@ def _rows(case: str) -> Iterator[Row]:
 
 
 def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]) -> Row:
-    quantity, printed = row["quantity"], row["printed"]
+    """The row of a printed value: whether it agrees, and if it does not, what explains it."""
+    quantity = row["quantity"]
+    printed = row["printed"]
     times = (END[run.case],) if row["t"] == "end" else tuple(map(float, row["t"].split("..")))
     computed = _change(run.at(quantity, np.array(times)))
     agreeing = agrees(computed, printed)
@@ -110,7 +113,8 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         others = [t for t in run.ends if t != END[run.case]]
         also = f" (and at {_ranges(others)})" if others else ""
         notes.append(f"end time not printed; at t = {END[run.case]:g}{also} all end values agree")
-    cause, own = None, None
+    cause = None
+    own = None
     if not agreeing:
         cause, explanations = _explanations(run, quantity, times, computed, printed)
         own = _from_positions(run, row, printed_rows)
@@ -155,13 +159,12 @@ def _change(values: np.ndarray) -> float:
     return float(values[-1] - values[0] if len(values) == 2 else values[0])
 
 
-# Differences within half a unit of the last digit of a printed time [time]: round ones first.
-_SHIFTS = [
-    shift
-    for size, count in ((1e-2, 4), (1e-3, 49), (1e-4, 499))
-    for n in range(1, count + 1)
-    for shift in (-n * size, n * size)
-]
+def _shifts() -> Iterator[float]:
+    """Differences of a time within half a unit of its last printed digit, round ones first."""
+    for size, count in ((1e-2, 4), (1e-3, 49), (1e-4, 499)):
+        for n in range(1, count + 1):
+            yield -n * size
+            yield n * size
 
 
 def _explanations(
@@ -170,7 +173,7 @@ def _explanations(
     """Why a printed number differs: a time before rounding, or the error of the method."""
     found = []
     for k, t in enumerate(times):
-        near = [round(t + shift, 4) for shift in _SHIFTS if t + shift <= LAST]
+        near = [round(t + shift, 4) for shift in _shifts() if t + shift <= LAST]
         moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
         sign = 1.0 if k == len(times) - 1 else -1.0
         changed = computed + sign * moved
@@ -194,6 +197,7 @@ def _by_midpoint(run: Run, quantity: str, times: tuple[float, ...], step: float)
 
 
 def _event_row(run: Run, row: dict[str, str]) -> Row:
+    """The row of the printed time of an event, such as the extremum of a quantity."""
     printed = row["printed"]
     computed = run.event(row["quantity"], float(printed))
     agreeing = agrees(computed, printed)
@@ -210,6 +214,7 @@ def _event_row(run: Run, row: dict[str, str]) -> Row:
 
 
 def _sign_row(run: Run, row: dict[str, str]) -> Row:
+    """The row of the sign of a pseudowork, which two runs and their boosted twins confirm."""
     other = Run.extended(run.case, attractive=True)
     end = END[run.case]
     values = [float(r.at("w_ps", end)) for r in (run, other)]
@@ -224,10 +229,12 @@ def _sign_row(run: Run, row: dict[str, str]) -> Row:
 def boost_error(moving: Run, still: Run) -> float:
     """Largest difference of any quantity of case E from case C or D in a moving frame."""
     u = moving.result.scene.surfaces[0].velocity[0] - still.result.scene.surfaces[0].velocity[0]
-    mass, largest = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0], 0.0
+    mass = still.result.scene.surfaces[0].asperite.for_each(1)["mass"][0]
+    largest = 0.0
     t = moving.result.t[:, None]
     for name in ("upper", "lower"):
-        new, old = moving.result[name], still.result[name]
+        new = moving.result[name]
+        old = still.result[name]
         impulse = mass * (old.vx_cm - old.vx_cm[0])
         same = ("theta", "omega", "y_cm", "delta_e_int", "w2", "wL", "wR")
         expected = {key: old[key] for key in same}
@@ -246,6 +253,12 @@ def _printed(row: dict[str, str]) -> tuple[str, str, str, str]:
 
 def _ranges(numbers: list[int]) -> str:
     """Whole numbers as text, consecutive ones as a range."""
-    groups = groupby(enumerate(numbers), lambda item: item[1] - item[0])
-    ranges = [[n for _, n in group] for _, group in groups]
-    return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]} to {r[-1]}" for r in ranges)
+    texts = []
+    # Consecutive numbers grow as their places in the list do.
+    for _, group in groupby(enumerate(numbers), lambda item: item[1] - item[0]):
+        consecutive = [number for _, number in group]
+        if len(consecutive) == 1:
+            texts.append(str(consecutive[0]))
+        else:
+            texts.append(f"{consecutive[0]} to {consecutive[-1]}")
+    return ", ".join(texts)

@@ -65,7 +65,8 @@ def draw(folder: str | Path, cases: Iterable[str]) -> list[Path]:
 
 
 def _angle(case: str) -> Axes:
-    result, ax = Run.extended(case).result, plotting.axes()
+    result = Run.extended(case).result
+    ax = plotting.axes()
     ax.plot(result.t, result["upper"].theta[:, 0], color=WORKS["w1"].colour)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set(xlabel="$t$", ylabel=r"$\theta$ (rad)", xlim=(0.0, END[case]), ylim=(-0.9, 0.9))
@@ -94,7 +95,8 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
 
 
 def _works(case: str) -> Axes:
-    result, ax = Run.extended(case).result, plotting.axes(COLUMN, 0.72 * COLUMN)
+    result = Run.extended(case).result
+    ax = plotting.axes(COLUMN, 0.72 * COLUMN)
     return result.plot.work("upper", 0, (10.0, END[case]), ax)
 
 
@@ -106,7 +108,11 @@ def _phases(case: str, times: tuple[float, ...]) -> Axes:
 
 def _model() -> Axes:
     """The upper asperite with every quantity that the equations of motion name."""
-    phi, theta, l1, l2, box = np.pi / 12, np.pi / 6, 2.2, 1.1, (-3.05, 3.35, -3.6, 1.8)
+    phi = np.pi / 12
+    theta = np.pi / 6
+    l1 = 2.2
+    l2 = 1.1
+    box = (-3.05, 3.35, -3.6, 1.8)
     rod = np.array([[np.sin(theta), -np.cos(theta)]])  # from the bar, at the origin, to the bob
     now = Pose(
         parts={"upper": slice(0, 1)},
@@ -132,7 +138,11 @@ def _model() -> Axes:
 
 
 def _model_lengths(ax: Axes, now: Pose) -> None:
-    centre, cm, bob, (left, right) = now.bars[0], now.cms[0], now.bobs[0], now.ends[0]
+    """Write the names of lengths and masses beside the parts of an asperite."""
+    centre = now.bars[0]
+    cm = now.cms[0]
+    bob = now.bobs[0]
+    left, right = now.ends[0]
     rod = np.array([np.cos(now.theta[0]), np.sin(now.theta[0])])  # across it, to the right
     bar = np.array([-np.sin(now.phi[0]), np.cos(now.phi[0])])  # across it, upwards
     for position, text in (
@@ -148,6 +158,7 @@ def _model_lengths(ax: Axes, now: Pose) -> None:
 
 
 def _model_angles(ax: Axes, now: Pose) -> None:
+    """Draw the axes of an asperite, and arcs for its two angles."""
     from matplotlib.patches import Arc
 
     for tip in ((2.75, 0.0), (0.0, -1.95)):
@@ -161,7 +172,10 @@ def _model_angles(ax: Axes, now: Pose) -> None:
 
 def _model_arrows(ax: Axes, now: Pose) -> None:
     """The axes, positions and forces, each with its name."""
-    origin, cm, bob, bar = np.array([-2.4, -3.45]), now.cms[0], now.bobs[0], now.bars[0]
+    origin = np.array([-2.4, -3.45])
+    cm = now.cms[0]
+    bob = now.bobs[0]
+    bar = now.bars[0]
     left, right = now.ends[0]
     axis = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "mutation_scale": 6}
     vector = {"linewidth": 0.7, "mutation_scale": 6}

@@ -58,6 +58,7 @@ def report(tables: Mapping[str, Sequence[Row]]) -> str:
 
 
 def _lines(row: Row) -> Iterator[str]:
+    """The lines of a row: its values and verdict, and its note where it says more."""
     computed = row.computed if isinstance(row.computed, str) else f"{row.computed:.8f}"
     error = "" if row.error is None else f"{row.error:.0e}"
     verdict = "agrees" if row.agrees else "DIFFERS"

@@ -16,7 +16,7 @@ from tribo.plotting.picture import Picture
 from tribo.plotting.pose import Pose, pose
 from tribo.plotting.snapshots import typical_swing
 from tribo.plotting.style import INK, style
-from tribo.plotting.works import WORKS, look, symbol, works_of
+from tribo.plotting.works import WORKS, look, symbol, with_pseudoworks, works_of
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError, as_path, integer
 
@@ -27,8 +27,12 @@ if TYPE_CHECKING:
 
 # Names of files end on one of these, each with matplotlib's writer for it.
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
-# Width of the picture, and heights of the curves below it and of the title [inch].
-WIDTH, CURVES, TITLE = 6.0, 1.9, 0.3
+# Width of the picture [inch].
+WIDTH = 6.0
+# Height of the curves below it [inch].
+CURVES = 1.9
+# Height of the title [inch].
+TITLE = 0.3
 # Works that are drawn, each with its pseudowork: those of the forces and their sum.
 DRAWN = ("w1", "w2", "w_int", "W")
 
@@ -93,6 +97,10 @@ class Film:
     """
 
     def __init__(self, result: RunResult, surface: str, width: int, bath: bool = False) -> None:
+        """Draw what stays: title, picture, and curves of works of a surface.
+
+        The picture's scale fits the poses of 50 samples; `width` of the frames is in pixels.
+        """
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -100,9 +108,11 @@ class Film:
         self._bath = bath
         some = np.unique(np.linspace(0, len(result.t) - 1, 50).astype(int))  # for its size
         boxes = np.array([self._pose(k).box for k in some])
-        lows, highs = boxes.min(axis=0), boxes.max(axis=0)
-        box = (float(lows[0]), float(highs[1]), float(lows[2]), float(highs[3]))
-        ideal = WIDTH * (box[3] - box[2]) / (box[1] - box[0]) + 0.3
+        lows = boxes.min(axis=0)
+        highs = boxes.max(axis=0)
+        left, right = float(lows[0]), float(highs[1])
+        bottom, top = float(lows[2]), float(highs[3])
+        ideal = WIDTH * (top - bottom) / (right - left) + 0.3
         height = float(np.clip(ideal, 1.0, 3.4))  # inches
         total = height + CURVES + TITLE
         # A whole number of pixels, which is even, as films need.
@@ -114,13 +124,14 @@ class Film:
         self.figure.text(0.5, 1.0 - 0.3 * TITLE / total, title, ha="center", va="center")
         above = self.figure.add_axes((0.0, CURVES / total, 1.0, height / total))
         above.set_axis_off()
+        box = left, right, bottom, top
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
-        scale = min(WIDTH / (box[1] - box[0]), height / (box[3] - box[2])) * POINTS_PER_INCH
+        scale = min(WIDTH / (right - left), height / (top - bottom)) * POINTS_PER_INCH
         self._picture = Picture(above, self._pose(0), 1.0 / scale, typical_swing(result))
         self._clock = above.text(0.01, 0.98, "", transform=above.transAxes, va="top")
         below = self.figure.add_axes((0.09, 0.44 / total, 0.62, (CURVES - 0.54) / total))
         works = works_of(result, surface, None)
-        names = [name for work in DRAWN for name in (work, f"{work}_ps") if name in works]
+        names = [name for name in with_pseudoworks(DRAWN) if name in works]
         names = [name for name in names if "int" not in name or np.any(works[name])]
         self._works = {name: works[name] for name in names}
         self.lines: dict[str, Line2D] = {}
@@ -129,7 +140,8 @@ class Film:
             line = look(name)
             below.plot(result.t, values, **line | {"alpha": 0.2})
             (self.lines[name],) = below.plot([], [], **line)
-            y, colour = (CURVES - 0.24 - 0.2 * row) / total, line["color"]
+            y = (CURVES - 0.24 - 0.2 * row) / total
+            colour = line["color"]
             word = "pseudowork" if name.endswith("_ps") else WORKS[name].meaning
             self.figure.text(0.74, y, f"{symbol(name)} {word}", color=colour)
             self._values[name] = self.figure.text(0.99, y, "", color=colour, ha="right")

@@ -58,13 +58,17 @@ def force_arrows(ax: Axes, scene: Scene, now: Pose, drawn: Pose, surface: str, k
     if nearest is None:
         return
     for name, asperite in ((surface, k), nearest[:2]):
-        force, i = contacts.force(name, asperite), drawn.index(name, asperite)
+        force = contacts.force(name, asperite)
+        i = drawn.index(name, asperite)
         if not (np.any(force) and np.all(np.isfinite(force))):
             continue
-        direction, length, bob = force / np.hypot(*force), drawn.rods[i], drawn.bobs[i]
+        direction = force / np.hypot(*force)
+        length = drawn.rods[i]
+        bob = drawn.bobs[i]
         # Two forces that point at each other do not touch.
         reach = min(0.55 * length, max(0.43 * nearest[2], 2.0 * BOB * length))
-        start, tip = bob + BOB * length * direction, bob + reach * direction
+        start = bob + BOB * length * direction
+        tip = bob + reach * direction
         arrow(ax, start, tip)
         aside = np.array([-direction[1], direction[0]])
         aside *= 10.0 * np.copysign(1.0, aside[1] * drawn.up[i])

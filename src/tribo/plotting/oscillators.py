@@ -12,8 +12,10 @@ from tribo.validation import InputError
 
 # Most dots of a bar: of more oscillators, evenly spaced ones are drawn.
 MOST = 12
-# Distance of the row from the bar, and the largest displacement in the drawing [rod length].
-DISTANCE, REACH = 0.4, 0.25
+# Distance of the row from the bar [rod length].
+DISTANCE = 0.4
+# The largest displacement in the drawing [rod length].
+REACH = 0.25
 
 
 def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndarray]:
@@ -21,9 +23,11 @@ def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndar
 
     Raises InputError if there are no oscillators, or their displacements are not recorded.
     """
-    factor, dots = magnification(result), {}
+    factor = magnification(result)
+    dots = {}
     for surface in _with_bath(result):
-        values, series = surface.each, result[surface.name]
+        values = surface.each
+        series = result[surface.name]
         order = np.argsort(surface.bath.frequencies, kind="stable")
         shown = order[np.unique(np.linspace(0, order.size - 1, MOST).round().astype(int))]
         displacements = result.oscillators(surface.name)[samples][:, :, shown]
@@ -31,7 +35,8 @@ def oscillator_dots(result: RunResult, samples: np.ndarray) -> dict[str, np.ndar
         along = values["bar_length"][:, None] * spaced * 0.9  # the row is a little shorter
         behind = DISTANCE * _rod(surface) * surface.facing_sign
         phi = series["phi"][samples][:, :, None]
-        cos, sin = np.cos(phi), np.sin(phi)
+        cos = np.cos(phi)
+        sin = np.sin(phi)
         row = np.stack([cos * along - sin * behind, sin * along + cos * behind], axis=-1)
         bars = np.stack([series[f"{axis}_bar"][samples] for axis in "xy"], axis=-1)
         dots[surface.name] = np.asarray(bars[:, :, None] + row + factor * displacements)

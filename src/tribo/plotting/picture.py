@@ -15,20 +15,39 @@ if TYPE_CHECKING:
 
 # Above this number of asperites, bobs alone are drawn: bars and rods would cover one another.
 MOST_DETAILED = 120
-# Colours of bars, by where the bob is; of rods, bobs, centres of mass and bath oscillators.
-DOWN_COLOUR, UP_COLOUR = "#3f74b5", "#6b7280"
-ROD_COLOUR, BOB_COLOUR, CM_COLOUR, BATH_COLOUR = "#b98a2f", "#f3c969", "#d7301f", "#9a5fb5"
-# Widths of bars, rods and dots, radii of bobs, pivots and centres of mass [rod length].
-BAR, ROD, DOT = 0.1, 0.06, 0.06
-BOB, PIVOT, CM = 0.09, 0.022, 0.045
-# The same, at least [points].
-LEAST_BAR, LEAST_ROD, LEAST_BOB = 1.0, 0.6, 1.25
-# Width of edges: at most [points], and [rod length].
-EDGE_WIDTH, EDGE_PART = 0.5, 0.015
-# Of torsion springs: radius, half their width [rod length], windings on each side, points of each.
-RADIUS, SWELL, WINDINGS, TURN = 0.17, 0.024, 5, 24
-# Windings of a lattice spring, and half its width [distance of the bars].
-ZIGZAGS, SPRING = 8, 0.03
+# Colours of bars whose bobs are below and above them.
+DOWN_COLOUR = "#3f74b5"
+UP_COLOUR = "#6b7280"
+# Colours of rods, bobs, centres of mass and bath oscillators.
+ROD_COLOUR = "#b98a2f"
+BOB_COLOUR = "#f3c969"
+CM_COLOUR = "#d7301f"
+BATH_COLOUR = "#9a5fb5"
+# Widths of bars, rods and the dots of oscillators [rod length].
+BAR = 0.1
+ROD = 0.06
+DOT = 0.06
+# Radii of bobs, pivots and centres of mass [rod length].
+BOB = 0.09
+PIVOT = 0.022
+CM = 0.045
+# Least widths of bars and rods, and least radius of bobs [points].
+LEAST_BAR = 1.0
+LEAST_ROD = 0.6
+LEAST_BOB = 1.25
+# Largest width of edges [points], and their usual one [rod length].
+EDGE_WIDTH = 0.5
+EDGE_PART = 0.015
+# Radius of torsion springs, and half their width [rod length].
+RADIUS = 0.17
+SWELL = 0.024
+# Windings on each side of a torsion spring, and points of each winding.
+WINDINGS = 5
+TURN = 24
+# Windings of a lattice spring.
+ZIGZAGS = 8
+# Half the width of a lattice spring [distance of the bars].
+SPRING = 0.03
 # Angles of the points of a circle, and its points.
 AROUND = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 RING = np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)
@@ -42,6 +61,11 @@ class Picture:
     """
 
     def __init__(self, ax: Axes, now: Pose, point: float, swing: float = 1.0) -> None:
+        """Add the parts of asperites to the axes.
+
+        `point` is the length of a typographic point in the axes.  The colours of many asperites
+        range over swings from `-swing` to `swing` [rad].
+        """
         from matplotlib.collections import LineCollection, PolyCollection
 
         self._point = point
@@ -76,12 +100,14 @@ class Picture:
         return [self._dots, *self._parts.values(), *([self.swings] if self.swings else [])]
 
     def show(self, now: Pose) -> None:
+        """Move all parts to a pose."""
         self._dots.set_offsets(now.dots)
         if self.swings is not None:
             self.swings.set_offsets(now.bobs)
             self.swings.set_array(now.swing)
             return
-        rods, parts = now.rods, self._parts
+        rods = now.rods
+        parts = self._parts
         parts["bonds"].set_segments([_zigzag(*now.bars[pair]) for pair in now.joined])
         twisted = np.flatnonzero(now.is_twisted) if self._has_springs else ()
         parts["springs"].set_segments([_torsion_spring(now, k) for k in twisted])

@@ -31,8 +31,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Width of lines where there is one surface, and of thin ones [points].
-WIDTH, PATH_WIDTH = 1.1, 0.7
+# Width of lines where there is one surface [points].
+WIDTH = 1.1
+# Width of thin lines [points].
+PATH_WIDTH = 0.7
 
 
 class Plots:
@@ -132,7 +134,8 @@ class Plots:
         reservoirs, heat is a part of the stack, and is added to the applied work.  On pulled
         surfaces, the work put in is that of the stage in place of that of the springs.
         """
-        result, heats = self._result, heats_of(self._result)
+        result = self._result
+        heats = heats_of(result)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             below = np.zeros(result.t.size)
             for colour, (name, values) in zip(COLOURS, energies(result).items(), strict=False):
@@ -172,11 +175,13 @@ class Plots:
         InputError
             The forces were not recorded, or there are too few samples.
         """
-        result, name = self._result, self._surface(surface)
+        result = self._result
+        name = self._surface(surface)
         found = friction_force(result, name, after)
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             label = with_minus(mean_text(found.mean, found.half_width, "±"))
-            low, high = found.mean - found.half_width, found.mean + found.half_width
+            low = found.mean - found.half_width
+            high = found.mean + found.half_width
             later = [found.after, result.t[-1]]
             ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
             ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=WIDTH, label=label)
@@ -196,7 +201,8 @@ class Plots:
                 swing = swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
-                width, colour = PATH_WIDTH * self._width(k), COLOURS[k]
+                width = PATH_WIDTH * self._width(k)
+                colour = COLOURS[k]
                 ax.plot(swing, rate, linewidth=width, alpha=faint, color=colour)
                 ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
                 ax.plot([], [], label=self._named(surface.name), color=colour)
@@ -296,10 +302,12 @@ class Plots:
         InputError
             If the surface is no grid, or has no such series, or the time is not in the run.
         """
-        result, name = self._result, self._surface(surface)
+        result = self._result
+        name = self._surface(surface)
         sample = -1 if t is None else nearest_sample(result, t)
         index = [each.name for each in result.scene.surfaces].index(name)
-        grid, table = result.scene.surfaces[index], result[name]
+        grid = result.scene.surfaces[index]
+        table = result[name]
         if grid.positions is not None or min(grid.shape) < 2:
             raise InputError("surface", f'must be a grid, got "{name}"')
         bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
@@ -409,6 +417,7 @@ def compare(
             with rc_context({"lines.linestyle": dashes}):
                 getattr(Plots(result, label), kind)(ax=ax)
         if kind != "phase":
-            ends = [result.t[k] for result in results.values() for k in (0, -1)]
-            ax.set_xlim(min(ends), max(ends))
+            begin = min(result.t[0] for result in results.values())
+            end = max(result.t[-1] for result in results.values())
+            ax.set_xlim(begin, end)
     return ax

@@ -53,7 +53,8 @@ class Pose:
     def box(self) -> tuple[float, float, float, float]:
         """Left, right, bottom and top, with the size of the parts."""
         size = float(self.rods.max())
-        ends, room = self.ends.reshape(-1, 2), np.array([0.2, 0.1]) * size  # around bobs
+        ends = self.ends.reshape(-1, 2)
+        room = np.array([0.2, 0.1]) * size  # around bobs
         low = np.concatenate([ends - 0.06 * size, self.bobs - room, self.dots]).min(axis=0)
         high = np.concatenate([ends + 0.06 * size, self.bobs + room, self.dots]).max(axis=0)
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
@@ -75,7 +76,8 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
     outside of the run, and where places are not kept.
     """
     sample = nearest_sample(result, t)
-    surfaces, parts = result.scene.surfaces, result.scene.parts
+    surfaces = result.scene.surfaces
+    parts = result.scene.parts
     places = [_places(result, surface, t) for surface in surfaces]
     aside = [np.asarray(s.resting_bobs()[:, 2:] * OBLIQUE) for s in surfaces]
     shifts = dict(zip((s.name for s in surfaces), aside, strict=True))
@@ -129,17 +131,19 @@ def _places(result: RunResult, surface: Surface, t: float) -> tuple[np.ndarray, 
         raise InputError("output.samples", "must be fewer, to keep the places of single asperites")
     k = int(np.searchsorted(result.t, t, side="right")) - 1
     if result.t[k] == t:
-        bars, cms, bobs = (
-            np.stack([series[f"{axis}_{point}"][k] for axis in "xy"], axis=1)
-            for point in ("bar", "cm", "bob")
-        )
-        return bars, cms, bobs, series["phi"][k], series["theta"][k]
+
+        def recorded(point: str) -> np.ndarray:
+            return np.stack([series[f"x_{point}"][k], series[f"y_{point}"][k]], axis=1)
+
+        places = recorded("bar"), recorded("cm"), recorded("bob")
+        return *places, series["phi"][k], series["theta"][k]
 
     def at(name: str, rate: str) -> np.ndarray:
         both = (series[each][k : k + 2] for each in (name, rate))
         return np.asarray(CubicHermiteSpline(result.t[k : k + 2], *both)(t))
 
-    phi, theta = at("phi", "nu"), at("theta", "omega")
+    phi = at("phi", "nu")
+    theta = at("theta", "omega")
     cms = np.stack([at("x_cm", "vx_cm"), at("y_cm", "vy_cm")], axis=1)
     rods = np.stack([np.sin(theta), -np.cos(theta)], axis=1)  # directions from bars to bobs
     l1, l2 = (surface.each[name][:, None] for name in ("l1", "l2"))

@@ -18,8 +18,10 @@ from tribo.results.run_result import RunResult
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Distance between two snapshots, and between lines of labels [points].
-GAP, LINE = 9.0, 14.0
+# Distance between two snapshots [points].
+GAP = 9.0
+# Distance between lines of labels [points].
+LINE = 14.0
 # Margin for times and phases left of snapshots [points].
 MARGIN = 50.0
 # Height that the colours of many asperites take below snapshots [points].
@@ -71,15 +73,18 @@ def snapshots(
     poses = [pose(result, float(result.t[k]), bath) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
-    widths, heights = boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]
+    widths = boxes[:, 1] - boxes[:, 0]
+    heights = boxes[:, 3] - boxes[:, 2]
     # In a row, pictures are small if it is much wider than high.
     arranged = _in_a_row if widths.sum() < 6.0 * heights.max() else _in_a_column
     is_given = ax is not None
     with drawing_on(ax, WIDE) as ax:
         width, height = np.array(ax.bbox.size) / ax.figure.dpi * marks.POINTS_PER_INCH
         layout = arranged(boxes, width, height - BAR_ROOM if is_given else np.inf)
-        point, (left, right, bottom, top) = layout.point, layout.view
-        swing, labels = typical_swing(result), marks.time_labels(result.t[samples].tolist())
+        point = layout.point
+        left, right, bottom, top = layout.view
+        swing = typical_swing(result)
+        labels = marks.time_labels(result.t[samples].tolist())
         for now, shift, place, label in zip(
             poses, layout.shifts, layout.labels, labels, strict=True
         ):
@@ -108,13 +113,16 @@ class _Layout(NamedTuple):
 
 def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     """Snapshots side by side in boxes (n, 4), in so many points; times below them."""
-    widths, low, high = boxes[:, 1] - boxes[:, 0], boxes[:, 2].min(), boxes[:, 3].max()
+    widths = boxes[:, 1] - boxes[:, 0]
+    low = boxes[:, 2].min()
+    high = boxes[:, 3].max()
     point = widths.sum() / (width - GAP * (len(boxes) - 1) - 2.0 * marks.EDGE)
     point = float(max(point, (high - low) / max(1.0, height - LINE - marks.EDGE)))
     begins = boxes[0, 0] + np.cumsum([0.0, *(widths[:-1] + GAP * point)])
     end = float(begins[-1] + widths[-1])
     shifts = np.stack([begins - boxes[:, 0], np.zeros(len(boxes))], axis=1)
-    below, edge = np.full(len(boxes), low - 0.5 * LINE * point), marks.EDGE * point
+    below = np.full(len(boxes), low - 0.5 * LINE * point)
+    edge = marks.EDGE * point
     labels = np.stack([begins + 0.5 * widths, below], axis=1)
     view = (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
     return _Layout(point, shifts, labels, "center", view)
@@ -122,14 +130,17 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
 
 def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     """Snapshots below one another, at the places along x of the run; times left of them."""
-    left, right, heights = boxes[:, 0].min(), boxes[:, 1].max(), boxes[:, 3] - boxes[:, 2]
+    left = boxes[:, 0].min()
+    right = boxes[:, 1].max()
+    heights = boxes[:, 3] - boxes[:, 2]
     point = (right - left) / (width - MARGIN - marks.EDGE)
     point = float(max(point, heights.sum() / max(1.0, height - GAP * len(boxes))))
     tops = boxes[0, 3] - np.cumsum([0.0, *(heights + GAP * point)])
     shifts = np.stack([np.zeros(len(boxes)), tops[:-1] - boxes[:, 3]], axis=1)
     start = np.full(len(boxes), left - (MARGIN - marks.EDGE) * point)
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
-    edge, (highest, *_, lowest) = marks.EDGE * point, tops.tolist()
+    edge = marks.EDGE * point
+    highest, *_, lowest = tops.tolist()
     view = (left - MARGIN * point, right + edge, lowest, highest + edge)
     return _Layout(point, shifts, labels, "left", view)
 
@@ -147,12 +158,14 @@ def sequence(
     poses = [pose(result, t) for t in times]
     boxes = np.array([now.box for now in poses])
     room = ARROW_ROOM * float(poses[0].rods.max())
-    left, right = boxes[:, 0].min() - room, boxes[:, 1].max() + room
+    left = boxes[:, 0].min() - room
+    right = boxes[:, 1].max() + room
     beside: dict[str, Any] = {"offset": (marks.EDGE - MARGIN, 0.0), "ha": "left"}
     with drawing_on(ax, COLUMN) as ax:
         point = marks.point_length(ax, left, right, left=MARGIN)
         gap = (len(points) + 1.2) * LINE * point
-        floor, before = 0.0, None
+        floor = 0.0
+        before = None
         for k, (now, label) in enumerate(zip(poses, marks.time_labels(times), strict=True)):
             top = floor - gap if k else 0.0
             row = now.shifted((0.0, top - boxes[k, 3]))
@@ -167,7 +180,8 @@ def sequence(
                     marks.note(
                         ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside
                     )
-            floor, before = row.box[2], row
+            floor = row.box[2]
+            before = row
         marks.frame(ax, (left, right, floor, 0.0), left=MARGIN)
     return ax
 
@@ -183,9 +197,8 @@ def _displacements(
 ) -> None:
     """Draw an arrow for each point of an asperite, one below the other, between guides to it."""
     levels = ceiling - LINE * point * np.arange(1, len(points) + 1)
-    begins, ends = (
-        np.array([getattr(now, f"{name}s")[index] for name in points]) for now in (before, after)
-    )
+    begins = np.array([getattr(before, f"{name}s")[index] for name in points])
+    ends = np.array([getattr(after, f"{name}s")[index] for name in points])
     looks = [GUIDES[name] for name in points]
     _guides(ax, looks, begins, levels - 5.0 * point, 2.5 * point)
     _guides(ax, looks[::-1], ends[::-1], (levels + 5.0 * point)[::-1], 2.5 * point)

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Widths of one and of one and a half columns of a journal, and of its page [inch].
-COLUMN, WIDE, PAGE = 3.375, 5.1, 6.2
+COLUMN = 3.375
+WIDE = 5.1
+PAGE = 6.2
 # Names of files that a figure can be written to end on one of these.
 FILES = (".png", ".pdf", ".svg")
 # Colour of text, edges and arrows.
@@ -77,7 +79,8 @@ def drawing_on(ax: Axes | None, width: float, height: float | None = None) -> It
             ax.set_axis_off()
         yield ax
     if height is None:
-        (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+        left, right = ax.get_xlim()
+        bottom, top = ax.get_ylim()
         figure_of(ax).set_figheight(width * (top - bottom) / (right - left))
 
 

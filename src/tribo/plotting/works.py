@@ -7,6 +7,7 @@ of all forces on it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -69,11 +70,16 @@ def works_of(result: RunResult, surface: str, asperite: int | None) -> dict[str,
         raise must_be("output.ledger", '"asperites" for works of single asperites', ledger)
     series = result[surface]
     whole = "w" if asperite is not None else "W"
-    works = (work for work in WORKS if work not in TOTALS or work == whole)
-    names = [name for work in works for name in (work, f"{work}_ps") if name in series]
+    works = [work for work in WORKS if work not in TOTALS or work == whole]
+    names = [name for name in with_pseudoworks(works) if name in series]
     if asperite is not None:
         return {name: series[name][:, asperite] for name in names}
     return {name: total(series[name]) for name in names}
+
+
+def with_pseudoworks(works: Iterable[str]) -> list[str]:
+    """The names of works, each followed by that of its pseudowork."""
+    return [name for work in works for name in (work, f"{work}_ps")]
 
 
 def total(values: np.ndarray) -> np.ndarray:
@@ -83,7 +89,8 @@ def total(values: np.ndarray) -> np.ndarray:
 
 def energies(result: RunResult) -> dict[str, np.ndarray]:
     """The energies that work became, by name; those that never change are left out."""
-    system, blocks = result.system, result.ledger.blocks.values()
+    system = result.system
+    blocks = result.ledger.blocks.values()
     kinetic = sum(block["delta_K"] for block in blocks)
     internal = sum(block["delta_E_int"] for block in blocks)
     contact = system["contact_energy"] - system["contact_energy"][0]
@@ -169,7 +176,8 @@ def spread(levels: np.ndarray, gap: float) -> np.ndarray:
     """
     from scipy.optimize import isotonic_regression
 
-    order, below = np.argsort(levels, kind="stable"), gap * np.arange(len(levels))
+    order = np.argsort(levels, kind="stable")
+    below = gap * np.arange(len(levels))
     # Levels less the gaps below them must not decrease.
     pooled = isotonic_regression(levels[order] - below).x
     apart = np.empty(len(levels))

@@ -180,6 +180,7 @@ def source_stamp(plugins: list[NamedTuple]) -> str | None:
 
 
 def _stamp_of(plugin: NamedTuple) -> str | None:
+    """A digest of the source of a plug-in's class and of its parts; None if one is unknown."""
     cls = type(plugin)
     inner = source_stamp([item for item in plugin if hasattr(item, "_fields")])
     if is_own(cls) or inner is None:
@@ -222,7 +223,8 @@ def _collect(module: ModuleType | None, root: str, sources: dict[str, bytes]) ->
 
 def files_beside(file: Path) -> Iterator[Path]:
     """The files in the folder of a plug-in, and in packages there, that it imports, each once."""
-    waiting, found = [file], {file}
+    waiting = [file]
+    found = {file}
     while waiting:
         each = waiting.pop()
         try:

@@ -23,7 +23,8 @@ from tribo.potentials.tables import (
 from tribo.validation import POSITIVE, InputError, inside, known_keys, number
 
 # The field of a scaled potential, whose name in keys is that of a kind, and the word in its place.
-POTENTIAL, OF = "potential", "of"
+POTENTIAL = "potential"
+OF = "of"
 
 
 def values_by_key(potential: Any) -> dict[str, Any]:
@@ -72,7 +73,8 @@ def with_values(potential: Any, own: Mapping[str, Any]) -> Any:
 
 def _with_parameters(potential: Any, own: Mapping[str, Any]) -> Any:
     """A potential without a cutoff, with other numbers of its own and of its parts."""
-    fields, parts = potential._asdict(), _parts(potential)
+    fields = potential._asdict()
+    parts = _parts(potential)
     of_parts: dict[str, dict[str, Any]] = {}
     for key, value in own.items():
         part, dot, rest = key.partition(".")

@@ -7,6 +7,7 @@ n rows of index, distance, energy and force.
 """
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,11 +41,13 @@ def read_columns(path: Path, columns: object, section: object) -> tuple[list[flo
         if not isinstance(section, str) or section not in sections:
             known = shortened(f'"{name}"' for name in sections)
             raise must_be("section", f"one of those of {path}: {known}", section)
-        lines, columns = sections[section], OF_LAMMPS if columns is None else columns
+        lines = sections[section]
+        columns = OF_LAMMPS if columns is None else columns
     elif section is not None:
         raise InputError("section", f"cannot be given, as {path} has no sections")
     elif lines and not any(map(_is_number, lines[0].words)):
-        headings, lines = lines[0].words, lines[1:]
+        headings = lines[0].words
+        lines = lines[1:]
     count = len(lines[0].words) if lines else 2
     places = _places(path, columns, headings, count)
     numbers = [_numbers(path, line, max(count, 2)) for line in lines]
@@ -52,6 +55,7 @@ def read_columns(path: Path, columns: object, section: object) -> tuple[list[flo
 
 
 def _lines(path: Path) -> list[Line]:
+    """The lines of a text file that contain words, which commas, semicolons or blanks separate."""
     try:
         text = read_file(path).decode("utf-8-sig")  # Excel begins with a mark
     except UnicodeDecodeError:
@@ -75,7 +79,8 @@ def _sections(path: Path, lines: list[Line]) -> dict[str, list[Line]]:
             raise InputError(
                 "file", f"{path} must have as many rows as N in line {lines[1].number} says"
             )
-        found[lines[0].words[0]], lines = lines[2 : 2 + int(size)], lines[2 + int(size) :]
+        found[lines[0].words[0]] = lines[2 : 2 + int(size)]
+        lines = lines[2 + int(size) :]
     if found and lines:
         raise InputError(
             "file", f"{path} has a row beyond N of its section in line {lines[0].number}"
@@ -87,9 +92,9 @@ def _places(path: Path, columns: object, headings: list[str], count: int) -> lis
     """The numbers, from 0, of the columns of distances and energies."""
     if columns is None:
         names = [re.sub(r"[(\[].*", "", heading).lower() for heading in headings]
-        places = [[k for k, name in enumerate(names) if name in known] for known in HEADINGS]
-        if len(names) == count and all(len(each) == 1 for each in places):
-            return [each[0] for each in places]
+        found = [_positions(names, known) for known in HEADINGS]
+        if len(names) == count and all(len(each) == 1 for each in found):
+            return [each[0] for each in found]
         if count == 2:
             return [0, 1]
         raise InputError(
@@ -100,6 +105,11 @@ def _places(path: Path, columns: object, headings: list[str], count: int) -> lis
     if not is_list(columns) or len(columns) != 2:
         raise must_be("columns", "two numbers or headings of columns", columns)
     return [_place(f"columns[{k}]", each, headings, count) for k, each in enumerate(columns)]
+
+
+def _positions(names: list[str], known: Collection[str]) -> list[int]:
+    """Where headings stand that are known for a column."""
+    return [k for k, name in enumerate(names) if name in known]
 
 
 def _place(field: str, column: object, headings: list[str], count: int) -> int:

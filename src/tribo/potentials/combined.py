@@ -88,7 +88,8 @@ class Sum(Potential):
 
     def domain(self):
         """The distances that are in both domains."""
-        (low, high), (other_low, other_high) = self.first.domain(), self.second.domain()
+        low, high = self.first.domain()
+        other_low, other_high = self.second.domain()
         return max(low, other_low), min(high, other_high)
 
 

@@ -177,6 +177,7 @@ class Switched(WithCutoff):
         return 1.0 * np.where(r < self.range(), force, 0.0)
 
     def force_between(self, r, one, other):
+        """The force on two charges: U' switch + U switch', with the opposite sign."""
         inverse = 1.0 / (self.cutoff - self.switch_from)
         u = np.minimum(np.maximum((r - self.switch_from) * inverse, 0.0), 1.0)
         switch = 1.0 - u * u * u * (10.0 - u * (15.0 - 6.0 * u))

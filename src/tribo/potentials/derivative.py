@@ -221,8 +221,12 @@ def _source(function: FunctionType) -> ast.FunctionDef:
 
 
 def _codes(code: CodeType) -> list[CodeType]:
+    """The code of all functions within some code, at any depth."""
     inner = [item for item in code.co_consts if isinstance(item, CodeType)]
-    return inner + [item for part in inner for item in _codes(part)]
+    found = list(inner)
+    for part in inner:
+        found += _codes(part)
+    return found
 
 
 def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
@@ -239,7 +243,8 @@ def _force(definition: ast.FunctionDef, energy: FunctionType) -> FunctionType:
     code = compile(ast.unparse(ast.fix_missing_locations(tree)), "<force>", "exec")
     exec(code, energy.__globals__, made)  # names that follow the class are found when it runs
     force = made["make"](np.where)
-    force.__module__, force.__qualname__ = __name__, "force"
+    force.__module__ = __name__
+    force.__qualname__ = "force"
     return force
 
 
@@ -262,7 +267,8 @@ class Statements(Rules):
                     pass
                 case ast.Assign([ast.Name(name)], value) if name not in self._arguments:
                     self._check(value)
-                    slope, varies = self.derivative(value), self.varies(value)
+                    slope = self.derivative(value)
+                    varies = self.varies(value)
                     self.derivatives.pop(name, None)
                     if varies:
                         self.derivatives[name] = f"derivative_of_{name}"
@@ -282,7 +288,8 @@ class Statements(Rules):
     def _branches(self, *branches: list[ast.stmt]) -> list[list[ast.stmt]]:
         """The branches of an ``if``, which end with the derivatives of the same names."""
         before = dict(self.derivatives)
-        bodies, after = [], []
+        bodies = []
+        after = []
         for branch in branches:
             self.derivatives = dict(before)
             bodies.append(self.slopes(branch))

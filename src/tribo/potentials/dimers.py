@@ -87,7 +87,8 @@ def from_dimer(
 
 def _three_body(calculator: Calculator, symbols: Sequence[str], table: Table) -> float:
     """Largest difference between the energy of a triangle and the sum over its sides [eV]."""
-    lowest, largest = int(np.argmin(table.values)), 0.0
+    lowest = int(np.argmin(table.values))
+    largest = 0.0
     inside = 0 < lowest < table.r.size - 1
     # The distance of the minimum, or the middle of the table if there is none.
     unit = float(table.r[lowest]) if inside else 0.5 * float(table.r[0] + table.r[-1])

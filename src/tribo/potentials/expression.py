@@ -173,7 +173,8 @@ def _names(tree: ast.AST) -> list[str]:
 
 def _compiled(tree: ast.expr) -> str:
     """The source of an expression in a method: parameters of self, functions of numpy."""
-    text, parts = ast.unparse(tree), {}
+    text = ast.unparse(tree)
+    parts = {}
     for name in _names(ast.parse(text)):
         if name == "pi" or name in IN_NUMPY:
             parts[name] = ast.Attribute(ast.Name("np"), IN_NUMPY.get(name, name))

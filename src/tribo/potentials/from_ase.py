@@ -150,7 +150,8 @@ def make_calculator(calculator: Calculator | str, arguments: dict[str, Any]) -> 
 def from_table(table: dict[str, Any]) -> Live:
     """The calculator that a table of a scene file describes."""
     table = check.known_keys(table, ["calculator", "arguments", "length", "reach"], ["calculator"])
-    name, arguments = table.pop("calculator"), table.pop("arguments", {})
+    name = table.pop("calculator")
+    arguments = table.pop("arguments", {})
     if not isinstance(arguments, dict):
         raise must_be("arguments", "a table", arguments)
     return from_calculator(name, **table, **arguments)

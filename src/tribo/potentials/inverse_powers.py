@@ -121,12 +121,16 @@ class Mie(Potential):
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("m", ">", ""))
 
     def energy(self, r):
-        n, m, s = self.n, self.m, self.sigma / r
+        n = self.n
+        m = self.m
+        s = self.sigma / r
         return self.epsilon * n / (n - m) * (n / m) ** (m / (n - m)) * (s**n - s**m)
 
     def force(self, r):
         inverse = 1.0 / r  # loops over pairs compute it too
-        n, m, s = self.n, self.m, self.sigma * inverse
+        n = self.n
+        m = self.m
+        s = self.sigma * inverse
         scale = self.epsilon * n / (n - m) * (n / m) ** (m / (n - m))
         return scale * (n * s**n - m * s**m) * inverse
 

@@ -96,7 +96,8 @@ def _acts_by(factors: tuple[str, ...]) -> Callable[..., Any]:
     made: dict[str, Callable[..., Any]] = {}
     exec(f"def acts_between(self, one, other):\n    return {text}", {}, made)
     method = made["acts_between"]
-    method.__module__, method.__doc__ = __name__, acts_if_coupled.__doc__
+    method.__module__ = __name__
+    method.__doc__ = acts_if_coupled.__doc__
     return method
 
 

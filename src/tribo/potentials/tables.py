@@ -135,6 +135,7 @@ def _parts(potential: Any) -> list[Potential]:
 
 
 def _sum(parameters: dict[str, Any], folder: Path) -> Potential:
+    """The sum of the potentials in a list of tables, which errors name by their places in it."""
     items = known_keys(parameters, ["of"], ["of"])["of"]
     if not is_list(items):
         raise must_be("of", "a list of potentials", items)

@@ -43,7 +43,9 @@ class PairCalculator(Calculator):
         super().calculate(atoms, properties, system_changes)
         atoms = self.atoms
         n = len(atoms)
-        energies, forces, virial = np.zeros(n), np.zeros((n, 3)), np.zeros((3, 3))
+        energies = np.zeros(n)
+        forces = np.zeros((n, 3))
+        virial = np.zeros((3, 3))
         i, j, d, r = self._pairs(atoms)
         names = np.array(atoms.get_chemical_symbols())
         both = np.sort([names[i], names[j]], axis=0)

@@ -38,7 +38,8 @@ def check_agreement(scan: PotentialScan) -> list[Check]:
     """Compare arrays and compiled code with the potential's methods, one distance at a time."""
     r = scan.everywhere
     r = r[r < scan.cutoff]
-    single, note = [scan.one_by_one(method, r) for method in scan.methods], ""
+    single = [scan.one_by_one(method, r) for method in scan.methods]
+    note = ""
     try:
         with np.errstate(all="ignore"):
             found = (np.asarray(method(r, 1.0, 1.0), float) for method in scan.methods)
@@ -54,10 +55,8 @@ def check_agreement(scan: PotentialScan) -> list[Check]:
 def check_third_law(scan: PotentialScan) -> Check:
     """Check that energy and force stay the same if two charges are exchanged."""
     r = scan.r[:: max(1, scan.r.size // DISTANCES)]
-    one, other = (
-        [scan.one_by_one(method, r, *charges) for method in scan.methods]
-        for charges in (CHARGES, CHARGES[::-1])
-    )
+    one = [scan.one_by_one(method, r, *CHARGES) for method in scan.methods]
+    other = [scan.one_by_one(method, r, *CHARGES[::-1]) for method in scan.methods]
     text = f"charges exchanged, at {r.size} distances"
     return check_same("third law", text, scan, r, one, other)
 
@@ -104,7 +103,9 @@ def morse(potential: Morse) -> Calculator:
     """rho0 = alpha r0; between rcut1 and rcut2, in units of r0, the energy is smoothed to zero."""
     from ase.calculators.morse import MorsePotential
 
-    depth, r0, rho0 = potential.D, potential.r0, potential.alpha * potential.r0
+    depth = potential.D
+    r0 = potential.r0
+    rho0 = potential.alpha * potential.r0
     return MorsePotential(epsilon=depth, r0=r0, rho0=rho0, rcut1=FAR, rcut2=2.0 * FAR)
 
 
@@ -121,7 +122,8 @@ def pair(
     """A calculator's energy of two atoms [eV], and the force between them [eV / Angstrom]."""
     from ase import Atoms
 
-    energies, forces = np.empty(r.size), np.empty(r.size)
+    energies = np.empty(r.size)
+    forces = np.empty(r.size)
     for k, x in enumerate(r):
         atoms = Atoms(symbols, positions=[[0.0, 0.0, 0.0], [x, 0.0, 0.0]], calculator=calculator)
         energies[k] = atoms.get_potential_energy()

@@ -118,6 +118,7 @@ class Report:
         return save(card_figure(self.curves, self.title), path)
 
     def __str__(self) -> str:
+        """The checks as a table, with advice below those that failed, and the verdict."""
         r = self.curves.r
         width = max(len(check.name) for check in self.checks)
         lines = [f"{self.potential}, from r = {r[0]:.3g} to {r[-1]:.3g}", ""]

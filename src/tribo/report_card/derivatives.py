@@ -25,8 +25,10 @@ BOUND = 1e-10
 TRUSTED = 10.0
 # Least fraction of the distances at which they must be compared.
 KNOWN = 0.9
-# Largest distance from r at which the energy is evaluated [r, and typical distance].
-REACH, LONGEST = 0.1, 0.8
+# Largest distance from r at which the energy is evaluated [r].
+REACH = 0.1
+# The same [typical distance].
+LONGEST = 0.8
 # Distances at which differences begin [reach].
 SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0)
 # Relative error of a derivative by SciPy's coefficients, which are rounded to double precision:
@@ -49,7 +51,8 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
     place, length = np.broadcast_arrays(
         np.asarray(r, np.longdouble), np.asarray(reach, np.longdouble)
     )
-    best, uncertainty = np.full(place.shape, np.nan), np.full(place.shape, np.inf)
+    best = np.full(place.shape, np.nan)
+    uncertainty = np.full(place.shape, np.inf)
     for shorter in SHORTER:
         found = differentiate.derivative(
             function,
@@ -69,7 +72,8 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
 
 def curves(scan: PotentialScan) -> Curves:
     """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
-    r, end = np.sort(np.concatenate([scan.r, scan.random])), scan.cutoff
+    r = np.sort(np.concatenate([scan.r, scan.random]))
+    end = scan.cutoff
     energy, force = scan.compiled(r)
     reach = np.minimum(REACH * r, LONGEST * scan.length)
     reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
@@ -121,6 +125,7 @@ def check_minimum(scan: PotentialScan) -> list[Check]:
         "curvature": abs(second - stiffness) * r * r / max(abs(second) * r * r, scale),
     }
     worst = max(errors, key=lambda name: np.nan_to_num(errors[name], nan=np.inf))
-    text, failed = "declared distance, depth and curvature", not second > 0.0
+    text = "declared distance, depth and curvature"
+    failed = not second > 0.0
     note = "U has no minimum at this distance" if failed else f"the {worst} has the largest error"
     return [Check("minimum", text, errors[worst], MINIMUM, r, note, failed)]

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Colours of the curves and of the bound.
-ENERGY, FORCE, BOUND = "#0b62a4", "#d55e00", "#a50f15"
+ENERGY = "#0b62a4"
+FORCE = "#d55e00"
+BOUND = "#a50f15"
 # Lower end of the axis of the disagreement, which is relative.
 FLOOR = 1e-17
 

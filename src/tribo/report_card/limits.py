@@ -21,7 +21,8 @@ def check_finite(scan: PotentialScan) -> Check:
     r = np.concatenate([scan.edges, scan.everywhere])
     energy, force = scan.compiled(r)
     bad = ~(np.isfinite(energy) & np.isfinite(force))
-    text, number = f"energy and force at {r.size} distances", float(np.count_nonzero(bad))
+    text = f"energy and force at {r.size} distances"
+    number = float(np.count_nonzero(bad))
     where = float(r[np.argmax(bad)]) if number else None
     note = "a run that reaches this distance ends as NotFinite" if number else ""
     return Check("finite", text, number, 0.0, where, note)
@@ -38,7 +39,8 @@ def check_limits(scan: PotentialScan) -> Check:
     finite = np.isfinite(energy) & np.isfinite(force)
     note, where = _finite_range(scan, r, finite)
     value, worst = _work_at_constant_energy(scan, r, energy, force)
-    text, failed = "force where U is constant, 1e-300 < r < 1e300", where is not None
+    text = "force where U is constant, 1e-300 < r < 1e300"
+    failed = where is not None
     return Check("limits", text, value, FROZEN, where if failed else worst, note, failed)
 
 

@@ -25,19 +25,22 @@ from tribo.validation import LARGEST_NUMBER, InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-# Finer cells around the typical distance: in each length over which the force changes, and on
-# either side.
-CELLS_PER_FEATURE, FINE_CELLS = 8, 80
+# Cells around the typical distance, in each length over which the force changes.
+CELLS_PER_FEATURE = 8
+# Number of these cells on either side.
+FINE_CELLS = 80
 # Energy at which the core begins that no bob reaches [typical energy].
 CORE = 1e3
 # |F| r of a force that has vanished [typical energy].
 VANISHED = 1e-16
 # How far distances reach from the typical one at most, inward and outward [ratio].
 WIDEST = 1e3
-# Distances among which the typical one is searched, and how far they reach beyond the potential's
-# own lengths, inward and outward [ratio], and without any [length].
+# Number of distances among which the typical one is searched.
 SEARCHED = 8000
-AROUND_OWN, WITHOUT_OWN = 1e3, 1e20
+# How far these reach beyond the potential's own lengths, inward and outward [ratio].
+AROUND_OWN = 1e3
+# How far they reach, inward and outward, if the potential has no length [ratio, length].
+WITHOUT_OWN = 1e20
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
 SAME_SIGN = 6
 # Largest typical distance where there is a cutoff [cutoff].
@@ -61,6 +64,7 @@ class PotentialScan:
     """
 
     def __init__(self, potential: Potential) -> None:
+        """Find the distances at which a potential is checked, and its compiled values there."""
         self.potential = potential
         self.cutoff = float(potential.range())  # from which there is no force
         surfaces = Surface("one"), Surface("other", facing="up")
@@ -152,7 +156,8 @@ class PotentialScan:
         low, high = 1.0 / WITHOUT_OWN, WITHOUT_OWN
         if lengths:
             low, high = lengths[0] / AROUND_OWN, lengths[-1] * AROUND_OWN
-        low, high = max(low, self.domain[0]), min(high, self.domain[1], self.cutoff)
+        low = max(low, self.domain[0])
+        high = min(high, self.domain[1], self.cutoff)
         if not low < high:
             raise InputError("domain", f"must not be empty, got r from {low:g} to {high:g}")
         r = np.geomspace(low, high, SEARCHED)
@@ -166,7 +171,8 @@ class PotentialScan:
         """The first distance at which repulsion turns into attraction: a minimum of the energy."""
         signs = np.sign(np.nan_to_num(self.compiled(r)[1]))
         windows = np.lib.stride_tricks.sliding_window_view(signs, 2 * SAME_SIGN)
-        repulsion, attraction = windows[:, :SAME_SIGN], windows[:, SAME_SIGN:]
+        repulsion = windows[:, :SAME_SIGN]
+        attraction = windows[:, SAME_SIGN:]
         turns = np.flatnonzero((repulsion.min(axis=1) > 0.0) & (attraction.max(axis=1) < 0.0))
         if not turns.size:
             return None
@@ -177,7 +183,8 @@ class PotentialScan:
         """Where |F| r is largest, or its exponent falls by 1 from that at small distances."""
         torque = r * np.abs(self.compiled(r)[1])
         valid = (torque > 0.0) & (torque < LARGEST_NUMBER)
-        r, torque = r[valid], torque[valid]
+        r = r[valid]
+        torque = torque[valid]
         if r.size < 3:
             return None
         largest = int(np.argmax(torque))
@@ -219,7 +226,8 @@ class PotentialScan:
                 return stop
             if first == 0:
                 return start
-            start, stop = float(r[first - 1]), float(r[first])
+            start = float(r[first - 1])
+            stop = float(r[first])
         return start
 
     def _edges(self) -> np.ndarray:
@@ -238,25 +246,33 @@ class PotentialScan:
 
     def _special(self) -> set[float]:
         """Distances where a mistake is likely, each with its two neighbours among floats."""
-        values = {abs(x) for part in parts(self.potential) for x in part if isinstance(x, float)}
-        values |= {1.0, self.length, self.cutoff}
-        pairs = {abs(x + sign * y) for x in values for y in values for sign in (1.0, -1.0)}
-        multiples = {m * x for x in values for m in (0.5, 2.0, 3.0, 1.0 / 3.0)}
-        inverse = {1.0 / x for x in values if x > 1e-300}
-        halves = {0.5 * k for k in range(1, 41)}
-        found = {x for x in values | pairs | multiples | inverse | halves if math.isfinite(x)}
-        found |= {self.low, self.high}
-        near = {y for x in found for y in (np.nextafter(x, 0.0), x, np.nextafter(x, np.inf))}
-        return {float(x) for x in near if self.low <= x <= self.high}
+        values = {1.0, self.length, self.cutoff}
+        for part in parts(self.potential):
+            values.update(abs(x) for x in part if isinstance(x, float))
+        found = {0.5 * k for k in range(1, 41)}  # whole and half numbers
+        for x in values:
+            found.update((x, 0.5 * x, 2.0 * x, 3.0 * x, 1.0 / 3.0 * x))
+            if x > 1e-300:
+                found.add(1.0 / x)
+            for y in values:
+                found.update((abs(x + y), abs(x - y)))
+        found = {x for x in found if math.isfinite(x)} | {self.low, self.high}
+        near: set[float] = set()
+        for x in found:
+            near.update(map(float, (np.nextafter(x, 0.0), x, np.nextafter(x, np.inf))))
+        return {x for x in near if self.low <= x <= self.high}
 
 
 def _declared_lengths(part: Any) -> list[float]:
     """Distances that a potential declares: minimum, feature, range and the ends of its domain."""
     if not hasattr(part, "energy"):
         return []
-    names = [name for name in ("feature", "domain", "range", "minimum") if hasattr(part, name)]
-    found = {name: np.atleast_1d(getattr(part, name)()) for name in names}
-    lengths = [float(x) for name in names for x in found[name][: 1 if name == "minimum" else None]]
+    lengths: list[float] = []
+    for name in ("feature", "domain", "range", "minimum"):
+        if hasattr(part, name):
+            declared = np.atleast_1d(getattr(part, name)()).astype(float).tolist()
+            # A minimum has its depth and curvature behind its distance.
+            lengths += declared[:1] if name == "minimum" else declared
     return [x for x in lengths if 0.0 < x < math.inf]
 
 

@@ -60,7 +60,8 @@ def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray
     Values are relative to the scale of the force times r^power, and distances are in units of
     LENGTH cells.  Cells overlap by half, so that every distance is in the interior of one.
     """
-    begin, end = scan.edges[:-2], scan.edges[2:]
+    begin = scan.edges[:-2]
+    end = scan.edges[2:]
     middle = scan.edges[1:-1]
     length = 0.5 * LENGTH * (end - begin)
     scale = scan.scale(middle) * middle**power
@@ -76,7 +77,8 @@ def strengths(scan: PotentialScan, function: Function, power: int) -> np.ndarray
         spacing = (end - begin) / (8.0 * length)
         left = fourth[rows, first] / scale
         least = np.minimum(least, [left / (size * spacing**k) for k, size in enumerate(LARGEST)])
-        begin, end = points[rows, first], points[rows, first + 4]
+        begin = points[rows, first]
+        end = points[rows, first + 4]
     return least
 
 
@@ -85,9 +87,11 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
     end = scan.cutoff
     if not math.isfinite(end):
         return
-    promised, slope = float(scan.potential.smoothness()), _slope_below(scan, end)
+    promised = float(scan.potential.smoothness())
+    slope = _slope_below(scan, end)
     energy, force = (float(x[0]) for x in scan.compiled(np.array([np.nextafter(end, 0.0)])))
-    unit, length = scan.typical_energy, scan.length
+    unit = scan.typical_energy
+    length = scan.length
     jumps = {
         "energy": abs(energy) / unit,
         "force": abs(force) * length / unit,

@@ -50,13 +50,18 @@ LONGEST_CORRELATION = 0.035
 # one may be one of the short ones of a longer correlation: measured, from 1/20 to 1/50.
 WIDENING = 0.032
 # Part of the half-width by which the mean with equal weights may differ from that with smooth ends;
-# beyond it, the ends are incomplete periods.  And its interval, relative to the other.
-SIMILAR, NARROWER = 0.5, 0.9
+# beyond it, the ends are incomplete periods.
+SIMILAR = 0.5
+# Interval of the mean with equal weights, relative to that of the other, where the ends do not
+# matter.
+NARROWER = 0.9
 # A slip between two samples differs from its neighbours' line by so many times the median.
 UNRESOLVED = 5.0
-# Probability with which a trend is not one of chance, and the same of one by unresolved slips: 3.3
-# standard errors, that of a slope being the square root of 12 times that of the mean.
-TREND, SLOPE = 0.999, 11.4
+# Probability with which a trend is not one of chance.
+TREND = 0.999
+# The same for a trend by unresolved slips [standard errors of the mean]: 3.3 standard errors of a
+# slope, each the square root of 12 times that of the mean.
+SLOPE = 11.4
 # Spread, relative to the mean, of the values of a constant.
 ROUNDING = 1e-14
 # Probability that an interval contains the exact mean.
@@ -113,19 +118,23 @@ class _Record(NamedTuple):
     @classmethod
     def of_samples(cls, t: np.ndarray, values: np.ndarray, first: int) -> _Record:
         """From one of its samples on; it is linear between them."""
-        t, values = t[first:], values[first:]
+        t = t[first:]
+        values = values[first:]
         if t.size < 2:
             raise InputError("after", f"must leave two samples or more, got {t.size}")
-        begin, length = float(t[0]), float(t[-1] - t[0])
+        begin = float(t[0])
+        length = float(t[-1] - t[0])
         return cls(begin, length, (t - begin) / length, values, _weights(t))
 
     @classmethod
     def of_intervals(cls, t: np.ndarray, means: np.ndarray, first: int) -> _Record:
         """Of means over the intervals that end at the samples, from one of the samples on."""
-        t, means = t[first:], means[first + 1 :]
+        t = t[first:]
+        means = means[first + 1 :]
         if means.size < 2:
             raise InputError("after", f"must leave two intervals or more, got {means.size}")
-        begin, length = float(t[0]), float(t[-1] - t[0])
+        begin = float(t[0])
+        length = float(t[-1] - t[0])
         middle = 0.5 * (t[:-1] + t[1:])
         return cls(begin, length, (middle - begin) / length, means, np.diff(t) / length)
 
@@ -167,7 +176,8 @@ def time_average(
     InputError
         Times or values are not numbers, times do not increase, or fewer than two are left.
     """
-    t, values = vector("t", t, unit="time"), vector("values", values, size=len(t))
+    t = vector("t", t, unit="time")
+    values = vector("values", values, size=len(t))
     return average_from(t, values, after)
 
 
@@ -189,7 +199,8 @@ def average_from(
         first = int(np.searchsorted(t, number("after", after, unit="time")))
         return _average(record(t, values, first))
     whole = record(t, values, 0)
-    found, later = _average(whole), _average(record(t, values, _run_in(whole, t)))
+    found = _average(whole)
+    later = _average(record(t, values, _run_in(whole, t)))
     return later if abs(found.mean - later.mean) > later.half_width else found
 
 
@@ -219,7 +230,8 @@ def _average(record: _Record) -> Average:
     correlation_time = 0.5 * length * density / spread**2 if spread > 0.0 else 0.0
     effective = spread**2 / density if density > 0.0 else float(s.size)
     found = mean, float(half_width), spread, float(correlation_time), float(effective)
-    weighted_mean, weighted_half_width = mean + smooth.value, float(weighted)
+    weighted_mean = mean + smooth.value
+    weighted_half_width = float(weighted)
     note = ""
     if memory > LONGEST_CORRELATION:
         note = "too short for an interval: it is correlated for a large part of its length"
@@ -267,7 +279,8 @@ def _regression(products: np.ndarray, of_unit: np.ndarray, confidence: float) ->
     from scipy.optimize import brentq
     from scipy.special import stdtr
 
-    spectra, degrees = SPECTRA, FUNCTIONS - 1
+    spectra = SPECTRA
+    degrees = FUNCTIONS - 1
     information = np.sum(of_unit**2 / spectra, axis=1)
     value = np.sum(products * of_unit / spectra, axis=1) / information
     squares = np.sum((products - np.outer(value, of_unit)) ** 2 / spectra, axis=1)

@@ -70,7 +70,8 @@ def depinning(result: RunResult, surface: str, distance: float | None = None) ->
     force, along = _force(result, index, ground)
     moved = result[surface]["x_bar"] - ground[:, None]
     if result.scene.surfaces[index].springs:
-        moved, force = moved.mean(axis=1, keepdims=True), force.mean(axis=1, keepdims=True)
+        moved = moved.mean(axis=1, keepdims=True)
+        force = force.mean(axis=1, keepdims=True)
     moved = along * (moved - moved[0])
     slid = moved >= distance
     stuck = ~np.logical_or.accumulate(slid, axis=0)
@@ -107,7 +108,8 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
 
     The sign is that of the slide: after a slip, the spring of a stage may push backwards.
     """
-    surface, along = result.scene.surfaces[index], 0.0
+    surface = result.scene.surfaces[index]
+    along = 0.0
     drive = surface.drive
     if isinstance(drive, (Pulled, Pushed)):
         recorded = "f2_x" in result[surface.name]
@@ -124,9 +126,12 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
 
 def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     """The same force where it was not recorded, with the stage and the ramp of the run."""
-    scene, state = result.scene, result.state()
-    surface, x = scene.surfaces[index], result[scene.surfaces[index].name]["x_bar"]
-    drive, t = surface.drive, result.t[:, None]
+    scene = result.scene
+    state = result.state()
+    surface = scene.surfaces[index]
+    x = result[surface.name]["x_bar"]
+    drive = surface.drive
+    t = result.t[:, None]
     if isinstance(drive, Pushed):
         force = drive.force[0] + drive.rate[0] * (t - state.begun[index, 0])
         return np.broadcast_to(force, x.shape)

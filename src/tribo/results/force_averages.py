@@ -119,7 +119,8 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
     of_intervals = bool(np.isnan(values[0]))
     if not of_intervals:
         finite = np.isfinite(values)
-        t, values = t[finite], values[finite]
+        t = t[finite]
+        values = values[finite]
     begin = result.scene.output.run_in if after is None else after
     try:
         found = average_from(t, values, begin, of_intervals)
@@ -195,7 +196,8 @@ def time_without_contact(result: RunResult, surface: str, after: float | None = 
             "not recorded",
         )
     later = result.t >= (result.scene.output.run_in if after is None else after)
-    t, without = result.t[later], series["time_without_contact"][later]
+    t = result.t[later]
+    without = series["time_without_contact"][later]
     if t.size < 2:
         stop = _stop_of(result)
         problem = f"leaves {t.size} samples, and a share of time takes two"
@@ -234,7 +236,8 @@ def load_of(surface: Surface) -> float:
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:
     """A note where the drag of a reservoir on the bars is a large part of the pull."""
     part = next(each for each in result.scene.surfaces if each.name == surface)
-    reservoir, series = part.reservoir("bar"), result[surface]
+    reservoir = part.reservoir("bar")
+    series = result[surface]
     if reservoir is None or "x_bar" not in series:
         return ""
     still = part.velocity if reservoir.velocity is None else reservoir.velocity

@@ -65,7 +65,8 @@ def _on_seams(scene: Scene) -> Iterator[str]:
             continue
         heights = heights.reshape(surface.shape[::-1])
         for axis, name in enumerate("zx"):
-            period, spacing = getattr(scene.periodic, name), abs(surface.spacing[1 - axis])
+            period = getattr(scene.periodic, name)
+            spacing = abs(surface.spacing[1 - axis])
             steps = np.diff(heights, axis=axis)
             if period is None or steps.size == 0 or spacing == 0.0:
                 continue
@@ -88,7 +89,8 @@ def budget_notes(layout: Layout, ledger: Ledger, bounds: Mapping[str, float]) ->
     if not own or "applied_work" not in ledger.system:
         return ()
     system = ledger.system
-    change, work = system["total_energy_change"], system["applied_work"]
+    change = system["total_energy_change"]
+    work = system["applied_work"]
     gap = float(np.max(np.abs(change - work)))
     bound = bounds["total_energy_change"] + bounds["applied_work"]
     if not gap > bound:
@@ -152,11 +154,13 @@ def pumping_notes(layout: Layout, watched: Watched) -> Iterator[str]:
     U.  At a temperature, with unlike lambda, A may be negative on average, without bound: the
     drives then heat one surface with energy of the reservoir of another.
     """
-    scene, t = layout.scene, watched.t
+    scene = layout.scene
+    t = watched.t
     later = t >= scene.output.run_in
     if np.count_nonzero(later) <= 2 * BLOCKS:
         return
-    t, (work, friction) = t[later], watched.works[later].T
+    t = t[later]
+    work, friction = watched.works[later].T
     smallest = float(np.min(levers(scene)))
     edges = np.linspace(t[0], t[-1], BLOCKS + 1)
     excess = np.diff(np.interp(edges, t, work - friction / smallest))
@@ -177,7 +181,8 @@ def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
     if run.status in (Status.COMPLETED, Status.INTERRUPTED, Status.PASSED_THROUGH):
         return
     clock = dict(zip(CLOCK.names or (), run.memory["clock"], strict=True))
-    taken, cure = clock["last_step"], ""
+    taken = clock["last_step"]
+    cure = ""
     step = f"after a last step of {taken:.3g}" if taken > 0.0 else "before the first step"
     t, near = _closest_at_end(layout, run)
     if run.status == Status.ENCOUNTER_JUMPED and clock["encounter_rate"] > 0.0:
@@ -245,11 +250,13 @@ def _on_places(scene: Scene) -> Iterator[str]:
     for surface in scene.surfaces:
         number = surface.count
         if surface.positions is None:
-            shape, spacing = surface.shape, surface.spacing
+            shape = surface.shape
+            spacing = surface.spacing
             places = math.prod(n if d else 1 for n, d in zip(shape, spacing, strict=True))
             advice = "give a spacing [length] for each axis of shape"
         else:
-            places, advice = len(np.unique(surface.positions, axis=0)), "give other positions"
+            places = len(np.unique(surface.positions, axis=0))
+            advice = "give other positions"
         if places < number:
             yield (
                 f'the {number} asperites of "{surface.name}" are on {places} '
@@ -260,7 +267,8 @@ def _on_places(scene: Scene) -> Iterator[str]:
 def _on_angles(scene: Scene) -> Iterator[str]:
     """Initial angles beyond a whole turn, which may be degrees."""
     for surface in scene.surfaces:
-        phi, swing = surface.initial.for_each(surface.count)["phi"], surface.initial_swing
+        phi = surface.initial.for_each(surface.count)["phi"]
+        swing = surface.initial_swing
         for name, angles in (("swing from rest", swing), ("phi", phi)):
             largest = 0.0 if angles is None else float(np.max(np.abs(angles)))
             if largest > 2.0 * math.pi:
@@ -289,7 +297,8 @@ def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
 
 def _on_cut(layout: Layout, step: float) -> Iterator[str]:
     """A note on steps that are shorter than the given one, since samples are closer together."""
-    taken, interval = longest_step(layout, step), float(np.max(np.diff(layout.times)))
+    taken = longest_step(layout, step)
+    interval = float(np.max(np.diff(layout.times)))
     longer = f"a step that divides {interval:.4g} is taken as it is given"
     if step > interval:
         longer = "fewer samples allow longer steps"

@@ -1,7 +1,7 @@
 """Results for readers: a summary, and a table in a notebook."""
 
 import html as markup
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,13 @@ SHOWN = {
 
 def end(result: RunResult) -> dict[str, Any]:
     """The end state and the cost, as ``tribo run --json`` prints them."""
-    ledger, shares = result.ledger.at_end(), force_averages.shares_without_contact(result)
+    ledger = result.ledger.at_end()
+    shares = force_averages.shares_without_contact(result)
     scene = result.scene
     distances = {s.name: contact_distance_of(scene, s) for s in scene.surfaces if s.name in shares}
+    averages = {}
+    for name, by_surface in force_averages.recorded_averages(result).items():
+        averages[name] = {surface: average._asdict() for surface, average in by_surface.items()}
     return {
         "status": result.status,
         "t": float(ledger.t[-1]),
@@ -48,22 +52,18 @@ def end(result: RunResult) -> dict[str, Any]:
         "accuracy": result.accuracy,
         "accuracy_met": result.met,
         "notes": list(result.notes),
-        "surfaces": {
-            name: {key: values[-1].tolist() for key, values in table.items()}
-            for name, table in ledger.surfaces.items()
-        },
-        "blocks": {
-            name: {key: float(values[-1]) for key, values in table.items()}
-            for name, table in ledger.blocks.items()
-        },
-        "system": {key: float(values[-1]) for key, values in ledger.system.items()},
+        "surfaces": {name: _last(table) for name, table in ledger.surfaces.items()},
+        "blocks": {name: _last(table) for name, table in ledger.blocks.items()},
+        "system": _last(ledger.system),
         "error_estimate": dict(result.error_estimate),
-        **{
-            name: {surface: average._asdict() for surface, average in averages.items()}
-            for name, averages in force_averages.recorded_averages(result).items()
-        },
+        **averages,
         **({"time_without_contact": shares, "contact_distance": distances} if shares else {}),
     }
+
+
+def _last(table: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """The last value of each series, as a number, or as a list of those of all asperites."""
+    return {name: values[-1].tolist() for name, values in table.items()}
 
 
 def text(result: RunResult) -> str:

@@ -114,6 +114,7 @@ def _coordinates(result: RunResult) -> dict[str, Variable]:
 
 
 def _attributes(result: RunResult) -> dict[str, str]:
+    """The attributes of a result's file, by which a run can be repeated."""
     return {
         "version": version(),
         "plugins": json.dumps(plugin_stamps(result.scene)),

@@ -67,7 +67,8 @@ def new_team(scene: Scene, model: Tables) -> Team:
     """How threads share the work of a loop."""
     counts = [surface.count for surface in scene.surfaces]
     chunks = min(max(max(counts) // ASPERITES_OF_CHUNK, 4), MOST_CHUNKS)
-    columns, tiles = model.each.shape[1], tiles_of(model)
+    columns = model.each.shape[1]
+    tiles = tiles_of(model)
     counters = np.zeros(COUNTERS, np.int64)
     counters[THREADS] = 1
     return Team(

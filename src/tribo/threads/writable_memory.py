@@ -60,7 +60,8 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
     """Nested tuples whose arrays are parts of one array, and that array, restored at once."""
-    numbers, place = room((sum(map(_size, arrays_in(item))),)), 0
+    numbers = room((sum(map(_size, arrays_in(item))),))
+    place = 0
 
     def move(array: np.ndarray) -> np.ndarray:
         nonlocal place
@@ -93,7 +94,8 @@ class Probe:
     """
 
     def __init__(self, layout: Layout, kernel: Any) -> None:
-        self._layout, self._neighbours = layout, layout.neighbours()
+        self._layout = layout
+        self._neighbours = layout.neighbours()
         self._kernel = shared_loop(kernel)
 
     @cached_property
@@ -103,7 +105,8 @@ class Probe:
 
     def __call__(self, count: int, *arguments: Any) -> None:
         """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
-        done, (model, calls) = 0, self._model
+        done = 0
+        model, calls = self._model
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)

@@ -54,7 +54,8 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     frames = _frames(result, bath)
     surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
     works = {surface.name: works_of(result, surface.name, None) for surface in scene.surfaces}
-    notes, dots = [*result.notes, *([PERIODIC] if scene.periodic else [])], {}
+    notes = [*result.notes, *([PERIODIC] if scene.periodic else [])]
+    dots = {}
     if bath:
         dots = oscillator_dots(result, frames)
         notes.append(
@@ -91,7 +92,8 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
     work, pseudowork = (float(works[name][-1]) for name in ("w1", "w1_ps"))
     size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
     if moving.count == 1:
-        motion, bobs = "the motion of the bob relative to the centre of mass", "the bob moves"
+        motion = "the motion of the bob relative to the centre of mass"
+        bobs = "the bob moves"
     else:
         motion = "the motions of the bobs relative to the centres of mass of their asperites"
         bobs = "the bobs move"
@@ -170,7 +172,7 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
             found["f1"] = [forces[:, :, axis] for axis in (0, 1)]
         if found and all(s.drive == Forced() for s in scene.surfaces):
             found["f2"] = [-values for values in found["f1"]]
-    return {name: [packed(values) for values in both] for name, both in found.items()}
+    return {name: [packed(x), packed(y)] for name, (x, y) in found.items()}
 
 
 def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any]]:
@@ -178,7 +180,8 @@ def _groups(result: RunResult, works: Mapping[str, Table]) -> list[dict[str, Any
     ledger = result.ledger
     tables: dict[str, Table] = {}
     for name, own in works.items():
-        table, block = result[name], ledger.blocks[name]
+        table = result[name]
+        block = ledger.blocks[name]
         heat = {"heat": total(table["heat"])} if "heat" in table else {}
         others = {each: block[each] for each in block if each not in own}
         tables[name] = {**own, **others, **heat}

@@ -19,7 +19,10 @@ from tribo.viewer.html import SERVED, document
 ADDRESS = "127.0.0.1"
 # Most bytes of a request.
 MOST_BYTES = 64 * 1024
-FORBIDDEN, WRONG, LARGE = 403, 400, 413
+# Statuses of HTTP.
+WRONG = 400
+FORBIDDEN = 403
+LARGE = 413
 
 
 class Server(ThreadingHTTPServer):
@@ -105,6 +108,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._answer(status, json.dumps({"error": sentence}).encode(), "application/json")
 
     def _answer(self, status: int, content: bytes, kind: str) -> None:
+        """Send a response that browsers neither keep nor show within another page."""
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))

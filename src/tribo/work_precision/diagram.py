@@ -112,7 +112,8 @@ class Cheapest:
 
     def as_json(self) -> dict[str, object]:
         """An item of ``cheapest`` in the output of ``tribo accuracy --json``."""
-        keys, chosen = ("method", "setting", "force_evaluations", "seconds"), self.automatic_row
+        keys = ("method", "setting", "force_evaluations", "seconds")
+        chosen = self.automatic_row
         return {
             "error": self.goal,
             **{key: getattr(self.row, key, None) for key in keys},
@@ -122,7 +123,10 @@ class Cheapest:
         }
 
     def __str__(self) -> str:
-        row, chosen, choice = self.row, self.automatic_row, ""
+        """The cheapest setting for an error, the cost of one digit more, and tribo's choice."""
+        row = self.row
+        chosen = self.automatic_row
+        choice = ""
         if row is None:
             return f"error {self.goal:.0e}: no run reached it"
         kind = "level" if methods.METHODS[row.method].adaptive else "step"
@@ -190,7 +194,8 @@ class WorkPrecision:
 
     def cheapest(self, goal: float) -> Cheapest:
         """The cheapest run for an error, relative to the scales, and what one digit more costs."""
-        row, digit_more = self.best(goal), None
+        row = self.best(goal)
+        digit_more = None
         if row is not None:
             finer = self.best(0.1 * goal, row.method)
             if finer is not None:
@@ -211,6 +216,7 @@ class WorkPrecision:
         return min(good, key=lambda row: row.seconds, default=None)
 
     def __str__(self) -> str:
+        """A table of all runs, and the cheapest of them for each goal."""
         lines = [
             f"{'method':>15} {'setting':>9} {'error':>9} {'evaluations':>12} "
             f"{'seconds':>10}   front"

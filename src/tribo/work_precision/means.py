@@ -131,6 +131,7 @@ class MeansPrecision:
         return json.dumps(table, indent=1)
 
     def __str__(self) -> str:
+        """A table of all ensembles, and the cheapest of them for each half-width."""
         lines = [
             "thermal noise: no two runs agree, so these are means over members of an ensemble",
             f"{'method':>15} {'step':>9} {'members':>9} {'half-width':>11} {'bias':>9} "
@@ -197,7 +198,8 @@ def means_precision(
         raise InputError("scene", f"must run to its end, but ends by {first.status}")
     scale = reported_scales(simulation.layout, first.ledger).energy
     rows: list[MeanRow] = []
-    members, began = FEWEST, time.perf_counter()
+    members = FEWEST
+    began = time.perf_counter()
     try:
         while not rows or time.perf_counter() - began + RATIO * rows[-1].seconds < seconds:
             data = ensemble(scene, members, progress=False)

@@ -28,9 +28,10 @@ from tribo.simulation import prepare
 from tribo.validation import POSITIVE, InputError, number
 from tribo.work_precision.diagram import GOALS, Reference, Row, WorkPrecision, with_front
 
-# Methods of the reference, the first that can integrate the scene.  The polynomial of
-# gauss-radau-15 does not fit forces whose derivatives jump.
-FOR_SMOOTH, FOR_ROUGH = ("gauss-radau-15",), ("rkn8", "dop853")
+# Methods of the reference, of which the first that can integrate the scene is taken: for smooth
+# forces, and for forces whose derivatives jump, which no polynomial of gauss-radau-15 fits.
+FOR_SMOOTH = ("gauss-radau-15",)
+FOR_ROUGH = ("rkn8", "dop853")
 # Accuracy of the reference, the smallest that can be asked for.
 FINEST = 1e-13
 # Ratio of two levels of a method that chooses its steps: half a digit.
@@ -86,7 +87,8 @@ def work_precision(
         raise InputError("scene", "has thermal noise, with which no two runs agree; measure means")
     if not taken:
         raise InputError("methods", f"must integrate this scene, got {[m.name for m in named]}")
-    watched, seconds = tuple(observables), number("seconds", seconds, POSITIVE, "s")
+    watched = tuple(observables)
+    seconds = number("seconds", seconds, POSITIVE, "s")
     layout = lay_out(scene)
     check_observables(layout, watched, "observables")
     if progress:
@@ -125,7 +127,8 @@ def _reference(scene: Scene, watched: tuple[str, ...]) -> tuple[Ledger, Toleranc
     candidates = FOR_ROUGH if rough else FOR_SMOOTH
     name = next(n for n in candidates if not methods.refusal(methods.named(n), scene))
     simulation = prepare(scene, FINEST, name, progress=False)
-    result, finest = simulation.compute_first(), simulation.finest
+    result = simulation.compute_first()
+    finest = simulation.finest
     if result.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     if result.status != Status.COMPLETED:
@@ -147,10 +150,15 @@ def _curve(
 ) -> Iterator[Row]:
     """Runs of one method, from coarse to fine, for about `seconds`."""
     began = time.perf_counter()
-    layout, method = integrator.layout, integrator.method
-    times, scales = layout.scene.times, reported_scales(layout, truth)
+    layout = integrator.layout
+    method = integrator.method
+    times = layout.scene.times
+    scales = reported_scales(layout, truth)
     ratio = LEVEL_RATIO if method.adaptive else STEP_RATIO**method.order
-    level, best, most, stalled = 0.3, np.inf, 0, 0  # from the coarsest level on
+    level = 0.3  # the coarsest
+    best = np.inf
+    most = 0
+    stalled = 0
     while stalled < STALLED and best > floor and time.perf_counter() - began < seconds:
         setting = setting_at(layout, method, tolerance_scales, level)
         run = integrator(setting, times)
@@ -164,7 +172,8 @@ def _curve(
             shown = setting if isinstance(setting, float) else level
             yield Row(method.name, shown, error, run.evaluations, taken)
             stalled = 0 if error < GAIN * best else stalled + 1
-            best, most = min(best, error), int(MORE * run.evaluations)
+            best = min(best, error)
+            most = int(MORE * run.evaluations)
         level /= ratio
         if level < FLOOR**2:
             return

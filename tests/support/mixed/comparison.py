@@ -94,9 +94,11 @@ def differences(
         for name in names:
             if name not in series or name not in table:
                 continue
-            ours, theirs = np.asarray(series[name]), table[name]
+            ours = np.asarray(series[name])
+            theirs = table[name]
             if changes(name):
-                ours, theirs = ours - ours[since], theirs - theirs[0]
+                ours = ours - ours[since]
+                theirs = theirs - theirs[0]
             gap = np.abs(ours - theirs)
             if name in FORCES:
                 largest = max(np.max(np.abs(table[other])) for other in FORCES if other in table)
@@ -160,7 +162,8 @@ def doubted(notes: tuple[str, ...]) -> bool:
 
 def same(findings: Findings, check: str, one: Any, other: Any, allowed: float, what: str) -> None:
     """Add a finding if two values are further apart than allowed."""
-    one, other = np.asarray(one, float), np.asarray(other, float)
+    one = np.asarray(one, float)
+    other = np.asarray(other, float)
     if one.shape != other.shape:
         findings.add("silent", check, f"{what}: shape {one.shape} for {other.shape}")
         return

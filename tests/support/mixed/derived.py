@@ -28,7 +28,8 @@ SLID = 0.05
 
 def check_averages(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Mean forces of a window are those of the recorded series; what is weighted says so."""
-    table, check = scene.copy(), "averages"
+    table = scene.copy()
+    check = "averages"
     after = draw.pick(0.0, 0.3) * table["duration"]
     table["output"] = {"samples": 121, "series": ["forces"], "run_in": after}
     result = _run(scene, table)
@@ -42,7 +43,8 @@ def check_averages(findings: Findings, scene: Scene, draw: Draw) -> None:
     ):
         series = np.asarray(result[name][quantity])
         window = result.t >= after - ROUNDING
-        t, values = result.t[window], series[window]
+        t = result.t[window]
+        values = series[window]
         plain = np.trapezoid(values, t) / (t[-1] - t[0])
         scale = float(np.max(np.abs(values), initial=1e-6))
         if abs(found.mean - plain) > 1e-6 * scale and "weight" not in str(found):
@@ -73,7 +75,8 @@ def check_depinning(findings: Findings, scene: Scene, draw: Draw) -> None:
     result = tribo.simulate(scene_from(copy.deepcopy(table)), **how, start=start)
     findings.checks.append(check)
     name = table["surface"][0]["name"]
-    recorded, place = np.asarray(result[name]["f2_x"]), np.asarray(result[name]["x_bar"])
+    recorded = np.asarray(result[name]["f2_x"])
+    place = np.asarray(result[name]["x_bar"])
     if table["surface"][0].get("springs"):  # which make the bars slide together
         recorded, place = (
             np.tile(each.mean(axis=1, keepdims=True), each.shape[1]) for each in (recorded, place)
@@ -94,7 +97,8 @@ def check_depinning(findings: Findings, scene: Scene, draw: Draw) -> None:
 
 def _along(table: Table, result: tribo.Result, place: np.ndarray, force: np.ndarray) -> np.ndarray:
     """How far bars moved along their drive, over the fields or else the other surface."""
-    upper, t = table["surface"][0], result.t - result.t[0]
+    upper = table["surface"][0]
+    t = result.t - result.t[0]
     fields = [f for f in table.get("field", []) if upper["name"] in f["on"]]
     if fields:
         ground = np.mean([f.get("velocity", (0.0, 0.0))[0] for f in fields]) * t
@@ -109,7 +113,8 @@ def _along(table: Table, result: tribo.Result, place: np.ndarray, force: np.ndar
 
 def check_files(findings: Findings, scene: Scene, draw: Draw) -> None:
     """A file gives back every series and the state, whatever surfaces are called."""
-    table, check = scene.copy(), "file"
+    table = scene.copy()
+    check = "file"
     if draw.chance(0.5):
         rename(table, draw.pick(*NAMES))
         check = f"file with a surface {table['surface'][0]['name']!r}"
@@ -155,7 +160,8 @@ def series_alike(findings: Findings, check: str, one: tribo.Result, other: tribo
 
 def check_copies(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Copies, pickles and threads give the same bits; initial values those of their own scene."""
-    table, check = scene.copy(), "copies"
+    table = scene.copy()
+    check = "copies"
     built = scene_from(copy.deepcopy(table))
     how: dict[str, Any] = {"method": scene.structure.method, "accuracy": ACCURACY}
     simulation = tribo.prepare(built, **how, threads=1)
@@ -217,12 +223,15 @@ def check_potentials(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Energies and forces of the scene's potentials at distances of all sizes."""
     built = scene_from(scene.copy())
     for table, interaction in zip(scene.table["interaction"], built.interactions, strict=True):
-        whole, check = interaction.potential, f"potential {table['potential']}"
+        whole = interaction.potential
+        check = f"potential {table['potential']}"
         findings.checks.append(check)
         if draw.chance(0.5) and "cutoff" not in table:
-            cutoff, how = draw.between(1.0, 3.0), draw.pick("switch", "shift", "force-shift")
+            cutoff = draw.between(1.0, 3.0)
+            how = draw.pick("switch", "shift", "force-shift")
             table = copy.deepcopy(table) | {"cutoff": cutoff, "at_cutoff": how}
-            whole, check = whole.with_cutoff(cutoff, how), f"{check}, cut by {how}"
+            whole = whole.with_cutoff(cutoff, how)
+            check = f"{check}, cut by {how}"
         energy = potentials.energy_of(table)
         for r in draw.each(0.45, 3.5, 12):
             q = np.array([draw.between(0.5, 1.5)])

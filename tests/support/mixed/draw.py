@@ -97,9 +97,11 @@ def _own_class(draw: Draw) -> list[Table]:
 
 def _table(draw: Draw) -> list[Table]:
     """Points of a function that diverges; some tables begin deep in its core."""
-    reach, first = draw.between(2.0, 3.0), draw.pick(0.05, 0.2, 0.4)
+    reach = draw.between(2.0, 3.0)
+    first = draw.pick(0.05, 0.2, 0.4)
     r = np.geomspace(first, reach, draw.pick(400, 800))
-    depth, size = draw.between(0.05, 0.15), draw.between(0.5, 0.7)
+    depth = draw.between(0.05, 0.15)
+    size = draw.between(0.5, 0.7)
     energy = depth * ((size / r) ** 12 - 2.0 * (size / r) ** 6)
     energy -= energy[-1] * draw.pick(0.0, 1.0)
     table = {"potential": "table", "r": r.tolist(), "energy": energy.tolist()}
@@ -168,13 +170,15 @@ class Scene:
 
 def drawn(seed: int, name: str) -> Scene:
     """The scene of a seed, with a structure."""
-    structure, draw = STRUCTURES[name], Draw(seed, 1)
+    structure = STRUCTURES[name]
+    draw = Draw(seed, 1)
     effects = structure.effects
     alone = name == "tips"
     names = ["upper"] if alone else ["upper", "lower"]
     interactions = structure.potentials(draw)
     surfaces = [_surface(draw, structure, each) for each in names]
-    speed, duration = draw.between(0.3, 0.8), draw.between(2.5, 5.0)
+    speed = draw.between(0.3, 0.8)
+    duration = draw.between(2.5, 5.0)
     surfaces[0]["bob"] = [-draw.between(0.3, 0.9) * speed * duration, draw.between(0.7, 1.1)]
     surfaces[0]["velocity"] = [speed, 0.0]
     if not alone:
@@ -210,7 +214,9 @@ def _corrugation(draw: Draw, on: list[str]) -> Table:
 
 
 def _surface(draw: Draw, structure: Structure, name: str) -> Table:
-    upper, effects = name == "upper", structure.effects
+    """The table of a row with parameters, drive, springs, baths and start of the structure."""
+    upper = name == "upper"
+    effects = structure.effects
     n = structure.asperites if structure.asperites == 1 else draw.pick(1, 2, 2, 3)
     if structure.asperites > 1 and upper:
         n = max(n, 2)
@@ -272,6 +278,7 @@ def drive_of(draw: Draw, structure: Structure, upper: bool) -> Any:
 
 
 def _initial(draw: Draw, n: int, surface: Table) -> Table:
+    """Angles and rates at the start, each in part of the scenes."""
     table: Table = {}
     if draw.chance(0.6):
         table[draw.pick("swing", "swing", "theta")] = draw.each(-0.3, 0.3, n)

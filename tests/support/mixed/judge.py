@@ -63,11 +63,13 @@ def judged(
         if kind in noise.WARM:
             _guarded(findings, "noise", lambda: noise.check_noise(findings, kind))
             return findings
-        draw, scene = Draw(seed, 4), drawn(seed, kind)
+        draw = Draw(seed, 4)
+        scene = drawn(seed, kind)
         chosen = [name for name, (_, share) in CHECKS.items() if draw.chance(share)]
         for number, name in enumerate(chosen):
             if name in checks:
-                check, own = CHECKS[name][0], Draw(seed, 5, number)
+                check = CHECKS[name][0]
+                own = Draw(seed, 5, number)
                 _guarded(findings, name, lambda check=check, own=own: check(findings, scene, own))
         if not (findings.checks or findings.found) and "run" in checks:
             # None was chosen, or the scene has nothing that they look at.

@@ -40,6 +40,7 @@ def put(table: Table, key: str, value: Any) -> None:
 
 
 def _put_surface(surface: Table, key: str, value: Any) -> None:
+    """Set a value of a surface's table by its key; one of theta and swing replaces the other."""
     part, _, name = key.rpartition(".")
     if part:
         surface[part][name] = value
@@ -142,7 +143,8 @@ def agree(
 
 def check_sweep(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Two keys, or two joined ones; all points, and one of them against the second solution."""
-    keys, names = keys_of(scene, draw), kept(scene)
+    keys = keys_of(scene, draw)
+    names = kept(scene)
     chosen = [str(key) for key in draw.rng.permutation(list(keys))[:2]]
     if any(_clash(one, other) for one in chosen for other in chosen if one != other):
         chosen = chosen[:1]
@@ -176,7 +178,9 @@ def _clash(one: str, other: str) -> bool:
 
 def check_ensemble(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Arrays of starts and parameters; all members, and one against the second solution."""
-    keys, names, members = keys_of(scene, draw), kept(scene), 3
+    keys = keys_of(scene, draw)
+    names = kept(scene)
+    members = 3
     others = ("duration", "*.asperite")
     if "turning" not in scene.structure.effects:
         others += ("upper.phi",)  # of clamped bars, which each need a scene
@@ -217,7 +221,8 @@ def check_drawn_starts(findings: Findings, scene: Scene, draw: Draw) -> None:
     if key.startswith("interaction") and scene.name != "pair":
         key = "*.asperite.kappa"
     check = f"swing states beside a sweep of {key}"
-    members, temperature = 200, draw.between(0.02, 0.2)
+    members = 200
+    temperature = draw.between(0.02, 0.2)
     state = tribo.Canonical(temperature)
     if kind == "fixed":
         state = tribo.Microcanonical(temperature)

@@ -63,8 +63,10 @@ def _output(duration: float, forces: bool = False) -> dict[str, Any]:
 
 def trap(draw: Draw, longer: float) -> Warm:
     """A rigid tip in a trap of the user's own, of any stiffness."""
-    along, across = draw.between(0.5, 45.0), draw.between(0.5, 45.0)
-    temperature, gamma = draw.between(0.02, 0.5), draw.between(1.0, 5.0)
+    along = draw.between(0.5, 45.0)
+    across = draw.between(0.5, 45.0)
+    temperature = draw.between(0.02, 0.5)
+    gamma = draw.between(1.0, 5.0)
     tip = tribo.Surface(
         "tip",
         asperite=tribo.Asperite(m1=1.0, m2=draw.between(1.0, 3.0), kappa=np.inf),
@@ -90,7 +92,8 @@ def trap(draw: Draw, longer: float) -> Warm:
 
 def bond(draw: Draw, longer: float) -> Warm:
     """Two pendulums on driven bars whose bobs a bond of any stiffness joins."""
-    length, depth = draw.between(1.0, 2.0), draw.between(0.5, 45.0)
+    length = draw.between(1.0, 2.0)
+    depth = draw.between(0.5, 45.0)
     temperature = draw.between(1e-4, 1e-3)
     asperite = tribo.Asperite(
         m1=draw.between(0.8, 1.5), kappa=draw.between(1.0, 3.0), length=length
@@ -124,7 +127,8 @@ def bond(draw: Draw, longer: float) -> Warm:
 
 def pressed(draw: Draw, longer: float) -> Warm:
     """A rigid tip that a load presses on a periodic row: kinetic temperature and momentum."""
-    load, temperature = draw.between(0.2, 1.0), draw.between(0.03, 0.15)
+    load = draw.between(0.2, 1.0)
+    temperature = draw.between(0.03, 0.15)
     strength = draw.between(0.5, 10.0)
     tip = tribo.Surface(
         "tip",
@@ -154,8 +158,10 @@ def pressed(draw: Draw, longer: float) -> Warm:
 
 def held(draw: Draw, longer: float) -> Warm:
     """A pendulum on a pulling spring at rest over a corrugation, with both reservoirs."""
-    temperature, stiffness = draw.between(0.05, 0.4), draw.between(0.5, 30.0)
-    amplitude, period = draw.between(0.05, 2.0), draw.between(0.5, 1.5)
+    temperature = draw.between(0.05, 0.4)
+    stiffness = draw.between(0.5, 30.0)
+    amplitude = draw.between(0.05, 2.0)
+    period = draw.between(0.5, 1.5)
     asperite = tribo.Asperite(kappa=draw.between(0.8, 3.0), length=draw.between(1.0, 2.0))
     mass = float(np.sum([asperite.m1, asperite.m2]))
     inertia = float(asperite.m1 * asperite.m2) / mass * float(asperite.length) ** 2
@@ -186,9 +192,11 @@ def held(draw: Draw, longer: float) -> Warm:
 
 def composed(draw: Draw, longer: float) -> Warm:
     """A tip with a bath, pressed on a row by a sum of a table and a scaled hill, over a field."""
-    load, temperature = draw.between(0.2, 1.0), draw.between(0.03, 0.15)
+    load = draw.between(0.2, 1.0)
+    temperature = draw.between(0.03, 0.15)
     r = np.linspace(0.3, 3.0, 400)
-    depth, hill = draw.between(0.5, 5.0), draw.between(0.5, 3.0)
+    depth = draw.between(0.5, 5.0)
+    hill = draw.between(0.5, 3.0)
     table = from_points(r, depth * (np.exp(-4.0 * (r - 1.0)) - 2.0 * np.exp(-2.0 * (r - 1.0))))
     contact = (table + hill * tribo.Gaussian(0.2, 0.4)).with_cutoff(2.5)
     oscillators = draw.each(0.1, 0.5, 2), draw.each(0.5, 6.0, 2)
@@ -317,7 +325,8 @@ def _hot_members(
     else:
         temperatures = [_temperature(moving[0])]
         data = tribo.ensemble(scene, MEMBERS, **how)
-    done, notes = data["status"].values == "completed", str(data.attrs.get("notes", ""))
+    done = data["status"].values == "completed"
+    notes = str(data.attrs.get("notes", ""))
     if not done.all():
         verdict = "stopped" if doubted((notes,)) else "silent"
         return [], (verdict, f"{(~done).sum()} of {done.size} members stopped: {notes!r}")

@@ -19,7 +19,8 @@ PLUGINS = "support.mixed.plugins:"
 
 
 def _mie(p: dict, r: np.ndarray) -> np.ndarray:
-    n, m = p["n"], p["m"]
+    n = p["n"]
+    m = p["m"]
     scale = n / (n - m) * (n / m) ** (m / (n - m)) * p["epsilon"]
     return scale * ((p["sigma"] / r) ** n - (p["sigma"] / r) ** m)
 
@@ -77,12 +78,14 @@ EXPRESSION = {name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", 
 def energy_of(table: dict[str, Any]) -> Energy:
     """The energy of a potential with its cutoff."""
     whole = _without_cutoff(table)
-    cutoff, how = table.get("cutoff"), table.get("at_cutoff", "switch")
+    cutoff = table.get("cutoff")
+    how = table.get("at_cutoff", "switch")
     if cutoff is None:
         return whole
     start = table.get("switch_from", 0.9 * cutoff)
 
     def cut(r: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The energy of a pair with the cutoff in the given way."""
         value = whole(r, q)
         if how == "switch":
             u = np.where(np.real(r) > start, (r - start) / (cutoff - start), 0.0)
@@ -98,12 +101,14 @@ def energy_of(table: dict[str, Any]) -> Energy:
 
 
 def _without_cutoff(table: dict[str, Any]) -> Energy:
+    """The energy of a table's potential, which also takes complex distances."""
     kind = table["potential"]
     if kind == "sum":
         parts = [energy_of(part) for part in table["of"]]
         return lambda r, q: sum(part(r, q) for part in parts)
     if kind == "scaled":
-        part, factor = energy_of(table["of"]), table["factor"]
+        part = energy_of(table["of"])
+        factor = table["factor"]
         return lambda r, q: factor * part(r, q)
     if kind == "table":
         spline = CubicSpline(table["r"], table["energy"])

@@ -26,8 +26,10 @@ DEFAULTS = {"m1": 1.0, "m2": 2.0, "kappa": 2.0, "length": 2.0, "bar_length": 3.0
 DEFAULTS |= {"i2": 5.0}
 WORKS = ("w1", "w2", "wL", "wR", "w_int", "w_field", "w_T")
 EXTERNAL = tuple(name for name in WORKS if name != "w_int")
-# Relative and absolute tolerances of a step.
-TOLERANCE, FLOOR = 1e-7, 1e-8
+# Relative tolerance of a step.
+TOLERANCE = 1e-7
+# Absolute tolerance of a step.
+FLOOR = 1e-8
 # Evaluations after which a scene is given up.
 MOST = 60_000
 
@@ -65,7 +67,8 @@ class Start:
 def vectors(x: Any, y: Any) -> np.ndarray:
     """(n, 2) of two components."""
     found = np.empty((max(np.size(x), np.size(y)), 2))
-    found[:, 0], found[:, 1] = x, y
+    found[:, 0] = x
+    found[:, 1] = y
     return found
 
 
@@ -73,7 +76,8 @@ class Surface:
     """The numbers of a surface."""
 
     def __init__(self, table: dict[str, Any], first: int) -> None:
-        self.table, self.name = table, table["name"]
+        self.table = table
+        self.name = table["name"]
         self.down = table.get("facing", "down") == "down"
         self.velocity = np.array(table.get("velocity", (0.0, 0.0)), float)
         self.bobs = self._bobs()
@@ -97,11 +101,13 @@ class Surface:
         return np.broadcast_to(np.asarray(value, float), (self.n,)).copy()
 
     def _bobs(self) -> np.ndarray:
+        """Resting bobs (n, 3), of listed positions or of a grid."""
         table = self.table
         if "positions" in table:
             bobs = np.array(table["positions"], float)
         else:
-            (x, y), (nx, nz) = table.get("bob", (0.0, 0.0)), table.get("shape", (1, 1))
+            x, y = table.get("bob", (0.0, 0.0))
+            nx, nz = table.get("shape", (1, 1))
             dx, dz = table.get("spacing", (0.0, 0.0))
             z = table.get("depth", 0.0)
             bobs = np.array([(x + i * dx, y, z + k * dz) for k in range(nz) for i in range(nx)])
@@ -130,11 +136,14 @@ class Model:
     """A scene and its equations of motion."""
 
     def __init__(self, table: dict[str, Any], start: Start | None = None) -> None:
-        self.table, first, self.surfaces = table, 0, []
+        self.table = table
+        first = 0
+        self.surfaces = []
         for own in table["surface"]:
             self.surfaces.append(Surface(own, first))
             first += self.surfaces[-1].n
-        self.n, self.start = first, start
+        self.n = first
+        self.start = start
         self.names = [s.name for s in self.surfaces]
 
         def joined(name: str) -> np.ndarray:
@@ -143,7 +152,8 @@ class Model:
         for key in (*DEFAULTS, "bobs"):
             setattr(self, key, joined(key))
         self.m = self.m1 + self.m2
-        self.l1, self.l2 = self.length * self.m2 / self.m, self.length * self.m1 / self.m
+        self.l1 = self.length * self.m2 / self.m
+        self.l2 = self.length * self.m1 / self.m
         self.inertia = self.m1 * self.m2 / self.m * self.length**2
         self.down = np.concatenate([np.full(s.n, 1.0 if s.down else -1.0) for s in self.surfaces])
         self.rest = np.where(self.down > 0.0, 0.0, np.pi)
@@ -152,7 +162,8 @@ class Model:
         self.held = np.concatenate([np.full(s.n, s.held) for s in self.surfaces])
         self.rigid = np.concatenate([np.full(s.n, s.rigid) for s in self.surfaces])
         self.turns = np.concatenate([np.full(s.n, s.turns) for s in self.surfaces])
-        self.soft, self.any_held = np.where(self.rigid, 0.0, self.kappa), bool(np.any(self.held))
+        self.soft = np.where(self.rigid, 0.0, self.kappa)
+        self.any_held = bool(np.any(self.held))
         self.periodic = table.get("periodic", {})
         self._pairs()
         self._links()
@@ -166,7 +177,8 @@ class Model:
         self.contacts = []
         for table in [given] if isinstance(given, dict) else given:
             between = sorted(table["between"]) if "between" in table else None
-            one, other = [], []
+            one = []
+            other = []
             for a, s in enumerate(self.surfaces):
                 for u in self.surfaces[a:]:
                     if s is u if between is None else sorted((s.name, u.name)) != between:
@@ -199,12 +211,14 @@ class Model:
             for i, j, k in s.springs(self.periodic):
                 links.append((s.part.start + i, s.part.start + j, k))
         table = np.array(links, float).reshape(-1, 3)
-        self.one, self.other = table[:, 0].astype(int), table[:, 1].astype(int)
+        self.one = table[:, 0].astype(int)
+        self.other = table[:, 1].astype(int)
         self.stiffness = table[:, 2]
 
     def initial(self) -> np.ndarray:
         """The coordinates and rates of all asperites at the start, (8, n), then of the baths."""
-        rows, baths = np.zeros((8, self.n)), []
+        rows = np.zeros((8, self.n))
+        baths = []
         for s in self.surfaces:
             part = s.part
             own = s.table.get("initial", {})
@@ -237,19 +251,25 @@ class Model:
     def _hang(self, t: float, rows: np.ndarray) -> None:
         """Put the centres of mass of driven bars where their pendulums put them."""
         bar = self.resting_bars + self.v0 * t
-        sin, cos, lever = np.sin(rows[4]), np.cos(rows[4]), self.l2
+        sin = np.sin(rows[4])
+        cos = np.cos(rows[4])
+        lever = self.l2
         centre = bar + lever[:, None] * vectors(sin, -cos)
         rate = self.v0 + (lever * rows[5])[:, None] * vectors(cos, sin)
         h = self.held
-        rows[0:2, h], rows[2:4, h] = centre[h].T, rate[h].T
+        rows[0:2, h] = centre[h].T
+        rows[2:4, h] = rate[h].T
 
     def _places(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Positions and velocities of bobs, bars and ends of bars."""
-        centre, v = rows[0:2].T, rows[2:4].T
+        centre = rows[0:2].T
+        v = rows[2:4].T
         theta, omega, phi, nu = rows[4:]
-        out, turn = vectors(np.sin(theta), -np.cos(theta)), vectors(np.cos(theta), np.sin(theta))
+        out = vectors(np.sin(theta), -np.cos(theta))
+        turn = vectors(np.cos(theta), np.sin(theta))
         normal = vectors(-np.sin(phi), np.cos(phi))
-        l1, l2 = self.l1[:, None], self.l2[:, None]
+        l1 = self.l1[:, None]
+        l2 = self.l2[:, None]
         rate = omega[:, None] * turn
         v_bar = v - l2 * rate
         reach = (0.5 * self.bar_length * nu)[:, None] * normal
@@ -271,8 +291,11 @@ class Model:
         self, place: dict[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         """Forces between and within surfaces, the energy of those, and of these by asperite."""
-        forces, total, inner = np.zeros((2, self.n, 2)), 0.0, np.zeros(self.n)
-        bob, z = place["bob"], self.bobs[:, 2]
+        forces = np.zeros((2, self.n, 2))
+        total = 0.0
+        inner = np.zeros(self.n)
+        bob = place["bob"]
+        z = self.bobs[:, 2]
         for energy, one, other, q, within in self.contacts:
             if not one.size:
                 continue
@@ -295,7 +318,9 @@ class Model:
 
     def _field(self, t: float, place: dict[str, np.ndarray]) -> tuple[np.ndarray, float, float]:
         """Forces of the fields, their energy, and the power of what moves them."""
-        forces, total, power = np.zeros((self.n, 2)), 0.0, 0.0
+        forces = np.zeros((self.n, 2))
+        total = 0.0
+        power = 0.0
         for k, table in enumerate(self.fields):
             velocity = np.array(table.get("velocity", (0.0, 0.0)), float)
             moved = velocity * t
@@ -320,12 +345,16 @@ class Model:
         """f2 of all surfaces, zero where bars are driven."""
         f2 = np.zeros((self.n, 2))
         for s in self.surfaces:
-            part, drive, kind = s.part, s.drive, s.drive["kind"]
-            own, m = f1[part], self.m[part]
+            part = s.part
+            drive = s.drive
+            kind = s.drive["kind"]
+            own = f1[part]
+            m = self.m[part]
             own_t = t
             if self.start is not None:
                 own_t = t - self.start.zeros.get(s.name, 0.0)
-            x_bar, v_bar = place["bar"][part], place["v_bar"][part]
+            x_bar = place["bar"][part]
+            v_bar = place["v_bar"][part]
             x, y = -own[:, 0], -own[:, 1]
             if kind == "free":
                 x = np.zeros(s.n)
@@ -338,7 +367,8 @@ class Model:
                     stage = stage + drive["speed"] * (t - self.start.t)
                 x = drive["stiffness"] * (s.bobs[:, 0] + stage - x_bar[:, 0])
             elif kind == "push":
-                force, rate = drive["force"], drive.get("rate", (0.0, 0.0))
+                force = drive["force"]
+                rate = drive.get("rate", (0.0, 0.0))
                 x = np.full(s.n, force[0] + rate[0] * own_t)
                 y = np.full(s.n, force[1] + rate[1] * own_t)
             elif kind.endswith(":Shaker"):
@@ -356,7 +386,9 @@ class Model:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, float]]:
         """Forces of springs and baths on bars, rates of oscillators, stored energies."""
         spring, bath = np.zeros((2, self.n, 2))
-        stored, rates, first = {s.name: 0.0 for s in self.surfaces}, [], 0
+        stored = {s.name: 0.0 for s in self.surfaces}
+        rates = []
+        first = 0
         if self.one.size:
             u = place["bar"] - self.resting_bars - self.v0 * t
             pull = -self.stiffness[:, None] * (u[self.one] - u[self.other])
@@ -370,7 +402,8 @@ class Model:
                 size = s.n * len(s.bath) * 4
                 q = baths[first : first + size].reshape(s.n, len(s.bath), 4)
                 first += size
-                m, w = s.bath[:, 0], s.bath[:, 1]
+                m = s.bath[:, 0]
+                w = s.bath[:, 1]
                 pull = (m * w * w)[None, :, None] * (q[:, :, :2] - place["bar"][s.part][:, None])
                 bath[s.part] = pull.sum(axis=1)
                 rates.append(np.concatenate([q[:, :, 2:], -pull / m[None, :, None]], axis=2))
@@ -383,7 +416,9 @@ class Model:
         self, omega: np.ndarray, v_bar: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Forces on bars, torques on pendulums, and velocities of the reservoirs."""
-        force, flow, torque = np.zeros((self.n, 2)), np.zeros((self.n, 2)), np.zeros(self.n)
+        force = np.zeros((self.n, 2))
+        flow = np.zeros((self.n, 2))
+        torque = np.zeros(self.n)
         for s in self.surfaces:
             for each in s.reservoirs:
                 if each.get("on", "bar") == "bar":
@@ -399,7 +434,8 @@ class Model:
             self._hang(t, rows)
         place = self._places(rows)
         theta, omega, phi, nu = rows[4:]
-        turn, v_bar = place["turn"], place["v_bar"]
+        turn = place["turn"]
+        v_bar = place["v_bar"]
         f1, within, contact, inner = self._contact(place)
         field, in_fields, moving = self._field(t, place)
         f2 = self._drive(t, place, f1)
@@ -407,7 +443,8 @@ class Model:
         f_T, torque, flow = self._reservoirs(omega, v_bar)
         twist = np.where(self.rigid, 0.0, theta - phi - self.rest)
         torsion = self.soft * twist
-        on_bob, on_bar = f1 + within + field, f2 + spring + bath + f_T
+        on_bob = f1 + within + field
+        on_bar = f2 + spring + bath + f_T
         # The torque about the centre of mass; without `on_bar` that about the bar.
         cross = self.l1 * _dot(turn, on_bob) - self.l2 * _dot(turn, on_bar)
         alpha = (cross - torsion + torque) / self.inertia
@@ -423,7 +460,8 @@ class Model:
         pull = np.where(self.rigid, cross, np.where(self.turns, 0.0, torsion)) / self.bar_length
         f_L = pull[:, None] * place["normal"]
         forces = np.stack([f1, f2, f_L, -f_L, spring + bath + within, field, f_T])
-        bob, bar = place["v_bob"], v_bar
+        bob = place["v_bob"]
+        bar = v_bar
         points = np.stack([bob, bar, place["v_L"], place["v_R"], bar, bob, bar])
         powers = _dot(forces, points)
         powers[WORKS.index("w_int")] += _dot(within, bob - bar)
@@ -468,8 +506,10 @@ class Model:
         self.evaluations += 1
         if self.evaluations > MOST:
             raise CostlyError(f"more than {MOST} evaluations until t = {t:g}")
-        n, size = self.n, sum(s.n * len(s.bath) * 4 for s in self.surfaces)
-        rows, baths = y[: 8 * n].reshape(8, n).copy(), y[8 * n : 8 * n + size]
+        n = self.n
+        size = sum(s.n * len(s.bath) * 4 for s in self.surfaces)
+        rows = y[: 8 * n].reshape(8, n).copy()
+        baths = y[8 * n : 8 * n + size]
         found = self.evaluate(t, rows, baths)
         total = []
         for s in self.surfaces:
@@ -495,7 +535,8 @@ def solve(
     Raises CostlyError if that takes too many evaluations.
     """
     model = Model(table, start)
-    n, size = model.n, sum(s.n * len(s.bath) * 4 for s in model.surfaces)
+    n = model.n
+    size = sum(s.n * len(s.bath) * 4 for s in model.surfaces)
     y = np.concatenate([model.initial(), np.zeros(15 * n + len(model.surfaces) + 1)])
     times = np.asarray(times, float)
     with np.errstate(all="ignore"):
@@ -513,7 +554,8 @@ def solve(
         raise CostlyError(run.message)
     samples = []
     for t, column in zip(times, run.y.T, strict=True):
-        rows, baths = column[: 8 * n].reshape(8, n).copy(), column[8 * n : 8 * n + size]
+        rows = column[: 8 * n].reshape(8, n).copy()
+        baths = column[8 * n : 8 * n + size]
         found = model.evaluate(t, rows, baths)
         accounts = column[8 * n + size :]
         samples.append(_sample(model, rows, baths, found, accounts))
@@ -525,10 +567,14 @@ def solve(
 
 def _sample(model: Model, rows: np.ndarray, baths: np.ndarray, found: dict, accounts: np.ndarray):
     """All quantities at one time, with energies in place of their changes."""
-    n, place, table = model.n, found["place"], {}
+    n = model.n
+    place = found["place"]
+    table = {}
     works = dict(zip(WORKS, accounts[: 7 * n].reshape(7, n), strict=True))
     pseudo = dict(zip(WORKS, accounts[7 * n : 14 * n].reshape(7, n), strict=True))
-    heat, W_ps, moved = accounts[14 * n : 15 * n], accounts[15 * n : -1], accounts[-1]
+    heat = accounts[14 * n : 15 * n]
+    W_ps = accounts[15 * n : -1]
+    moved = accounts[-1]
     every = {"theta": rows[4], "omega": rows[5], "phi": rows[6], "nu": rows[7]}
     for name, key in (("cm", "centre"), ("bob", "bob"), ("bar", "bar")):
         every |= {f"x_{name}": place[key][:, 0], f"y_{name}": place[key][:, 1]}
@@ -544,7 +590,8 @@ def _sample(model: Model, rows: np.ndarray, baths: np.ndarray, found: dict, acco
         mass = model.masses()[s.name]
         v = model.mean_velocity(s, place["v"], baths)
         own["W"] = sum(own[name].sum() for name in EXTERNAL)
-        own["W_ps"], own["delta_K"] = W_ps[k], 0.5 * mass * (v @ v)
+        own["W_ps"] = W_ps[k]
+        own["delta_K"] = 0.5 * mass * (v @ v)
         total = own["delta_k_trans"].sum() + own["delta_e_int"].sum() + found["inside"][s.name]
         own["delta_E_int"] = total - own["delta_K"]
         own["friction_force"] = own["f1_x"].sum() + own["f_field_x"].sum()

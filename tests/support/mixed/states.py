@@ -27,7 +27,8 @@ CHANGES = ("same", "same", "order", "drive", "stage", "ramp", "load", "fields", 
 
 def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
     """Run to a time, change the scene in one way, and run on from the state."""
-    first, change = scene.copy(), draw.pick(*CHANGES)
+    first = scene.copy()
+    change = draw.pick(*CHANGES)
     whole = first["duration"]
     if change == "rest":
         at_rest(first)
@@ -57,7 +58,8 @@ def check_state(findings: Findings, scene: Scene, draw: Draw) -> None:
     if change == "same" and other.status == "completed":
         works_continue(findings, check, one, other)
     start = named_start(one, first, second)
-    stood, now = first["surface"][0]["drive"], second["surface"][0]["drive"]
+    stood = first["surface"][0]["drive"]
+    now = second["surface"][0]["drive"]
     new_pull = change == "drive" and isinstance(now, dict) and now["kind"] == "pulled"
     if new_pull and not (isinstance(stood, dict) and stood["kind"] == "pulled"):
         # A new stage stands where the bars were at rest, at t = 0 or in their uniform motion.
@@ -156,7 +158,8 @@ def named_start(one: tribo.Result, first: Table, second: Table) -> Start:
     model = Model(first)
     own = {s.name: s for s in model.surfaces}
     for surface in second["surface"]:
-        name, before = surface["name"], old[surface["name"]]
+        name = surface["name"]
+        before = old[name]
         start.surfaces[name] = {key: one[name][key][-1] for key in NUMBERS}
         if len(own[name].bath):
             start.surfaces[name]["bath"] = bath_of(one, own[name], model)
@@ -182,8 +185,10 @@ def bath_of(one: tribo.Result, surface: Surface, model: Model) -> np.ndarray:
 
     Rates are those of the state, which has them alone; positions are those that were recorded.
     """
-    own, part = one[surface.name], surface.part
-    theta, lever = own["theta"][-1], model.l2[part]
+    own = one[surface.name]
+    part = surface.part
+    theta = own["theta"][-1]
+    lever = model.l2[part]
     bar = vectors(own["x_cm"][-1] - lever * np.sin(theta), own["y_cm"][-1] + lever * np.cos(theta))
     positions = bar[:, None] + one.oscillators(surface.name)[-1]
     table = one.state().baths[surface.name]
@@ -193,7 +198,8 @@ def bath_of(one: tribo.Result, surface: Surface, model: Model) -> np.ndarray:
 
 def check_relax(findings: Findings, scene: Scene, draw: Draw) -> None:
     """An equilibrium has no accelerations, and a run from it is one from its numbers."""
-    table, check = scene.copy(), "relax"
+    table = scene.copy()
+    check = "relax"
     at_rest(table)
     for surface in table["surface"]:
         surface["velocity"] = [0.0, 0.0]
@@ -210,7 +216,8 @@ def check_relax(findings: Findings, scene: Scene, draw: Draw) -> None:
     model = Model(table)
     start = Start(0.0, {})
     for s in model.surfaces:
-        own, lever = state.surfaces[s.name], model.down[s.part] * model.l1[s.part]
+        own = state.surfaces[s.name]
+        lever = model.down[s.part] * model.l1[s.part]
         centre = s.bobs[:, 0] + own["x"], s.bobs[:, 1] + lever + own["y"]
         theta = own["swing"] + model.rest[s.part]
         still = np.zeros(s.n)
