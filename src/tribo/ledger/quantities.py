@@ -19,7 +19,6 @@ from tribo.ledger.totals import (
     SurfaceSeries,
     SystemSeries,
 )
-from tribo.model.drives import Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -218,7 +217,7 @@ def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
 
 
 def _is_pulled(scene: Scene, surface: Surface) -> bool:
-    return isinstance(surface.drive, Pulled)
+    return surface.drive.stage is not None
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:

@@ -56,6 +56,11 @@ class Interaction:
     between: tuple[str, str] | None = None
     species: tuple[str, str] | None = None
 
+    @property
+    def calculator(self) -> Live | None:
+        """The ASE calculator that takes the place of a potential, if one does."""
+        return self.potential if isinstance(self.potential, Live) else None
+
     def __post_init__(self) -> None:
         put = object.__setattr__
         if not isinstance(self.potential, Live):
