@@ -11,6 +11,7 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
 from tribo.integrators.methods import noisy
+from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import FURTHER, needs_accounts
@@ -116,6 +117,7 @@ class Request(NamedTuple):
             "at": self.at,
             "vary": variation.identity(),
             **settings_of(str(self.method), self.accuracy, self.step, None),
+            **coefficients_of(str(self.method)),
         }
         return identity_of(recorded, settings, version())
 

@@ -280,6 +280,13 @@ class Scene(ComparedByValue):
         """The effects that the scene calls for; no other is simulated."""
         return frozenset(effect for effect in Effect if reason_for(self, effect))
 
+    @property
+    def effects_of_positions(self) -> frozenset[Effect]:
+        """Effects of plug-ins whose classes declare that velocities do not enter."""
+        drives = [s.drive for s in self.surfaces if s.drive.effect == Effect.OWN_DRIVE]
+        any_velocity = any(drive.depends_on_velocity for drive in drives)
+        return frozenset() if any_velocity else frozenset({Effect.OWN_DRIVE})
+
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
         fields = self.has_field(surface)
