@@ -63,9 +63,7 @@ def test_a_drive_that_declares_its_force_is_laid_out_as_the_built_in_one(name):
     assert own.slides_along_x(upper) == built_in.slides_along_x(other)
     assert own.slides_along_y(upper) == built_in.slides_along_y(other)
     with pytest.raises(InputError, match=r"initial\.y: cannot be given, as the drive holds"):
-        tribo.Scene(
-            [tribo.Surface("a", drive=upper.drive, initial=tribo.Initial(y=0.1))], [], 1.0
-        )
+        tribo.Scene([tribo.Surface("a", drive=upper.drive, initial=tribo.Initial(y=0.1))], [], 1.0)
 
 
 @pytest.mark.parametrize("name", PAIRS)
