@@ -106,7 +106,10 @@ def with_flags(**flags):
     [
         (with_flags(cancels_x=True), "force.cancels_x: is declared, but force_on_bar gives gx ="),
         (with_flags(cancels_y=1), "force.cancels_y: must be true or false, got 1"),
-        (with_flags(cancel_x=True), 'force.cancel_x: is not a known key; did you mean "cancels_x"'),
+        (
+            with_flags(cancel_x=True),
+            'force.cancel_x: is not a known flag; did you mean "cancels_x"',
+        ),
         (Opposed(0.5), "force.cancels_x: is declared, but force_on_bar gives gx = -0.45 where"),
     ],
 )

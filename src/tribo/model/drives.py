@@ -5,6 +5,8 @@ about its force.  Its `law` names the formula, one of those in
 :func:`tribo.kernels.equations_of_motion.drive_of_block`, or its `plugin` has the formula.
 """
 
+import difflib
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +18,6 @@ from tribo import validation as check
 from tribo.kernels import records
 from tribo.model.tables import field_names, table_of
 from tribo.plugins import classes as plugins
-from tribo.plugins.unloaded import Unloaded
 from tribo.validation import InputError
 
 # Signatures of the methods that plug-ins need, as messages quote them.
@@ -352,7 +353,11 @@ class Custom(Drive):
         super().__post_init__()
         plugins.check_class(type(self.force), "force", FORCE_ON_BAR)
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
-        for name, value in _declared_flags(self.force).items():
+        with check.inside("force"):
+            flags = _declared_flags(type(self.force))
+            for given in TRIALS if flags else ():
+                _check_flags(self.force, flags, given)
+        for name, value in flags.items():
             object.__setattr__(self, name, value)
 
 
@@ -383,29 +388,27 @@ FLAGS = {
     "depends_on_velocity": "whether the force depends on vx and vy; True unless it is declared",
     "drives_along_x": "whether gx can start a slide, as that of a stage",
 }
+# Likeness from which a name is taken for that of a flag, written wrongly; see `difflib`.
+ALIKE = 0.8
 # Relative difference of two forces that differ by round-off alone.
 ROUNDING = 1e-12
 # Time, place, velocity and contact force of a bar at which declared flags are tried.
 TRIALS = ((0.0, 0.3, -0.7, 0.6, -0.2, 0.9, 0.4), (1.3, -2.1, 0.8, -0.5, 1.1, -0.6, 1.7))
 
 
-def _declared_flags(plugin: Any) -> dict[str, bool]:
+@functools.cache
+def _declared_flags(kind: type) -> dict[str, bool]:
     """The flags that the class of a user's drive declares.
 
-    Raises InputError for other names that are true or false, and where the force contradicts them.
+    Raises InputError for names like those of flags, and other values than true and false.
     """
-    if isinstance(plugin, Unloaded):
-        return {}
-    known = (*type(plugin)._fields, *FLAGS)
-    own = {name: getattr(plugin, name) for name in dir(plugin) if not name.startswith("_")}
-    flags = {name: value for name, value in own.items() if isinstance(value, bool)}
-    with check.inside("force"):
-        check.known_keys(flags, known)
-        for name in FLAGS:
-            if name in own:
-                check.boolean(name, own[name])
-        for given in TRIALS if flags else ():
-            _check_flags(plugin, flags, given)
+    flags: dict[str, bool] = {}
+    for name in dir(kind):
+        near = difflib.get_close_matches(name, FLAGS, n=1, cutoff=ALIKE)
+        if near == [name]:
+            flags[name] = check.boolean(name, getattr(kind, name))
+        elif near and isinstance(getattr(kind, name), bool):
+            raise InputError(name, f'is not a known flag; did you mean "{near[0]}"?')
     return flags
 
 
