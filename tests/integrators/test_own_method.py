@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
+from support import page_diffs
 from tribo.integrators.methods import METHODS
 from tribo.validation import InputError
 
@@ -68,19 +69,17 @@ def test_a_run_is_predicted():
     given = replace(scene(), numerics=tribo.Numerics(method="heun-3", step=0.01))
     explained = tribo.explain(given)
     assert explained.method == "heun-3"
-    assert explained.predicted.evaluations == tribo.simulate(given).cost.force_evaluations
+    assert explained.predicted.force_evaluations == tribo.simulate(given).cost.force_evaluations
 
 
 def test_members_run_in_lanes():
     """Each has the bits of its single run."""
     vary = {"upper.theta": [0.0, 0.1, 0.2]}
     how = {"method": "suzuki-4", "step": 0.01}
-    members = tribo.ensemble(scene(), 3, vary=vary, keep=["upper.w1"], **how)
-    alone = tribo.simulate(
-        replace(scene(), surfaces=tuple(_with_theta(s) for s in scene().surfaces)),
-        method="suzuki-4",
-        step=0.01,
-    )
+    ends = replace(scene(), output=tribo.Output(samples=2))  # as members, which keep their ends
+    members = tribo.ensemble(ends, 3, vary=vary, keep=["upper.w1"], **how)
+    surfaces = tuple(_with_theta(surface) for surface in ends.surfaces)
+    alone = tribo.simulate(replace(ends, surfaces=surfaces), **how)
     assert float(members["upper.w1"].values[2].ravel()[-1]) == alone["upper"].w1[-1, 0]
 
 
@@ -108,5 +107,17 @@ def test_what_is_no_method_is_refused(given, said):
 
 def test_a_method_that_another_process_lacks_is_refused():
     """By the names of those that there are."""
-    with pytest.raises(InputError, match=r"^method: must be one of midpoint, rk4"):
+    with pytest.raises(InputError, match=r'^method: must be "midpoint" or "rk4"'):
         tribo.simulate(scene(), method="another", step=0.01)
+
+
+def test_the_page_shows_a_method_as_it_is_in_two_files(tmp_path):
+    """Without the diff of the page the method is gone; with it, the sources are these."""
+    files = page_diffs.files("a_method")
+    assert len(files) == 2
+    page_diffs.applied("a_method", tmp_path, reverse=True)
+    without = (tmp_path / "src/tribo/integrators/methods.py").read_text(encoding="utf-8")
+    assert "kahan-li-6" in without and "kahan-li-8" not in without
+    page_diffs.changed("a_method", tmp_path)
+    for file in files:
+        assert (tmp_path / file).read_bytes() == (page_diffs.ROOT / file).read_bytes()

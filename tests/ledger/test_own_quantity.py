@@ -110,8 +110,8 @@ def test_members_and_points_keep_it():
     [
         ({"name": "w1"}, 'name: is that of a quantity of tribo, "w1"'),
         ({"name": "a b"}, "name: must be a word of letters"),
-        ({"unit": "watt"}, "unit: must be one of angle, rate"),
-        ({"of": "bob"}, "of: must be one of asperite, surface, system"),
+        ({"unit": "watt"}, 'unit: must be "angle" or "rate"'),
+        ({"of": "bob"}, 'of: must be "asperite" or "surface" or "system"'),
         ({"uses": ["w3"]}, "uses[0]: must be the name of a quantity of tribo"),
         ({"uses": ["upper.w1"]}, 'uses[0]: must be as "w1"'),
         ({"uses": ["w1"], "of": "system"}, "uses[0]: must be one of the system"),
