@@ -77,7 +77,8 @@ class Quantity:
     name : str
         A word of letters, digits and underscores, which is no name of another quantity.
     formula : callable
-        A function of :class:`Values`, which contains the series in `uses`; it returns (times,
+        A function of a mapping that contains the series in `uses`, and whose ``parameter(name)``
+        gives mass, inertia, kappa, l1, l2, i2 or bar_length of the asperites.  It returns (times,
         asperites) of asperites, and (times,) of a surface or the system.  The value at a time
         follows from the series at that time.
     unit : str

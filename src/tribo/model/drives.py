@@ -318,8 +318,8 @@ class Custom(Drive):
     """A user-defined drive: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
 
     x, y, vx, vy are the bar's position and velocity in the laboratory, fx, fy the contact force on
-    the bob.  The class of the plug-in may declare the :data:`FLAGS` of its force.  Takes keywords
-    only.
+    the bob.  The class of the plug-in may declare cancels_x (gx = -fx), cancels_y (gy = -fy),
+    depends_on_velocity and drives_along_x (gx can start a slide).  Takes keywords only.
 
     Attributes
     ----------
