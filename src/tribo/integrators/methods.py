@@ -85,8 +85,8 @@ class Method:
     @property
     def stages(self) -> int:
         """The force evaluations of a step of an explicit or splitting method."""
-        weights = self.coefficients.kicks if self.splits else self.coefficients.b
-        return int(weights.size)
+        own = self.coefficients
+        return int(own.kicks.size if isinstance(own, Splitting) else own.b.size)
 
     @property
     def loop(self) -> Callable[..., int]:

@@ -145,7 +145,7 @@ class Quantity:
         series = {full: _series_of(source, full) for full in self.uses}
         found = self._values(Values(series, source, slice(None)))
         rows = len(next(iter(series.values())))
-        shape = (rows,)
+        shape: tuple[int, ...] = (rows,)
         if self.of == ASPERITE:
             assert isinstance(source, SurfaceSeries)
             shape = (rows, sum(span.velocity.shape[1] for span in source.spans))

@@ -305,10 +305,11 @@ OF_SYSTEM = frozenset((*SYSTEM_QUANTITIES, *FURTHER_OF_SYSTEM))
 OWN_SERIES: dict[str, Quantity] = {}
 INPUTS: dict[str, frozenset[str]] = {}
 # The groups in ``output.series``.
-FURTHER: dict[str, Mapping[str, Quantity]] = {"own": OWN_SERIES} | {
+FURTHER: dict[str, Mapping[str, Quantity]] = {
     group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
     for group, kinds in (("forces", ("force", "share")), ("energies", ("energy",)))
 }
+FURTHER["own"] = OWN_SERIES
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
