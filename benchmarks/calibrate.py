@@ -1,4 +1,4 @@
-"""Measure the constants of the cost model in tribo.accuracy.cost_model.
+"""Measure the costs of methods: `Cost` in tribo.integrators.methods, PAIR in its cost model.
 
 Evaluations for an error of 1e-6, and their growth with every digit, are medians over a few small
 scenes, of the runs of tribo.work_precision.  For methods that integrate bath oscillators exactly
@@ -7,8 +7,8 @@ and of a pair with a large bath: the smallest of several rounds, with the method
 
     python benchmarks/calibrate.py [--json]
 
-It prints one line for each method, in the order of the fields of Rate there, then
-the table WITH_FAST_BATH and the first numbers of PAIR.
+It prints one line for each method, as the table of methods has them, then
+`fast_bath` of methods and the first numbers of PAIR.
 """
 
 import argparse
@@ -21,7 +21,6 @@ import numpy as np
 import tribo
 import tribo.loops.select
 from tribo import paper
-from tribo.accuracy.cost_model import RATES
 from tribo.accuracy.levels import first_guess, setting_at
 from tribo.integrators import methods
 from tribo.integrators.methods import METHODS
@@ -40,7 +39,7 @@ ROUNDS = 5
 LONG = 50.0
 
 # Evaluations of a step by each method.
-STEP = {name: rate.step for name, rate in RATES.items()}
+STEP = {name: method.cost.step for name, method in METHODS.items() if method.cost}
 
 
 def small_scenes() -> list[tribo.Scene]:
@@ -161,7 +160,7 @@ def main() -> None:
         print(json.dumps({"rates": rows, "bathed": with_bath, "pairs": pairs}, indent=1))
         return
     for name, numbers in rows.items():
-        print(f'    "{name}": Rate({", ".join(f"{x:.3g}" for x in numbers)}, {STEP[name]}),')
+        print(f"    {name}: Cost({', '.join(f'{x:.3g}' for x in numbers)}, {STEP[name]})")
     for name, (each, slope) in [*with_bath.items(), *pairs.items()]:
         print(f'    "{name}": ({each:.3g}, {slope:.3g}),')
 

@@ -235,3 +235,41 @@ def test_slow_tests_are_tests():
         file, _, test = name.partition("::")
         source = (folder.parent / file).read_text(encoding="utf-8")
         assert f"def {test.partition('[')[0]}(" in source, name
+
+
+# LAMMPS has styles for some potentials, which replace the formula that serves for all of them.
+ALLOWED = {"export.lammps_pairs": ["Coulomb", "Shifted", "Truncated", "WeeksChandlerAndersen"]}
+
+# Folders below which the classes of scenes' parts are defined.
+DESCRIBE_SCENES = ("model", "potentials", "plugins")
+
+
+def classes_in(name):
+    """The names of the classes that a module defines."""
+    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    return {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+
+
+def classes_asked_for(name):
+    """The names in the second argument of each isinstance, and in comparisons with a type."""
+    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
+            kinds = node.args[1]
+        elif isinstance(node, ast.Compare) and ast.unparse(node.left).startswith("type("):
+            kinds = node
+        else:
+            continue
+        yield from (each.id for each in ast.walk(kinds) if isinstance(each, ast.Name))
+        yield from (each.attr for each in ast.walk(kinds) if isinstance(each, ast.Attribute))
+
+
+def test_what_a_part_of_a_scene_is_is_declared_by_its_class():
+    """Nothing outside of the folders that define them asks for the class of a drive or a field."""
+    describing = {name for name in FILES if name and room(name) in DESCRIBE_SCENES}
+    parts = set().union(*map(classes_in, describing))
+    found = {
+        name: sorted(parts & set(classes_asked_for(name)))
+        for name in FILES
+        if name and name not in describing
+    }
+    assert {name: kinds for name, kinds in found.items() if kinds} == ALLOWED

@@ -16,6 +16,7 @@ from tribo.accuracy.plan import Plan, single_setting
 from tribo.accuracy.search import MOST_COST, FoundSettings
 from tribo.accuracy.search_runs import StopTimes
 from tribo.integrators.methods import noisy
+from tribo.integrators.own_method import coefficients_of
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
@@ -73,6 +74,7 @@ class Simulation:
         step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
+        self._settings |= coefficients_of(plan.method)
         taken = () if integrator.origin is None else integrator.origin.notes
         self._notes = (*taken, *notes_on.run_notes(self.layout, self.method, step))
         self._streams = is_streamed(self.layout, self.layout.times.size)

@@ -12,6 +12,7 @@ from tribo.accuracy.plan import Plan, make_plan, plan_of_members
 from tribo.analysis.deep_core import core_notes
 from tribo.files import netcdf_target
 from tribo.integrators import methods
+from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import Start
 from tribo.layout.layout import Layout, lay_out
@@ -260,6 +261,7 @@ def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | Non
     part = path.with_name(path.name + PART)
     start = digest_of(task.origin)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, start)
+    settings |= coefficients_of(choice.method.name)
     if task.changes is not None:
         settings |= changes(*task.changes)
     identity = identity_of(task.layout.scene, settings, version())

@@ -235,7 +235,7 @@ def test_reason_of_a_choice():
 
 def test_the_model_of_costs():
     """More digits never cost less; every method has rates."""
-    assert set(cost_model.RATES) == set(METHODS)
+    assert all(method.cost for method in METHODS.values() if not method.own)
     for letter in "AC":
         layout = lay_out(case(letter))
         for one, other in ((1e-3, 1e-6), (1e-6, 1e-9)):

@@ -45,7 +45,7 @@ def choose(
     if accuracy is not None and step is not None:
         raise InputError("accuracy", "cannot go with a step; give one or the other")
     if method is None and methods.noisy(scene):
-        method = "verlet"
+        method = methods.NOISY
     elif method is None and step is not None:
         method = "midpoint"
     if method is not None:
@@ -115,7 +115,7 @@ def _noisy(layout: Layout, accuracy: Accuracy | None, step: float | None) -> Cho
             "cannot be kept with thermal noise, where no two runs agree; give a step, and average "
             "over runs, as tribo.ensemble does",
         )
-    method = methods.METHODS["verlet"]
+    method = methods.METHODS[methods.NOISY]
     if step is not None:
         return Choice(method, None, _checked_step(layout, method, step))
     return Choice(method, None, bounded_step(layout), automatic=True)

@@ -18,8 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.accuracy.levels import NEAR
-from tribo.integrators.methods import METHODS, Method, refusal
-from tribo.integrators.splitting import Splitting
+from tribo.integrators.methods import METHODS, Cost, Method, refusal
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.kinematics import rod_position
 from tribo.layout.layout import Layout
@@ -29,37 +28,10 @@ from tribo.ledger.separation import in_box
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
 
-
-@dataclass(frozen=True)
-class Rate:
-    evaluations: float  # per radian of the fastest pendulum, at an accuracy of 1e-6
-    slope: float  # a tenth of the error takes 10^(1/slope) times as many evaluations
-    run: float  # time of an evaluation, whatever the scene [ns]
-    asperite: float  # and for each asperite [ns]
-    oscillator: float  # and for each coordinate of a bath [ns]
-    step: int  # evaluations of a step
-
-
-# Of all methods, including those that are the cheapest on no scene.
-RATES = {
-    "midpoint": Rate(440.0, 2.0, 108.0, 34.2, 1.5, 2),
-    "rk4": Rate(20.1, 4.0, 83.0, 31.2, 1.4, 4),
-    "dop853": Rate(5.91, 11.2, 92.5, 44.5, 2.4, 12),
-    "rkn8": Rate(3.8, 12.1, 118.0, 47.5, 2.2, 9),
-    "rkn12": Rate(8.0, 105.0, 108.0, 43.4, 2.6, 17),
-    "gauss-radau-15": Rate(7.21, 26.7, 89.4, 38.8, 3.6, 18),
-    "gauss-8": Rate(31.3, 26.9, 78.8, 30.2, 2.8, 28),
-    "verlet": Rate(90.6, 2.0, 69.3, 29.3, 0.5, 1),
-    "kahan-li-6": Rate(15.2, 6.25, 36.5, 29.0, 0.4, 9),
-    "kahan-li-8": Rate(20.4, 14.4, 33.4, 28.6, 0.4, 17),
-    "blanes-moan-6": Rate(13.3, 8.02, 35.7, 28.6, 0.0, 10),
-}
 # Of gauss-radau-15 in the loop for pairs.
-PAIR = Rate(5.13, 21.4, 12.0, 0.0, 0.0, 18)
+PAIR = Cost(5.13, 21.4, 12.0, 0.0, 0.0, 18)
 # Evaluations per radian of a bath's fastest oscillator that methods need for stability.
 FAST = 1.6
-# Evaluations and slope, as in Rate, with a fast bath, of methods that advance it exactly.
-WITH_FAST_BATH = {"verlet": (108.0, 2.0), "kahan-li-6": (55.4, 4.25), "kahan-li-8": (71.5, 5.79)}
 # The steepest slope where some derivative of a potential jumps.
 ROUGH_SLOPE = 12.0
 # Time of a pair of bobs, and of a call of an ASE calculator [ns]: of 512 bobs on 512 with AVX-512
@@ -93,15 +65,15 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     steps = max(steps_towards(layout), float(scene.times.size))
     fast = FAST * layout.run_time * bath_frequency(layout)
     found = []
-    for method in (METHODS[name] for name in RATES):
-        if refusal(method, scene) is not None:
+    for method in METHODS.values():
+        if method.cost is None or refusal(method, scene) is not None:
             continue
         if method.smoothness > scene.smoothness and method.adaptive:
             continue
         rate = rate_of(layout, method)
         count = max(_at_accuracy(layout, rate.evaluations, rate.slope, accuracy), rate.step * steps)
         if count < fast and method.splits:
-            count = max(count, _at_accuracy(layout, *WITH_FAST_BATH[method.name], accuracy))
+            count = max(count, _at_accuracy(layout, *method.cost.fast_bath, accuracy))
         elif not method.splits:
             count = max(count, fast)
         found.append(Estimate(method, count, 1e-9 * count * _each(layout, rate)))
@@ -118,11 +90,22 @@ def _at_accuracy(layout: Layout, each: float, slope: float, accuracy: float) -> 
     return radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
 
 
-def rate_of(layout: Layout, method: Method) -> Rate:
-    return PAIR if has_pair_loop(layout, method) else RATES[method.name]
+def rate_of(layout: Layout, method: Method) -> Cost:
+    """The costs of a method, also where they were not measured."""
+    if has_pair_loop(layout, method):
+        return PAIR
+    return method.cost or _assumed(method)
 
 
-def _each(layout: Layout, rate: Rate) -> float:
+def _assumed(method: Method) -> Cost:
+    """Those of the method of the same family with the nearest order, per evaluation."""
+    family = [m for m in METHODS.values() if type(m.coefficients) is type(method.coefficients)]
+    known = [(abs(m.order - method.order), m.cost) for m in family if m.cost is not None]
+    _, cost = min(known)
+    return cost._replace(slope=float(method.order), step=method.stages)
+
+
+def _each(layout: Layout, rate: Cost) -> float:
     """Nanoseconds of one evaluation, without those of pairs of bobs."""
     oscillators = layout.coordinates - layout.core
     return rate.run + layout.scene.count * rate.asperite + oscillators * rate.oscillator
@@ -150,9 +133,7 @@ def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
 
 def counted(layout: Layout, method: Method, step: float, times: np.ndarray) -> float:
     """The evaluations of one run through `times` with a given step."""
-    each = RATES[method.name].step
-    if isinstance(method.coefficients, Splitting):
-        each = method.coefficients.kicks.size
+    each = (method.cost or _assumed(method)).step
     intervals = np.diff(times)
     steps = np.sum(count_of_steps(intervals, step))
     return float(steps * each + (not method.splits))

@@ -4,8 +4,6 @@ Where the terms of a change of energy, or of a work in the laboratory, nearly ca
 is most of the error, and it may be the same in all runs that are compared.
 """
 
-from typing import Any
-
 import numpy as np
 
 from tribo.accuracy.force_rounding import rounding_of_forces
@@ -15,10 +13,7 @@ from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts, Part
 from tribo.ledger.motion import Motion
 from tribo.ledger.row_products import row_product
-from tribo.model.fields import Corrugation
-from tribo.model.scene import Scene
-from tribo.potentials.combined import Sum, Wrapper
-from tribo.potentials.cutoff import ForceShifted, Shifted
+from tribo.model.fields import period_of
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
@@ -132,28 +127,12 @@ def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
 def _of_cutoffs(layout: Layout) -> dict[str, float]:
     """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
     scene, found = layout.scene, {"total_energy_change": 0.0}
+    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
     for name, within in (("contact_energy", None), ("delta_E_int", True)):
         contacts = [contact for contact in layout.model.contacts if contact.within is within]
-        energy = sum(_subtracted(contact.potential, scene) for contact in contacts)
+        energy = sum(contact.potential.energy_subtracted(charge) for contact in contacts)
         found[name] = TERM_ROUNDINGS * EPSILON * scene.count * energy
         found["total_energy_change"] += found[name]
-    return found
-
-
-def _subtracted(potential: Any, scene: Scene) -> float:
-    """The energy that cutoffs in a potential subtract from that of two of the largest charges."""
-    if isinstance(potential, Sum):
-        return _subtracted(potential.first, scene) + _subtracted(potential.second, scene)
-    if not isinstance(potential, Wrapper):
-        return 0.0
-    inner = potential.potential
-    found = abs(getattr(potential, "factor", 1.0)) * _subtracted(inner, scene)
-    end = getattr(potential, "cutoff", np.inf)
-    if isinstance(potential, (Shifted, ForceShifted)) and end < inner.range():
-        charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
-        found += abs(float(inner.energy_between(end, charge, charge)))
-        if isinstance(potential, ForceShifted):
-            found += abs(float(end * inner.force_between(end, charge, charge)))
     return found
 
 
@@ -229,8 +208,8 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
 @once_per_layout
 def _masses_and_wave(layout: Layout) -> tuple[list[float], float]:
     """The masses of the surfaces, and the shortest length over which a field's force changes."""
-    potentials = (field.potential for field in layout.model.fields or ())
-    periods = (item.period for item in potentials if type(item) is Corrugation)
+    declared = (period_of(field.potential) for field in layout.model.fields or ())
+    periods = (period for period in declared if period is not None)
     masses = np.asarray(layout.surfaces)["mass"].tolist()
     return masses, min(periods, default=np.inf) / (2.0 * np.pi)
 

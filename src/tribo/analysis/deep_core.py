@@ -6,7 +6,6 @@ from tribo.kernels.records import CHARGE, Contact
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
-from tribo.model.drives import Pulled
 
 # Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
 # a core: those of Lennard-Jones are from 0.75 sigma on.
@@ -77,5 +76,5 @@ def _other_energies(layout: Layout, bobs: Closest) -> float:
         drive = surface.drive
         energies += [abs(drive.load or 0.0) * rod, surface.bath.temperature]
         energies += [each.temperature for each in surface.reservoirs]
-        energies.append(0.5 * drive.stiffness * rod**2 if isinstance(drive, Pulled) else 0.0)
+        energies.append(0.0 if drive.stage is None else 0.5 * drive.stage.stiffness * rod**2)
     return max(energies)

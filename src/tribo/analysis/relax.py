@@ -18,7 +18,7 @@ from tribo.layout.start import hang_baths
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import asperite_name, closest_bobs
 from tribo.loops.saved_state import State, state_at_rest
-from tribo.model.fields import Corrugation
+from tribo.model.fields import period_of
 from tribo.model.scene import Scene
 from tribo.threads.writable_memory import Probe
 from tribo.validation import instance
@@ -149,8 +149,8 @@ class _Accelerations:
         sample = Samples.at_zero(layout)
         sample.y[0, : layout.core] = u * self.lengths
         bobs = closest_bobs(layout, sample)
-        potentials = (item.potential for item in layout.scene.fields)
-        lengths = [rod, *(p.period for p in potentials if type(p) is Corrugation)]
+        periods = (period_of(item.potential) for item in layout.scene.fields)
+        lengths = [rod, *(period for period in periods if period is not None)]
         if bobs is not None and bobs[0] > 0.0:
             lengths.append(bobs[0])
         return LONGEST_STEP * min(lengths) / rod

@@ -11,9 +11,10 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.ensembles.kept_values import Kept
 from tribo.ensembles.members import Variation
 from tribo.integrators.methods import noisy
+from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.ledger.quantities import FURTHER, needs_accounts
+from tribo.ledger.quantities import FURTHER, needs_accounts, with_inputs
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
@@ -50,7 +51,7 @@ class Request(NamedTuple):
         )
         output = replace(scene.output, keep=None)
         if self.keep is not None:
-            kinds = {name.rpartition(".")[2] for name in self.keep}
+            kinds = with_inputs({name.rpartition(".")[2] for name in self.keep})
             series = tuple(word for word, names in FURTHER.items() if kinds & names.keys())
             output = replace(output, series=series)
             if self.at == END and "forces" not in series:  # forces are averages over times
@@ -116,6 +117,7 @@ class Request(NamedTuple):
             "at": self.at,
             "vary": variation.identity(),
             **settings_of(str(self.method), self.accuracy, self.step, None),
+            **coefficients_of(str(self.method)),
         }
         return identity_of(recorded, settings, version())
 

@@ -17,7 +17,6 @@ import numpy as np
 from tribo import validation as check
 from tribo.layout.own_numbers import ASPERITE_PART, parameters_of_members
 from tribo.model.binding import EVERY, SWING_STATE
-from tribo.model.drives import DrivenBars
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError, short_repr
@@ -190,7 +189,7 @@ def _numbers_of(
 
 def _swing_inertia(surface: Surface, each: Mapping[str, np.ndarray]) -> np.ndarray:
     """The inertia J in the energy that belongs to the drive, of each asperite."""
-    if isinstance(surface.drive, DrivenBars):
+    if surface.drive.holds_bars:
         return np.asarray(each["m1"] * each["length"] ** 2)
     return each["inertia"]
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from tribo.export.lammps_pairs import Kind
 from tribo.kernels.kinematics import nearest_image
-from tribo.model.drives import DrivenBars, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError
@@ -90,7 +89,7 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     swing = initial["phi"] if swing is None else swing
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
     bars = np.column_stack([initial["x"], initial["y"]])
-    if not isinstance(surface.drive, DrivenBars):
+    if not surface.drive.holds_bars:
         bars -= each["l2"][:, None] * turn
     bobs[:, :2] += bars + (each["l1"] + each["l2"])[:, None] * turn
     return bobs, bars
@@ -106,8 +105,8 @@ def _constant_forces(
 ) -> np.ndarray:
     """(n, 2) what springs exert beyond bonds without a length, and stages at the start."""
     forces = np.zeros((surface.count, 2))
-    if isinstance(surface.drive, Pulled):
-        forces[:, 0] -= surface.drive.stiffness * bars[:, 0]
+    if surface.drive.stage is not None:
+        forces[:, 0] -= surface.drive.stage.stiffness * bars[:, 0]
     i, j = ends.T
     distance = (bobs[i] - bobs[j])[:, :2]
     distance[:, 0] = nearest_image(distance[:, 0], scene.periodic.x or 0.0)

@@ -1,12 +1,12 @@
 """What holds and moves the surfaces of a scene, as fixes of LAMMPS."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from tribo.export.lammps_atoms import Atoms
-from tribo.model.drives import Custom, Ends, Forced, Free, Pulled, Pushed
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
@@ -34,7 +34,7 @@ def motion_lines(scene: Scene, atoms: Atoms) -> Iterator[str]:
         if axes := _cancelled_axes(surface):
             zeros = " ".join("0" if axis in axes else "NULL" for axis in "xy")
             yield f"fix {group}_cancelled {group} setforce {zeros} NULL"
-        if isinstance(surface.drive, Free) and surface.drive.rigid:
+        if surface.drive.moves_as_one:
             yield f"fix {group}_shared {group} aveforce 0 NULL NULL"
         yield from _drive(surface, group)
         mine = np.isin(atoms.kind_of_each + 1, atoms.types_of(index))
@@ -52,15 +52,15 @@ def moves_uniformly(scene: Scene, surface: Surface) -> bool:
 
 def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
     """Effects of a surface that the files leave out, each as the end of a sentence."""
+    drive = surface.drive
+    name = f'drive = "{drive.kind}"' if drive.kind else "the user's own drive"
     present = {
         "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
         "bars that turn": surface.bars == "free",
-        "the user's own forces on the ends of bars": isinstance(surface.bars, Ends),
-        "the user's own drive": isinstance(surface.drive, Custom),
+        "the user's own forces on the ends of bars": surface.end_forces is not None,
+        name: not drive.has_fixes,
         "the unequal masses of a rigid body, whose forces are shared equally": (
-            isinstance(surface.drive, Free)
-            and surface.drive.rigid
-            and bool(np.ptp(surface.each["mass"]) > 0.0)
+            drive.moves_as_one and bool(np.ptp(surface.each["mass"]) > 0.0)
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.reservoir("swing") is not None,
@@ -81,26 +81,26 @@ def omitted_fields(scene: Scene) -> list[str]:
     return [
         f"field[{i}]: {type(item.potential).__name__}"
         for i, item in enumerate(scene.fields)
-        if type(item.potential) is not Corrugation
+        if type(item.potential) not in FORCES
     ]
 
 
 def _cancelled_axes(surface: Surface) -> list[str]:
     """The axes along which the drive cancels contact."""
     drive = surface.drive
-    along_y = drive.load is None and not isinstance(drive, (Custom, Pushed))
-    return ["x"] * isinstance(drive, Forced) + ["y"] * along_y
+    return ["x"] * drive.cancels_x + ["y"] * (drive.cancels_y and drive.load is None)
 
 
 def _drive(surface: Surface, group: str) -> Iterator[str]:
     """The forces of the drive, beyond those that it cancels."""
     drive = surface.drive
     forces = ["0", "0"]
-    if isinstance(drive, Pulled):
-        forces[0] = f"{drive.stiffness * drive.speed!r}*time"
-        yield f"fix {group}_spring {group} spring/self {drive.stiffness!r} x"
-    if isinstance(drive, Pushed):
-        pairs = zip(drive.force, drive.rate, strict=True)
+    if drive.stage is not None:
+        stiffness, speed = drive.stage
+        forces[0] = f"{stiffness * speed!r}*time"
+        yield f"fix {group}_spring {group} spring/self {stiffness!r} x"
+    if drive.ramp is not None:
+        pairs = zip(drive.ramp.force, drive.ramp.rate, strict=True)
         forces = [f"{force!r}+{rate!r}*time" for force, rate in pairs]
     if drive.load is not None:
         forces[1] = repr(-drive.load * surface.facing_sign)
@@ -137,10 +137,18 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
 
 
 def _fields(scene: Scene, surface: Surface, group: str) -> Iterator[str]:
-    """The corrugations that act on a surface's bobs."""
+    """The fields that act on a surface's bobs."""
     for number, item in enumerate(scene.fields):
-        if surface.name in item.on and type(item.potential) is Corrugation:
-            q = 2.0 * math.pi / item.potential.period
+        if surface.name in item.on and type(item.potential) in FORCES:
             x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
-            force = f"{-item.potential.amplitude * q!r}*sin({q!r}*({x}))"
+            force = FORCES[type(item.potential)](item.potential, x)
             yield from _added(group, f"field{number}", "atom", [force, "0"])
+
+
+def _corrugation(potential: Any, x: str) -> str:
+    q = 2.0 * math.pi / potential.period
+    return f"{-potential.amplitude * q!r}*sin({q!r}*({x}))"
+
+
+# The fields that LAMMPS can have, and their force along x as a formula of a text for x.
+FORCES: dict[type, Callable[[Any, str], str]] = {Corrugation: _corrugation}

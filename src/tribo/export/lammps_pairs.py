@@ -12,12 +12,12 @@ from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
-from tribo.potentials.charges import Charged, Coulomb
+from tribo.potentials.charges import Coulomb
 from tribo.potentials.cutoff import Shifted, Truncated
 from tribo.potentials.derivative import NoFormulaError
 from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
-from tribo.potentials.from_ase import Live
 from tribo.potentials.inverse_powers import LennardJones, Mie, WeeksChandlerAndersen
+from tribo.potentials.potential import Potential
 from tribo.potentials.soft_cores import Gaussian
 
 # The style with the same form, and its coefficients but for the cutoff.
@@ -59,7 +59,7 @@ def pair_lines(scene: Scene, kinds: Sequence[Kind], farthest: float) -> tuple[li
     omitted = []
     for index, interaction in enumerate(scene.interactions):
         try:
-            pair = _pair(interaction.potential, farthest, strength)
+            pair = _pair(interaction, farthest, strength)
         except NoFormulaError:
             name = type(interaction.potential).__name__
             omitted.append(f"interaction[{index}]: {name} is no formula of the distance")
@@ -78,14 +78,20 @@ def _strength(potentials: Sequence[Any]) -> float:
         inner = potential.potential if type(potential) is Truncated else potential
         if type(inner) is Coulomb:
             strengths.add(inner.strength)
-        elif any(isinstance(part, Charged) or not is_own(type(part)) for part in parts(potential)):
+        elif any(_may_couple(type(part)) for part in parts(potential)):
             return 0.0
     return strengths.pop() if len(strengths) == 1 else 0.0
 
 
-def _pair(potential: Any, farthest: float, strength: float) -> Pair:
+def _may_couple(kind: Any) -> bool:
+    """Whether the charges of bobs may scale potentials of a class."""
+    return kind.coupling is not Potential.coupling or not is_own(kind)
+
+
+def _pair(interaction: Interaction, farthest: float, strength: float) -> Pair:
     """A potential as LAMMPS has it; `strength` is that which ``dielectric`` stands for."""
-    if isinstance(potential, Live):
+    potential = interaction.potential
+    if interaction.calculator is not None:
         raise NoFormulaError
     cutoff = min(potential.range(), farthest)
     cut = type(potential) in (Truncated, Shifted)

@@ -6,11 +6,10 @@ from numba import config
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Neighbours, Tables
-from tribo.model.drives import DrivenBars, Forced
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
-from tribo.potentials import Coulomb, Potential, as_potential
-from tribo.potentials.from_ase import Call, Live, ZeroForce, elements
+from tribo.potentials import Coulomb, as_potential
+from tribo.potentials.from_ase import Call, ZeroForce, elements
 from tribo.validation import inside
 
 # How much farther than the largest cutoff a neighbour list reaches, relative to the cutoff: longer
@@ -53,8 +52,9 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
                 longest = max(longest, reach)
         inner = any(one == other for one, other in pairs)
         potential = interaction.potential
-        if isinstance(potential, Live):
-            potential = ZeroForce(potential.length, potential.reach)
+        live = interaction.calculator
+        if live is not None:
+            potential = ZeroForce(live.length, live.reach)
         both = np.array(pairs, np.int64).reshape(-1, 2)
         named = interaction.species
         kinds = None if named is None else np.searchsorted(scene.species, named)
@@ -68,7 +68,7 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
 def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -> bool:
     """Whether the charges of any bobs of two surfaces are coupled by an interaction."""
     potential = interaction.potential
-    if not isinstance(potential, Potential):  # a calculator
+    if interaction.calculator is not None:
         return True
     charges = [float(np.max(np.abs(scene.surfaces[k].each["charge"]))) for k in pair]
     try:
@@ -133,7 +133,8 @@ def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
     eligible = []
     for k, surface in enumerate(scene.surfaces):
         # Nothing but contact acts on its asperites, and its bars move uniformly.
-        uniform = isinstance(surface.drive, (DrivenBars, Forced)) and surface.drive.load is None
+        drive = surface.drive
+        uniform = (drive.holds_bars or drive.cancels_contact) and drive.plugin is None
         acted_on = scene.has_uncancelled_forces(surface) or surface.reservoir("swing") is not None
         turning = surface.bath.inertias.size > 0 or model.surfaces[k].turning
         eligible.append(uniform and not (acted_on or turning or k in unlisted))
@@ -178,7 +179,8 @@ def calculators(
     found: list[Calculator] = []
     calls: list[Call] = []
     for i, interaction in enumerate(scene.interactions):
-        if isinstance(interaction.potential, Live):
+        live = interaction.calculator
+        if live is not None:
             indices = sorted({k for pair in scene.pairs(interaction) for k in pair})
             surfaces = [scene.surfaces[k] for k in indices]
             with inside(f"interaction[{i}]"):
@@ -186,7 +188,7 @@ def calculators(
             z = np.concatenate([depths[k] for k in indices])
             counts = [s.count for s in surfaces]
             lengths = scene.periodic.x or 0.0, scene.periodic.z or 0.0
-            call = Call(interaction.potential.calculator, symbols, z, counts, lengths)
+            call = Call(live.calculator, symbols, z, counts, lengths)
             calls.append(call)
             arrays = call.place, call.force, call.energy
             columns = [starts[k] + np.arange(scene.surfaces[k].count) for k in indices]

@@ -19,15 +19,13 @@ from tribo.layout import contacts, slots
 from tribo.layout.scene_records import (
     MemberNumbers,
     fields_on_surfaces,
+    plugin_forces,
     resting_bobs,
     scene_records,
-    user_forces,
 )
 from tribo.layout.span import Asperites, Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
-from tribo.model.drives import Custom as CustomDrive
-from tribo.model.drives import Ends
 from tribo.model.identity import loaded
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call
@@ -318,14 +316,15 @@ def lay_out(scene: Scene) -> Layout:
         for surface, own in zip(scene.surfaces, bobs, strict=True)
     ]
     places = slots.places(mine, theirs, np.arange(shared), orders)
+    ends = plugin_forces(scene, origin, lambda surface: surface.end_forces)
     model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
         contacts=found,
         inner=True if any(contact.within for contact in found) else None,
         calculators=calculators,
         fields=fields,
         external=True if fields else None,
-        drives=user_forces(scene, origin, "drive", CustomDrive),
-        ends=(ends := user_forces(scene, origin, "bars", Ends)),
+        drives=plugin_forces(scene, origin, lambda surface: surface.drive.plugin),
+        ends=ends,
         left=True if ends else None,
         right=True if ends else None,
         team=True if contacts.is_shared(scene, found) else None,

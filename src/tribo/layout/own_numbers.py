@@ -12,7 +12,6 @@ from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import MemberNumbers, fill_parameters, resting_bobs
 from tribo.layout.slots import slide
 from tribo.model.asperite import Asperite
-from tribo.model.drives import Custom, DrivenBars, Pulled
 from tribo.model.parameters import INTERACTION, reservoir_part, with_values
 from tribo.model.surface import Surface
 from tribo.validation import inside
@@ -57,11 +56,9 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
 def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
     """Keys of a surface's drive and reservoir, which pairs do not have -> names in `OF_MEMBERS`."""
     surface = layout.scene.surfaces[index]
-    found: dict[str, str] = {}
-    if isinstance(surface.drive, Pulled):
-        found |= {"drive.stiffness": "stiffness", "drive.speed": "speed"}
-    if surface.drive.load is not None and not isinstance(surface.drive, Custom):
-        found["drive.load"] = "load"
+    drive = surface.drive
+    given = (name for name in drive.own_numbers if getattr(drive, name) is not None)
+    found = {f"drive.{name}": name for name in given}
     if any(each.temperature > 0.0 for each in surface.reservoirs):  # so that there is noise
         for each in surface.reservoirs:
             part = reservoir_part(surface, each.on)
@@ -74,7 +71,7 @@ def _is_plain(surface: Surface) -> bool:
     """Whether only masses of a surface, beside its asperites, follow from their numbers."""
     stiff = bool(np.all(surface.each["kappa"] > 0.0)) and not surface.asperite.is_rigid
     others = surface.bath, surface.springs, surface.initial.temperature, surface.langevin
-    return stiff and not (isinstance(surface.drive, DrivenBars) or any(others))
+    return stiff and not (surface.drive.holds_bars or any(others))
 
 
 def _names_of_potential(layout: Layout) -> tuple[str, ...]:
@@ -116,8 +113,9 @@ def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.nda
         table[..., row] = layout.surfaces[name]
     table[..., :2] = velocity - velocity[:, :1]
     for index, surface in enumerate(layout.scene.surfaces):
-        if isinstance(surface.drive, Pulled):
-            table[:, index, OWN_SPEED] = surface.drive.speed - velocity[:, index, 0]
+        stage = surface.drive.stage
+        if stage is not None:
+            table[:, index, OWN_SPEED] = stage.speed - velocity[:, index, 0]
         for part, name in _numbers_of_parts(layout, index).items():
             key = f"{surface.name}.{part}"
             if key in values:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,9 +12,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
-from tribo.model import drives
-from tribo.model.drives import DrivenBars, Ends, Forced, Free, Pulled, Pushed
-from tribo.model.fields import Corrugation, Field
+from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -78,7 +77,7 @@ def fill_parameters(
         asperites[name] = each[name]
     if surface.asperite.is_rigid:
         asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
-    if isinstance(surface.drive, DrivenBars):
+    if surface.drive.holds_bars:
         asperites["pivot"] = each["l2"]
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
@@ -90,27 +89,14 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
     record["fixed"] = surface.asperite.is_rigid
-    record["user_ends"] = isinstance(surface.bars, Ends)
+    record["user_ends"] = surface.end_forces is not None
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive
-    kinds = {
-        Forced: records.FORCED,
-        # A rigid body of one asperite is a free asperite.
-        Free: records.RIGID if surface.moves_as_one else records.FREE,
-        DrivenBars: records.BARS,
-        Pulled: records.PULLED,
-        Pushed: records.PUSHED,
-        drives.Custom: records.CUSTOM,
-    }
-    record["drive"] = kinds[type(drive)]
-    if isinstance(drive, Pulled):
-        record["stiffness"] = drive.stiffness
-        record["speed"] = drive.speed - surface.velocity[0]
-    elif isinstance(drive, Pushed):
-        record["loaded"] = 1
-        record["push"], record["load"] = drive.force
-        record["push_rate"], record["load_rate"] = drive.rate
+    # A rigid body of one asperite is a free asperite.
+    record["drive"] = records.RIGID if surface.moves_as_one else drive.law
+    for name, value in drive.numbers(surface.velocity[0]).items():
+        record[name] = value
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign
@@ -155,12 +141,13 @@ def fields_on_surfaces(
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
     """The scene's origin in the field's own frame at t = 0 (2,).
 
-    A corrugation needs the phase alone: fmod is exact, and keeps all digits far from x = 0.
+    A period along x needs the phase alone: fmod is exact, and keeps all digits far from x = 0.
     """
-    if type(field.potential) is Corrugation:
-        x, start = (math.fmod(x, field.potential.period) for x in (origin[0], field.origin[0]))
-        return np.array([x - start, 0.0])
-    return origin - np.array(field.origin)
+    period = period_of(field.potential)
+    if period is None:
+        return origin - np.array(field.origin)
+    x, start = (math.fmod(x, period) for x in (origin[0], field.origin[0]))
+    return np.array([x - start, origin[1] - field.origin[1]])
 
 
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
@@ -220,14 +207,14 @@ def _chains(i: np.ndarray, j: np.ndarray, surface: int) -> np.ndarray:
     return chains
 
 
-def user_forces(
-    scene: Scene, origin: np.ndarray, place: str, kind: type
+def plugin_forces(
+    scene: Scene, origin: np.ndarray, plugin_of: Callable[[Surface], Any]
 ) -> tuple[Custom, ...] | None:
-    """User forces at one place, "drive" or "bars", of the surfaces; None without any."""
+    """The forces of plug-ins at one place of the surfaces, drives or ends; None without any."""
     velocity = np.array(scene.surfaces[0].velocity)
     own = [
-        Custom(getattr(surface, place).force, k, origin, velocity)
+        Custom(plugin, k, origin, velocity)
         for k, surface in enumerate(scene.surfaces)
-        if isinstance(getattr(surface, place), kind)
+        if (plugin := plugin_of(surface)) is not None
     ]
     return tuple(own) or None

@@ -12,8 +12,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.kernels import records
 from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
-from tribo.kernels.records import BARS, CUSTOM, PULLED, PUSHED, RIGID
-from tribo.model.drives import Ends
+from tribo.kernels.records import BARS
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -104,11 +103,11 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
     wanted = {
         "acc_contact": [True for _ in own],
         "acc_slide": slide(scene) | (bars & sums),
-        "acc_drive": np.isin(surfaces["drive"], (RIGID, PULLED, CUSTOM, BARS, PUSHED))
+        "acc_drive": np.array([s.drive.has_account or s.moves_as_one for s in own])
         | (surfaces["loaded"] == 1)
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
-        "acc_user_ends": [isinstance(s.bars, Ends) for s in own],
+        "acc_user_ends": [s.end_forces is not None for s in own],
         "acc_internal": [bool(s.springs or s.bath or scene.has_contact_within(s)) for s in own],
         "acc_field": [scene.has_field(s) for s in own],
         "acc_thermal": [s.reservoir("bar") is not None for s in own],

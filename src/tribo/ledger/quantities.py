@@ -19,7 +19,6 @@ from tribo.ledger.totals import (
     SurfaceSeries,
     SystemSeries,
 )
-from tribo.model.drives import Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
@@ -34,6 +33,7 @@ UNITS = {
     "length": "length",
     "velocity": "length time^-1",
     "energy": "energy",
+    "power": "energy time^-1",
     "force": "force",
     "share": "1",
 }
@@ -218,7 +218,7 @@ def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
 
 
 def _is_pulled(scene: Scene, surface: Surface) -> bool:
-    return isinstance(surface.drive, Pulled)
+    return surface.drive.stage is not None
 
 
 def _has_bath(scene: Scene, surface: Surface) -> bool:
@@ -297,21 +297,38 @@ WITHOUT_ACCURACY = (
     PULLED_QUANTITIES | FURTHER_OF_SURFACES,
     FURTHER_OF_SYSTEM,
 )
+# What a quantity is of, in this order.
+OF = ASPERITE, SURFACE, SYSTEM = ("asperite", "surface", "system")
 EVERY_QUANTITY = QUANTITIES | {k: v for table in WITHOUT_ACCURACY for k, v in table.items()}
+OF_SYSTEM = frozenset((*SYSTEM_QUANTITIES, *FURTHER_OF_SYSTEM))
+# Those that a user has added, see `own_quantity`, and the names of what each is computed from.
+OWN_SERIES: dict[str, Quantity] = {}
+INPUTS: dict[str, frozenset[str]] = {}
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
     group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
     for group, kinds in (("forces", ("force", "share")), ("energies", ("energy",)))
 }
+FURTHER["own"] = OWN_SERIES
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
     """The optional quantities that a scene reports, and the series that its output asks for."""
-    groups = (
-        OPTIONAL_QUANTITIES,
-        PULLED_QUANTITIES,
-        *(FURTHER.get(name, {}) for name in scene.output.series),
-    )
+    found = built_in_names(scene, surface)
+    if "own" not in scene.output.series:
+        return found
+    return found.union(n for n, each in OWN_SERIES.items() if each.present(scene, surface))
+
+
+def with_inputs(names: Collection[str]) -> frozenset[str]:
+    """Names of quantities, and of those from which the user's own ones are computed."""
+    return frozenset(names).union(*(INPUTS.get(name, ()) for name in names))
+
+
+def built_in_names(scene: Scene, surface: Surface) -> frozenset[str]:
+    """The same without those of the user."""
+    asked = (FURTHER.get(name, {}) for name in scene.output.series if name != "own")
+    groups = (OPTIONAL_QUANTITIES, PULLED_QUANTITIES, *asked)
     return frozenset(
         name for group in groups for name, each in group.items() if each.present(scene, surface)
     )

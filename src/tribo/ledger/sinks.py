@@ -15,7 +15,6 @@ from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import touching
-from tribo.model.drives import DrivenBars, Forced
 from tribo.model.scene import Scene
 
 # Recorded times at which notes look for contact, at most.
@@ -62,8 +61,7 @@ def levers(scene: Scene) -> np.ndarray:
     found = []
     for surface in scene.surfaces:
         m1, m2 = surface.each["m1"], surface.each["m2"]
-        driven = isinstance(surface.drive, DrivenBars)
-        found.append(np.ones(m1.size) if driven else m2 / (m1 + m2))
+        found.append(np.ones(m1.size) if surface.drive.holds_bars else m2 / (m1 + m2))
     return np.concatenate(found)
 
 
@@ -72,7 +70,7 @@ def may_pump(layout: Layout) -> bool:
     """Whether drives may pump heat: they are forced, at a temperature, and levers are unlike."""
     scene = layout.scene
     parts = levers(scene)
-    held = all(isinstance(surface.drive, Forced | DrivenBars) for surface in scene.surfaces)
+    held = all(s.drive.cancels_x or s.drive.holds_bars for s in scene.surfaces)
     alike = np.ptp(parts) <= ALIKE * np.max(parts)
     warm = any(
         any((s.bath.temperature, s.initial.temperature, *(r.temperature for r in s.reservoirs)))

@@ -77,6 +77,11 @@ class SurfaceSeries(AsperiteSeries):
             return super().motions
         return tuple([self._among.part(span) for span in self.spans])
 
+    @property
+    def place(self) -> tuple[Layout, int]:
+        """The layout, and the index of the surface there."""
+        return self._layout, self._index
+
     def summed(self, integrals: Integrals, name: str) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
         return _sum(accounted(integrals[span], name) for span in self._accounted)

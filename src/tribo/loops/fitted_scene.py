@@ -15,7 +15,6 @@ import numpy as np
 from tribo.loops.saved_state import State
 from tribo.model.identity import first_difference, plain_table
 from tribo.model.initial import Initial
-from tribo.model.roughness import Roughness
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.validation import InputError
@@ -91,10 +90,9 @@ def _numbers(heights: np.ndarray | None) -> np.ndarray | float:
 
 def _with_heights(surface: Surface, before: Surface, heights: np.ndarray | None) -> Surface:
     """The surface with the heights of the state, if it would draw others.  Raises InputError."""
-    rule, other = surface.heights, before.heights
-    draws = isinstance(rule, Roughness) and rule.seed is None and heights is not None
-    if draws and isinstance(other, Roughness):
-        draws = rule == replace(other, seed=None)
+    draws = surface.draws_heights and heights is not None
+    if draws and before.roughness is not None:
+        draws = surface.roughness == replace(before.roughness, seed=None)
     if not draws:
         raise InputError(
             "start",

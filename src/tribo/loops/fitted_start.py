@@ -15,7 +15,6 @@ import numpy as np
 from tribo.layout.layout import Layout
 from tribo.layout.start import bath_slots
 from tribo.loops.saved_state import MOTIONS, OF_BATHS, State
-from tribo.model.drives import DrivenBars
 from tribo.model.surface import Surface
 from tribo.validation import InputError
 
@@ -83,7 +82,7 @@ def _held(
     The displacement is 0 where that is not held.
     """
     name = f'"{surface.name}"'
-    if isinstance(surface.drive, DrivenBars):
+    if surface.drive.holds_bars:
         x, y, vx, vy = _about_bars(table, surface.facing_sign * own.l2)
         moved = np.hypot(table["x"] - x, table["y"] - y)
         speed = np.hypot(table["vx"] - vx, table["vy"] - vy)

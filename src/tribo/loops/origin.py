@@ -14,7 +14,6 @@ from tribo.loops.fitted_scene import fitted
 from tribo.loops.fitted_start import fitted_start
 from tribo.loops.general import GeneralLoop
 from tribo.loops.saved_state import MOTIONS, OF_BATHS, State
-from tribo.model.drives import Pulled
 from tribo.model.identity import first_difference, loaded, plain_table, version
 from tribo.model.scene import Scene
 from tribo.validation import InputError
@@ -154,15 +153,16 @@ def _anchors(layout: Layout, state: State, old: dict[str, Any], new: dict[str, A
 
     Those that the state's scene lacks are at rest places when the run begins.
     """
-    before, now = ({s.name: s.drive for s in each.surfaces} for each in (state.scene, layout.scene))
+    before = {surface.name: surface.drive.stage for surface in state.scene.surfaces}
     places = list(before)
     # The place of each in the state, and whether its speed is the same.
-    known: list[tuple[int | None, bool]] = [
-        (places.index(name), drive.speed == other.speed)
-        if isinstance(drive, Pulled) and isinstance(other := before[name], Pulled)
-        else (None, False)
-        for name, drive in now.items()
-    ]
+    known: list[tuple[int | None, bool]] = []
+    for surface in layout.scene.surfaces:
+        stage, other = surface.drive.stage, before[surface.name]
+        if stage is None or other is None:
+            known.append((None, False))
+        else:
+            known.append((places.index(surface.name), stage.speed == other.speed))
     ones, others = old.get("field", []), new.get("field", [])
     found = _known_fields(ones, others, state.phases[len(places) :])
     for place, field in zip(found, others, strict=True):

@@ -9,11 +9,11 @@ from tribo.integrators.methods import Method
 from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
-from tribo.kernels.records import OF_MEMBERS, PULLED
+from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
-from tribo.model.fields import Corrugation
+from tribo.model.fields import curvature_of
 
 # Change of a place in units of a rod's length, of an angle in radians, and of a velocity in these
 # for each unit of time, by which derivatives of a user's forces are taken.  A smaller one would let
@@ -43,7 +43,8 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     """
     a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
     pulling = surfaces.stiffness if members is None else members.of_surfaces[..., row.OWN_STIFFNESS]
-    stiffness = np.where(surfaces.drive == PULLED, pulling, 0.0)[..., a.surface]
+    has_stage = np.array([surface.drive.stage is not None for surface in layout.scene.surfaces])
+    stiffness = np.where(has_stage, pulling, 0.0)[..., a.surface]
     if springs is not None:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
@@ -58,12 +59,11 @@ def bath_frequency(layout: Layout) -> float:
 
 
 def corrugation_frequency(layout: Layout) -> float:
-    """The largest angular frequency of a bob in a minimum of a corrugation [rad / time]."""
+    """The largest angular frequency of a bob in a field that states its curvature [rad / time]."""
     mobility, fastest = _mobility(layout.constants, row.L1), 0.0
     for field in layout.model.fields or ():
-        if type(field.potential) is Corrugation:
-            amplitude, period = field.potential
-            curvature = abs(amplitude) * (2.0 * np.pi / period) ** 2
+        curvature = curvature_of(field.potential)
+        if curvature > 0.0:
             on = np.isin(layout.asperites.surface, field.surfaces)
             fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
     return fastest

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.integrators.methods import METHODS, Method
+from tribo.integrators.methods import Method, named
 from tribo.integrators.step_control import Tolerance, stricter
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
@@ -150,4 +150,4 @@ def up_to_passing(layout: Layout, run: Integration) -> Integration:
 
 def _integrator_from(scene: Scene, method: str, state: State | None, threads: int) -> Integrator:
     layout, origin = (lay_out(scene), None) if state is None else continued(scene, state)
-    return Integrator(layout, METHODS[method], origin=origin, threads=threads)
+    return Integrator(layout, named(method), origin=origin, threads=threads)

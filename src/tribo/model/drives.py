@@ -1,21 +1,42 @@
 """What holds or moves a surface: the force f2 on every bar, given the contact force f1.
 
-Each drive is a class of a few numbers.  :func:`tribo.kernels.equations_of_motion.drive_forces`
-computes the force.
+Each drive is a class of a few numbers, which declares what the rest of the package has to know
+about its force.  Its `law` names the formula, one of those in
+:func:`tribo.kernels.equations_of_motion.drive_of_block`, or its `plugin` has the formula.
 """
 
+import difflib
+import functools
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
 
 from tribo import validation as check
-from tribo.model.tables import table_of
+from tribo.kernels import records
+from tribo.model.tables import field_names, table_of
 from tribo.plugins import classes as plugins
 from tribo.validation import InputError
 
 # Signatures of the methods that plug-ins need, as messages quote them.
 FORCE_ON_BAR = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
 END_FORCES = "end_forces(self, t, phi, nu, twist)"
+
+
+class Stage(NamedTuple):
+    """A stage that moves along x, and the springs from it to every bar."""
+
+    stiffness: float  # [force / length]
+    speed: float  # in the laboratory [length / time]
+
+
+class Ramp(NamedTuple):
+    """A force on every bar that grows at a constant rate, x and y."""
+
+    force: tuple[float, float]  # when the drive begins [force]
+    rate: tuple[float, float]  # [force / time]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,15 +48,87 @@ class Drive:
 
     load: float | None = None
 
+    # The drive's name in scene files, and the keys that its table there must have.
+    kind: ClassVar[str] = ""
+    required: ClassVar[tuple[str, ...]] = ()
+    # The formula of the force in compiled code, see `kernels.records`.
+    law: ClassVar[int] = records.CUSTOM
+    # Whether f2_x = -f1_x, so that the centre of mass keeps its velocity along x; and whether
+    # f2_y = -f1_y where there is no load.
+    cancels_x: ClassVar[bool] = False
+    cancels_y: ClassVar[bool] = True
+    # Whether a constraint moves the centres of the bars uniformly.
+    holds_bars: ClassVar[bool] = False
+    # Whether the ledger counts its work; that of f2 = -f1 and f2_x = 0 follows from other works.
+    has_account: ClassVar[bool] = True
+    # Whether the force depends on the bar's velocity.
+    depends_on_velocity: ClassVar[bool] = False
+    # Whether it has a force along x of its own, which can start a slide.
+    drives_along_x: ClassVar[bool] = False
+    # Whether LAMMPS has fixes for it: the force is what it cancels or shares, its stage's, its
+    # ramp's and its load's, and no other.
+    has_fixes: ClassVar[bool] = False
+    # The effect that it calls for beside a load, if any: a value of `model.effects.Effect`.
+    effect: ClassVar[str] = ""
+    # The fields that may differ between members of an ensemble that run side by side.
+    own_numbers: ClassVar[tuple[str, ...]] = ("load",)
+
+    @property
+    def cause(self) -> str:
+        """Its end of the key and value that call for its effect, as `.stiffness = 2.0`."""
+        return f' = "{self.kind}"'
+
+    @property
+    def plugin(self) -> Any:
+        """The NamedTuple whose `force_on_bar` computes the force; None of a law of the kernels."""
+        return None
+
+    @property
+    def stage(self) -> Stage | None:
+        """The moving stage that pulls the bars, if there is one."""
+        return None
+
+    @property
+    def ramp(self) -> Ramp | None:
+        """The force that is constant or grows at a rate, if it has one."""
+        return None
+
+    @property
+    def moves_as_one(self) -> bool:
+        """Whether all asperites accelerate alike along x."""
+        return False
+
+    @property
+    def cancels_contact(self) -> bool:
+        """Whether f2 = -f1."""
+        return self.cancels_x and self.cancels_y and self.load is None
+
     @property
     def presses(self) -> bool:
         """Whether the surface carries a load: a force along y other than from its surroundings."""
         return self.load is not None and self.load != 0.0
 
+    def numbers(self, velocity: float) -> dict[str, float]:
+        """Its numbers in the record of a surface that begins with this velocity along x.
+
+        The names are those of `kernels.records.SURFACE`; the load is filled in for all drives.
+        """
+        return {}
+
+    def force_along_x(
+        self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray
+    ) -> np.ndarray | None:
+        """f2_x on bars at `x`, (times, asperites), where it follows from these numbers; else None.
+
+        `begun` are the times since the drive began, (times, 1), and `stage` where the ends of the
+        springs at its stage are, (times, asperites).
+        """
+        return None
+
     def __new__(cls, *values: Any, **settings: Any) -> Self:
         """Refuse values without keywords, of which the first would be the load."""
         if values:
-            names = ", ".join(f"{name}=..." for name in cls.__dataclass_fields__)
+            names = ", ".join(f"{name}=..." for name in field_names(cls))
             raise TypeError(f"{cls.__name__} takes keywords only: {cls.__name__}({names})")
         return super().__new__(cls)
 
@@ -53,6 +146,12 @@ class Forced(Drive):
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     """
 
+    kind = "forced"
+    law = records.FORCED
+    has_fixes = True
+    cancels_x = True
+    has_account = False
+
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Drive):
@@ -69,6 +168,15 @@ class Free(Drive):
     """
 
     rigid: bool = False
+
+    kind = "free"
+    law = records.FREE
+    has_fixes = True
+    has_account = False
+
+    @property
+    def moves_as_one(self) -> bool:
+        return self.rigid
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -95,6 +203,28 @@ class Pulled(Drive):
     stiffness: float = 1.0
     speed: float = 0.0
 
+    kind = "pulled"
+    required = ("stiffness", "speed")
+    law = records.PULLED
+    has_fixes = True
+    drives_along_x = True
+    effect = "pull"
+    own_numbers = ("load", "stiffness", "speed")
+
+    @property
+    def cause(self) -> str:
+        return f".stiffness = {self.stiffness}"
+
+    @property
+    def stage(self) -> Stage:
+        return Stage(self.stiffness, self.speed)
+
+    def numbers(self, velocity: float) -> dict[str, float]:
+        return {"stiffness": self.stiffness, "speed": self.speed - velocity}
+
+    def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
+        return np.asarray(self.stiffness * (stage - x))
+
     def __post_init__(self) -> None:
         super().__post_init__()
         stiffness = check.one(check.NOT_NEGATIVE, "force / length")
@@ -119,6 +249,30 @@ class Pushed(Drive):
 
     force: tuple[float, float] = (0.0, 0.0)
     rate: tuple[float, float] = (0.0, 0.0)
+
+    kind = "push"
+    required = ("force",)
+    law = records.PUSHED
+    has_fixes = True
+    cancels_y = False
+    drives_along_x = True
+    effect = "push"
+
+    @property
+    def cause(self) -> str:
+        return f".force = {list(self.force)}"
+
+    @property
+    def ramp(self) -> Ramp:
+        return Ramp(self.force, self.rate)
+
+    def numbers(self, velocity: float) -> dict[str, float]:
+        (push, load), (push_rate, load_rate) = self.force, self.rate
+        own = {"push": push, "push_rate": push_rate, "load": load, "load_rate": load_rate}
+        return {"loaded": 1.0, **own}
+
+    def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(self.force[0] + self.rate[0] * begun, x.shape)
 
     @property
     def presses(self) -> bool:
@@ -148,6 +302,12 @@ class DrivenBars(Drive):
         Must be None: a constraint holds the bars along y too.
     """
 
+    kind = "bars"
+    law = records.BARS
+    has_fixes = True
+    holds_bars = True
+    effect = "driven bars"
+
     def __post_init__(self) -> None:
         if self.load is not None:
             raise InputError("load", "cannot go with driven bars, which are held along y too")
@@ -158,7 +318,8 @@ class Custom(Drive):
     """A user-defined drive: ``force_on_bar(self, t, x, y, vx, vy, fx, fy) -> (gx, gy)``.
 
     x, y, vx, vy are the bar's position and velocity in the laboratory, fx, fy the contact force on
-    the bob.  Takes keywords only.
+    the bob.  The class of the plug-in may declare cancels_x (gx = -fx), cancels_y (gy = -fy),
+    depends_on_velocity and drives_along_x (gx can start a slide).  Takes keywords only.
 
     Attributes
     ----------
@@ -170,15 +331,34 @@ class Custom(Drive):
 
     force: Any
 
+    cancels_y = False
+    depends_on_velocity = True
+    effect = "own drive"
+    own_numbers = ()
+
+    @property
+    def cause(self) -> str:
+        return f" = {type(self.force).__name__}"
+
+    @property
+    def plugin(self) -> Any:
+        return self.force
+
     @property
     def presses(self) -> bool:
-        """Whether the surface may carry a load: unless one of zero stands for the user's gy."""
-        return self.load != 0.0
+        """Whether the surface may carry a load: its own gy, or a load other than zero."""
+        return self.load != 0.0 and not (self.load is None and self.cancels_y)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         plugins.check_class(type(self.force), "force", FORCE_ON_BAR)
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
+        with check.inside("force"):
+            flags = _declared_flags(type(self.force))
+            for given in TRIALS if flags else ():
+                _check_flags(self.force, flags, given)
+        for name, value in flags.items():
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True)
@@ -201,12 +381,56 @@ class Ends:
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
 
 
+# What the class of a user's drive may declare of its force, and what that means.
+FLAGS = {
+    "cancels_x": "gx = -fx: the drive holds the centres of mass along x",
+    "cancels_y": "gy = -fy: the drive holds the centres of mass along y, but for a load",
+    "depends_on_velocity": "whether the force depends on vx and vy; True unless it is declared",
+    "drives_along_x": "whether gx can start a slide, as that of a stage",
+}
+# Likeness from which a name is taken for that of a flag, written wrongly; see `difflib`.
+ALIKE = 0.8
+# Relative difference of two forces that differ by round-off alone.
+ROUNDING = 1e-12
+# Time, place, velocity and contact force of a bar at which declared flags are tried.
+TRIALS = ((0.0, 0.3, -0.7, 0.6, -0.2, 0.9, 0.4), (1.3, -2.1, 0.8, -0.5, 1.1, -0.6, 1.7))
+
+
+@functools.cache
+def _declared_flags(kind: type) -> dict[str, bool]:
+    """The flags that the class of a user's drive declares.
+
+    Raises InputError for names like those of flags, and other values than true and false.
+    """
+    flags: dict[str, bool] = {}
+    for name in dir(kind):
+        near = difflib.get_close_matches(name, FLAGS, n=1, cutoff=ALIKE)
+        if near == [name]:
+            flags[name] = check.boolean(name, getattr(kind, name))
+        elif near and isinstance(getattr(kind, name), bool):
+            raise InputError(name, f'is not a known flag; did you mean "{near[0]}"?')
+    return flags
+
+
+def _check_flags(plugin: Any, flags: dict[str, bool], given: tuple[float, ...]) -> None:
+    """Raise InputError where a user's drive contradicts what its class declares."""
+    found = plugins.returned_numbers(plugin, "", "force_on_bar", *given)
+    for axis, name in enumerate(("cancels_x", "cancels_y")):
+        force = given[5 + axis]
+        if flags.get(name) and not math.isclose(found[axis], -force, rel_tol=ROUNDING):
+            component = "xy"[axis]
+            contrary = f"g{component} = {found[axis]:g} where f{component} = {force:g}"
+            raise InputError(name, f"is declared, but force_on_bar gives {contrary}")
+    if flags.get("depends_on_velocity", True):
+        return
+    still = plugins.returned_numbers(plugin, "", "force_on_bar", *given[:3], 0.0, 0.0, *given[5:])
+    if tuple(still) != tuple(found):
+        problem = "must be True: force_on_bar gives another force at another velocity"
+        raise InputError("depends_on_velocity", problem)
+
+
 KINDS: dict[str, type[Drive]] = {
-    "forced": Forced,
-    "free": Free,
-    "pulled": Pulled,
-    "push": Pushed,
-    "bars": DrivenBars,
+    each.kind: each for each in (Forced, Free, Pulled, Pushed, DrivenBars)
 }
 
 
@@ -231,18 +455,16 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         return Custom(load=load, force=force)
     table = check.known_keys(value, value, ["kind"])
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
-    if kind is DrivenBars and "rigid" in table:
+    if kind.holds_bars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
-    required = {Pulled: ["stiffness", "speed"], Pushed: ["force"]}.get(kind, [])
-    return kind(**check.known_keys(table, kind.__dataclass_fields__, required))
+    return kind(**check.known_keys(table, field_names(kind), kind.required))
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         return table if drive.load is None else table | {"load": drive.load}
-    (kind,) = (name for name, cls in KINDS.items() if cls is type(drive))
-    return {"kind": kind} | {k: v for k, v in table_of(drive).items() if v is not False}
+    return {"kind": drive.kind} | {k: v for k, v in table_of(drive).items() if v is not False}
 
 
 def as_bars(value: object, folder: Path = Path()) -> str | Ends:

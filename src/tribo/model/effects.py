@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tribo.model.drives import Custom, Drive, DrivenBars, Ends, Forced, Pulled, Pushed
 from tribo.model.interaction import Interaction
 from tribo.model.surface import Surface
-from tribo.potentials.from_ase import Live
 from tribo.potentials.tables import as_table
 
 
@@ -70,8 +68,8 @@ def reason_for(scene: Any, effect: Effect) -> str:
 
 
 def potential_name(item: Interaction) -> str:
-    if isinstance(item.potential, Live):
-        return type(item.potential.calculator).__name__
+    if item.calculator is not None:
+        return type(item.calculator.calculator).__name__
     return f'"{as_table(item.potential)["potential"]}"'
 
 
@@ -88,9 +86,13 @@ def _surfaces(key: str, value: Callable[[Surface], object | None]) -> Finder:
     )
 
 
-def _drives(kind: type[Drive], key: str, value: Callable[[Any], object]) -> Finder:
-    """Finds the drives of a kind, with a value of each."""
-    return _surfaces(f"drive{key}", lambda s: value(s.drive) if isinstance(s.drive, kind) else None)
+def _drives(effect: Effect) -> Finder:
+    """Finds the drives that declare an effect."""
+    return lambda scene: (
+        f"surface[{i}].drive{surface.drive.cause}"
+        for i, surface in enumerate(scene.surfaces)
+        if surface.drive.effect == effect
+    )
 
 
 def _reservoirs(on: str) -> Finder:
@@ -127,12 +129,13 @@ def _slides(scene: Any) -> Iterator[str]:
     for i, surface in enumerate(scene.surfaces):
         if not (scene.slides_along_x(surface) or scene.slides_along_y(surface)):
             continue
-        if not isinstance(surface.drive, Forced):
+        drive = surface.drive
+        if not drive.cancels_x or (drive.load is None and not drive.cancels_y):
             yield f'surface[{i}].drive is not "forced"'
         elif scene.has_uncancelled_forces(surface):
             yield f"surface[{i}] has forces that its drive does not cancel"
         else:
-            yield f"surface[{i}].drive.load = {surface.drive.load:g}"
+            yield f"surface[{i}].drive.load = {drive.load:g}"
 
 
 def _clamped(surface: Surface) -> str | None:
@@ -157,13 +160,13 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
         _surfaces("bars", lambda s: None if s.bars == "clamped" else _class(s.bars)),
     ),
     Effect.CLAMPED_ENDS: ("no clamped bar holds a torsion spring", _surfaces("bars", _clamped)),
-    Effect.PULL: ('no drive is "pulled"', _drives(Pulled, ".stiffness", lambda d: d.stiffness)),
-    Effect.PUSH: ('no drive is "push"', _drives(Pushed, ".force", lambda d: list(d.force))),
+    Effect.PULL: ('no drive is "pulled"', _drives(Effect.PULL)),
+    Effect.PUSH: ('no drive is "push"', _drives(Effect.PUSH)),
     Effect.LOAD: ("no drive has a load", _surfaces("drive.load", lambda s: s.drive.load)),
-    Effect.OWN_DRIVE: ("no drive is a plug-in", _drives(Custom, "", lambda d: _class(d.force))),
+    Effect.OWN_DRIVE: ("no drive is a plug-in", _drives(Effect.OWN_DRIVE)),
     Effect.OWN_ENDS: (
         "no bars have a plug-in",
-        _surfaces("bars", lambda s: _class(s.bars.force) if isinstance(s.bars, Ends) else None),
+        _surfaces("bars", lambda s: s.end_forces and type(s.end_forces).__name__),
     ),
     Effect.SPRINGS: (
         "no surface has springs",
@@ -181,7 +184,7 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
         "no asperites have kappa = inf",
         _surfaces("asperite.kappa", lambda s: "inf" if s.asperite.is_rigid else None),
     ),
-    Effect.DRIVEN_BARS: ('no drive is "bars"', _drives(DrivenBars, "", lambda _: '"bars"')),
+    Effect.DRIVEN_BARS: ('no drive is "bars"', _drives(Effect.DRIVEN_BARS)),
     Effect.LANGEVIN: ("no surface has langevin on its bars", _reservoirs("bar")),
     Effect.SWING_LANGEVIN: ('no surface has langevin with on = "swing"', _reservoirs("swing")),
     Effect.FIELD: (
@@ -193,7 +196,7 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     ),
     Effect.CALCULATOR: (
         "no interaction is an ASE calculator",
-        _interactions(lambda scene, item: isinstance(item.potential, Live)),
+        _interactions(lambda scene, item: item.calculator is not None),
     ),
     Effect.CONTACT_WITHIN: (
         "no interaction is between a surface and itself",

@@ -3,7 +3,8 @@
 A field is a NamedTuple of numbers with ``energy_at(self, x, y)`` and, optionally,
 ``force_at(self, x, y) -> (fx, fy)``, the negative gradient; without it, or where a subclass defines
 another energy, a complex step computes the gradient to round-off.  x and y are the position of a
-bob in the field's own frame.
+bob in the field's own frame.  A class may also have ``period_along_x(self)`` [length], of a field
+that repeats along x, and ``largest_curvature(self)`` [energy / length^2].
 """
 
 import functools
@@ -48,6 +49,24 @@ class Corrugation(NamedTuple):
         """-grad U [force]."""
         q = 2.0 * np.pi / self.period
         return -self.amplitude * q * np.sin(q * x), 0.0
+
+    def period_along_x(self) -> float:
+        """Distance along x after which the field repeats [length]."""
+        return self.period
+
+    def largest_curvature(self) -> float:
+        """The largest second derivative of U [energy / length^2]."""
+        return abs(self.amplitude) * (2.0 * np.pi / self.period) ** 2
+
+
+def period_of(potential: Any) -> float | None:
+    """The period of a field along x, if its class has ``period_along_x(self)``."""
+    return potential.period_along_x() if hasattr(potential, "period_along_x") else None
+
+
+def curvature_of(potential: Any) -> float:
+    """The largest curvature, if the field's class has ``largest_curvature(self)``; else 0."""
+    return potential.largest_curvature() if hasattr(potential, "largest_curvature") else 0.0
 
 
 def _complex_step(self, x, y):  # type: ignore[no-untyped-def]

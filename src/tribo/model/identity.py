@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.jit import package_stamp
-from tribo.model.drives import Custom, Ends
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.plugins import classes
@@ -77,10 +76,9 @@ def plugins_of(scene: Scene) -> list[tuple[str, Any]]:
     ]
     places += [(f"field[{i}].kind", item.potential) for i, item in enumerate(scene.fields)]
     for i, surface in enumerate(scene.surfaces):
-        if isinstance(surface.drive, Custom):
-            places.append((f"surface[{i}].drive", surface.drive.force))
-        if isinstance(surface.bars, Ends):
-            places.append((f"surface[{i}].bars", surface.bars.force))
+        for part, plugin in (("drive", surface.drive.plugin), ("bars", surface.end_forces)):
+            if plugin is not None:
+                places.append((f"surface[{i}].{part}", plugin))
     return [item for item in places if isinstance(item[1], (tuple, Unloaded))]
 
 

@@ -56,6 +56,11 @@ class Interaction:
     between: tuple[str, str] | None = None
     species: tuple[str, str] | None = None
 
+    @property
+    def calculator(self) -> Live | None:
+        """The ASE calculator that takes the place of a potential, if one does."""
+        return self.potential if isinstance(self.potential, Live) else None
+
     def __post_init__(self) -> None:
         """Check the potential, and that surfaces and species are two names each."""
         put = object.__setattr__

@@ -15,7 +15,6 @@ import numpy as np
 from tribo import validation as check
 from tribo.files import replace_file
 from tribo.model import fields, topography
-from tribo.model.drives import Custom, DrivenBars, Ends, Forced, Pushed
 from tribo.model.effects import Effect, reason_for
 from tribo.model.fields import Field
 from tribo.model.initial import DISPLACEMENTS, UNITS
@@ -289,27 +288,34 @@ class Scene(ComparedByValue):
         """The effects that the scene calls for; no other is simulated."""
         return frozenset(effect for effect in Effect if reason_for(self, effect))
 
+    @property
+    def effects_of_positions(self) -> frozenset[Effect]:
+        """Effects of plug-ins whose classes declare that velocities do not enter."""
+        drives = [s.drive for s in self.surfaces if s.drive.effect == Effect.OWN_DRIVE]
+        any_velocity = any(drive.depends_on_velocity for drive in drives)
+        return frozenset() if any_velocity else frozenset({Effect.OWN_DRIVE})
+
     def has_uncancelled_forces(self, surface: Surface) -> bool:
         """Whether forces that the drive does not cancel act on the surface's asperites."""
         fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
-        return fields or lattice or bool(surface.reservoir("bar")) or isinstance(surface.bars, Ends)
+        return fields or lattice or bool(surface.reservoir("bar")) or surface.end_forces is not None
 
     def slides_along_x(self, surface: Surface) -> bool:
         """Whether the x of the surface's centres of mass are degrees of freedom.
 
         On driven bars they follow from the pendulum's angle.
         """
-        if isinstance(surface.drive, DrivenBars):
+        if surface.drive.holds_bars:
             return False
-        return not isinstance(surface.drive, Forced) or self.has_uncancelled_forces(surface)
+        return not surface.drive.cancels_x or self.has_uncancelled_forces(surface)
 
     def slides_along_y(self, surface: Surface) -> bool:
         """Whether the y of the surface's centres of mass are degrees of freedom, likewise."""
-        if isinstance(surface.drive, DrivenBars):
+        if surface.drive.holds_bars:
             return False
-        pressed = surface.drive.load is not None or isinstance(surface.drive, (Custom, Pushed))
+        pressed = surface.drive.load is not None or not surface.drive.cancels_y
         return pressed or self.has_uncancelled_forces(surface)
 
     @property

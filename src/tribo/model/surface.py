@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
 from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
-from tribo.model.drives import Drive, DrivenBars, Ends, Forced, Free, as_bars, as_drive
+from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
@@ -155,9 +155,9 @@ class Surface(ComparedByValue):
 
     def _check_driven_bars(self) -> None:
         """Refuse forces on bars that driven bars have no use for."""
-        if not isinstance(self.drive, DrivenBars):
+        if not self.drive.holds_bars:
             return
-        if isinstance(self.bars, Ends):
+        if self.end_forces is not None:
             raise InputError("bars", 'cannot be forces of the user\'s own where drive = "bars"')
         if self.reservoir("bar") is not None:
             raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
@@ -177,7 +177,27 @@ class Surface(ComparedByValue):
     @property
     def moves_as_one(self) -> bool:
         """Whether its asperites move along x as one rigid body."""
-        return isinstance(self.drive, Free) and self.drive.rigid and self.count > 1
+        return self.drive.moves_as_one and self.count > 1
+
+    @property
+    def end_forces(self) -> NamedTuple | None:
+        """The plug-in with the user's forces on the ends of the bars, if there is one."""
+        return self.bars.force if isinstance(self.bars, Ends) else None
+
+    @property
+    def roughness(self) -> Roughness | None:
+        """The roughness from which its heights are drawn, if they are."""
+        return self.heights if isinstance(self.heights, Roughness) else None
+
+    @property
+    def draws_heights(self) -> bool:
+        """Whether its heights are drawn with a seed of the scene."""
+        return self.roughness is not None and self.roughness.seed is None
+
+    @property
+    def has_given_heights(self) -> bool:
+        """Whether its heights are numbers or a measured topography."""
+        return isinstance(self.heights, (np.ndarray, Topography))
 
     @property
     def noisy_forces(self) -> tuple[str, ...]:
@@ -185,7 +205,7 @@ class Surface(ComparedByValue):
         noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.temperature > 0.0]
         if "bar" in noisy:
             return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
-        return ("f2",) if noisy and isinstance(self.drive, DrivenBars) else ()
+        return ("f2",) if noisy and self.drive.holds_bars else ()
 
     @property
     def reservoirs(self) -> tuple[Langevin, ...]:

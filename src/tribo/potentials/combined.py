@@ -86,6 +86,10 @@ class Sum(Potential):
             part.smoothness_within() if part.range() == end else part.smoothness() for part in self
         )
 
+    def energy_subtracted(self, charge):
+        """That of both parts."""
+        return self.first.energy_subtracted(charge) + self.second.energy_subtracted(charge)
+
     def domain(self):
         """The distances that are in both domains."""
         low, high = self.first.domain()
@@ -119,6 +123,9 @@ class Wrapper(Potential):
     def smoothness_within(self):
         return self.potential.smoothness_within()
 
+    def energy_subtracted(self, charge):
+        return self.potential.energy_subtracted(charge)
+
     def domain(self):
         return self.potential.domain()
 
@@ -141,6 +148,10 @@ class Scaled(Wrapper):
 
     def force(self, r):
         return self.factor * self.potential.force(r)
+
+    def energy_subtracted(self, charge):
+        """That of the potential, times the factor."""
+        return abs(self.factor) * self.potential.energy_subtracted(charge)
 
     def acts_between(self, one, other):
         """Whether the factor is not zero, and the potential acts between two charges."""

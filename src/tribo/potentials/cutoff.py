@@ -103,6 +103,14 @@ class Shifted(WithCutoff):
     def force_between(self, r, one, other):
         return 1.0 * np.where(r < self.range(), self.potential.force_between(r, one, other), 0.0)
 
+    def energy_subtracted(self, charge):
+        """U at the cutoff, and what the potential itself subtracts."""
+        inner, end = self.potential, self.cutoff
+        found = inner.energy_subtracted(charge)
+        if end < inner.range():
+            found += abs(float(inner.energy_between(end, charge, charge)))
+        return found
+
 
 class ForceShifted(WithCutoff):
     """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink."""
@@ -136,6 +144,15 @@ class ForceShifted(WithCutoff):
         return 1.0 * np.where(
             r < self.range(), self.potential.force_between(r, one, other) - end, 0.0
         )
+
+    def energy_subtracted(self, charge):
+        """U and its slope at the cutoff, and what the potential itself subtracts."""
+        inner, end = self.potential, self.cutoff
+        found = inner.energy_subtracted(charge)
+        if end < inner.range():
+            found += abs(float(inner.energy_between(end, charge, charge)))
+            found += abs(float(end * inner.force_between(end, charge, charge)))
+        return found
 
 
 class Switched(WithCutoff):

@@ -223,6 +223,10 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         """Number of continuous derivatives of U within its range."""
         return self.smoothness()
 
+    def energy_subtracted(self, charge: float) -> float:
+        """What cutoffs subtract from the energies of bobs with this charge, at most [energy]."""
+        return 0.0
+
     def domain(self) -> tuple[float, float]:
         """Smallest and largest valid r [length]."""
         return 0.0, math.inf

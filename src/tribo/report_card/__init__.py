@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from tribo.model.interaction import Interaction
 from tribo.plugins.classes import is_named
-from tribo.potentials.from_ase import Live
-from tribo.potentials.potential import as_potential
 from tribo.potentials.tables import as_table
 from tribo.report_card.agreement import check_agreement, check_ase, check_third_law
 from tribo.report_card.card import Check, Report
@@ -49,7 +48,8 @@ def check(
         If it is not a potential between pairs of bobs, or does not compile, or the calculator
         fails.
     """
-    if isinstance(potential, Live):
+    interaction = Interaction(potential)
+    if interaction.calculator is not None:
         name = as_table(potential)["calculator"]
         raise InputError(
             "potential",
@@ -57,7 +57,7 @@ def check(
             f"check ase-dimer calculator={name} "
             """symbols='["Cu", "Cu"]' low=2 high=5 tolerance=1e-3 many_body=true""",
         )
-    scan = PotentialScan(as_potential(potential))
+    scan = PotentialScan(interaction.potential)
     found = curves(scan)
     checks = [
         check_finite(scan),

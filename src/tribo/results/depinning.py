@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.model.drives import Pulled, Pushed
-from tribo.model.fields import Corrugation
+from tribo.model.fields import period_of
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
@@ -93,8 +92,8 @@ def _ground(result: RunResult, name: str) -> tuple[list[float], np.ndarray]:
     """What a surface slides on, fields or else other surfaces: periods, displacement (times,)."""
     fields = [field for field in result.scene.fields if name in field.on]
     if fields:
-        potentials = [field.potential for field in fields]
-        periods = [each.period for each in potentials if type(each) is Corrugation]
+        declared = [period_of(field.potential) for field in fields]
+        periods = [period for period in declared if period is not None]
         return periods, np.mean([field.velocity[0] for field in fields]) * (result.t - result.t[0])
     others = [s for s in result.scene.surfaces if s.name != name]
     rows = [s for s in others if s.positions is None and s.shape[0] > 1 and s.spacing[0] > 0.0]
@@ -111,12 +110,12 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
     surface = result.scene.surfaces[index]
     along = 0.0
     drive = surface.drive
-    if isinstance(drive, (Pulled, Pushed)):
+    if drive.drives_along_x:
         recorded = "f2_x" in result[surface.name]
         force = result[surface.name]["f2_x"] if recorded else _force_on_bars(result, index)
         along = float(np.sign(force[-1, 0]))
-    if isinstance(drive, Pulled):
-        along = float(np.sign(drive.speed * (result.t[-1] - result.t[0]) - ground[-1]))
+    if drive.stage is not None:
+        along = float(np.sign(drive.stage.speed * (result.t[-1] - result.t[0]) - ground[-1]))
     if along == 0.0:
         raise InputError(
             f"{surface.name}.drive", "must be one that pulls or pushes along x, to start a slide"
@@ -132,10 +131,10 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     x = result[surface.name]["x_bar"]
     drive = surface.drive
     t = result.t[:, None]
-    if isinstance(drive, Pushed):
-        force = drive.force[0] + drive.rate[0] * (t - state.begun[index, 0])
-        return np.broadcast_to(force, x.shape)
-    assert isinstance(drive, Pulled)
+    speed = 0.0 if drive.stage is None else drive.stage.speed
     rest = surface.resting_bobs(seed=[scene.seed, index, 0])[:, 0] + surface.velocity[0] * state.t
-    stage = rest + state.phases[index, 0] + drive.speed * (t - state.t)
-    return np.asarray(drive.stiffness * (stage - x))
+    stage = rest + state.phases[index, 0] + speed * (t - state.t)
+    force = drive.force_along_x(x, t - state.begun[index, 0], stage)
+    if force is None:
+        raise InputError("output.series", f'must have "forces", as "{surface.name}" has {drive}')
+    return force

@@ -5,7 +5,6 @@ import numpy as np
 from tribo.kernels.status import Status
 from tribo.ledger.ledger import Series
 from tribo.ledger.quantities import AVERAGED
-from tribo.model.drives import Drive, Pulled
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.results.averages import Average, average_from
@@ -219,8 +218,7 @@ def has_mean_friction(scene: Scene) -> bool:
     Asperites that pass others meet each once: where their forces are not even recorded, or two
     asperites meet alone, the mean depends on how long the run lasts.
     """
-    drives = [surface.drive for surface in scene.surfaces]
-    pulled = any(isinstance(drive, Pulled) for drive in drives)
+    pulled = any(surface.drive.stage is not None for surface in scene.surfaces)
     loaded = any(load_of(surface) > 0.0 for surface in scene.surfaces)
     recorded = scene.count > 2 and "forces" in scene.output.series
     return recorded or pulled or loaded or bool(scene.fields) or scene.periodic.x is not None
@@ -228,9 +226,7 @@ def has_mean_friction(scene: Scene) -> bool:
 
 def load_of(surface: Surface) -> float:
     """The load on all asperites of a surface; zero without one."""
-    drive = surface.drive
-    load = drive.load if isinstance(drive, Drive) else None
-    return abs(load or 0.0) * surface.count
+    return abs(surface.drive.load or 0.0) * surface.count
 
 
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:

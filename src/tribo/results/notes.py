@@ -17,11 +17,9 @@ from tribo.ledger.separation import asperite_names, closest_bobs
 from tribo.ledger.sinks import Watched, levers
 from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
-from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
-from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
@@ -59,7 +57,7 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
 def _on_seams(scene: Scene) -> Iterator[str]:
     """A note where given heights have a larger step at the end of a period than elsewhere."""
     for surface in scene.surfaces:
-        given = isinstance(surface.heights, (np.ndarray, Topography))
+        given = surface.has_given_heights
         heights = surface.drawn_heights(0) if given and surface.positions is None else None
         if heights is None:
             continue
@@ -126,7 +124,7 @@ def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
 def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     """What the drive does of every forced surface at rest, if its bars swing and it does work."""
     surfaces = layout.scene.surfaces
-    at_rest = [s.name for s in surfaces if isinstance(s.drive, Forced) and s.velocity == (0.0, 0.0)]
+    at_rest = [s.name for s in surfaces if s.drive.cancels_x and s.velocity == (0.0, 0.0)]
     if layout.model.ledger is None or not at_rest:
         return
     ledger = assemble(layout, samples.ends())

@@ -8,7 +8,6 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.separation import contact_distance_of
-from tribo.model.drives import Pulled
 from tribo.model.surface import Surface
 from tribo.results import force_averages
 from tribo.results.averages import Average, mean_text
@@ -116,7 +115,7 @@ def _friction(result: RunResult) -> Iterator[str]:
         for name, word in (("friction_force", "friction force"), ("pull_force", "drive's force")):
             found = averages.get(name, {}).get(surface.name)
             is_friction = name == "friction_force"
-            if found and found.mean != 0.0 and (is_friction or isinstance(surface.drive, Pulled)):
+            if found and found.mean != 0.0 and (is_friction or surface.drive.stage):
                 yield f"  {surface.name:>10}: {word} {in_words(found, surface, is_friction)}"
     if not averages and not result.ledger.kept:
         yield '  friction force: not recorded; series = ["forces"] under [output] records it'

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from tribo.ensembles.members import is_random
 from tribo.ledger.quantities import AVERAGED
 from tribo.model.parameters import with_values
-from tribo.model.roughness import Roughness
 from tribo.model.scene import Scene
 from tribo.sweeps.grid import Grid
 from tribo.validation import InputError, inside
@@ -48,8 +47,7 @@ def _follows_seed(grid: Grid, members: bool) -> bool:
 
 
 def _has_random_heights(scene: Scene) -> bool:
-    own = (surface.heights for surface in scene.surfaces)
-    return any(isinstance(each, Roughness) and each.seed is None for each in own)
+    return any(surface.draws_heights for surface in scene.surfaces)
 
 
 def _without_seed(members: bool) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.ledger.quantities import EVERY_QUANTITY, Table
-from tribo.model.drives import Forced
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
@@ -153,7 +152,7 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
     """x and y of contact forces and drives at each frame, of all asperites, where they are known.
 
     They are known where the run recorded them.  Else contact is computed from the places of the
-    bobs, unless the code of its potential was not loaded, and the drive of forced surfaces is
+    bobs, unless the code of its potential was not loaded, and a drive that cancels contact is
     opposite to it.
     """
     scene = result.scene
@@ -170,7 +169,7 @@ def _forces(result: RunResult, frames: np.ndarray) -> dict[str, list[dict[str, A
             probe = ContactProbe(scene)
             _, forces = probe(probe.positions(bobs))
             found["f1"] = [forces[:, :, axis] for axis in (0, 1)]
-        if found and all(s.drive == Forced() for s in scene.surfaces):
+        if found and all(s.drive.cancels_contact for s in scene.surfaces):
             found["f2"] = [-values for values in found["f1"]]
     return {name: [packed(x), packed(y)] for name, (x, y) in found.items()}
 
