@@ -97,7 +97,7 @@ class Layout:
         """The times to record, from the start of the run on, but for its rounding."""
         times = self.scene.times
         later = times - self.beginning > SAME * self.scene.duration
-        return np.union1d(times[later], [self.beginning])
+        return np.concatenate([[self.beginning], times[later]])
 
     @property
     def run_time(self) -> float:
