@@ -69,6 +69,7 @@ class ToleranceScales:
         return level * self.energy < self.lost_energy
 
 
+@once_per_layout
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
     a = layout.together.asperites
@@ -194,6 +195,8 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
 
 def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
     """Tolerances, of which those below the effect of rounding fall more slowly."""
+    if lost == 0.0:
+        return np.asarray(tolerance)
     slower = lost ** (1.0 - BELOW_ROUNDING) * np.power(tolerance, BELOW_ROUNDING)
     return np.where(np.less(tolerance, lost), slower, tolerance)
 

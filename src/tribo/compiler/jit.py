@@ -160,7 +160,7 @@ def cache_folder(loop: Any) -> Path | None:
 
 def is_compiled(loop: Any) -> bool:
     """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
-    if config.DISABLE_JIT or loop.signatures:  # type: ignore[attr-defined]
+    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
         return True
     folder = loop.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbc"))
@@ -216,8 +216,9 @@ class EntryPoint:
     def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
         kinds = tuple(map(_kind_of, (*fixed, *examples)))
-        with undisturbed():
-            loop.compile(kinds)
+        if kinds not in loop.overloads:
+            with undisturbed():
+                loop.compile(kinds)
         self._code = loop.overloads[kinds].entry_point if NATIVE else loop
         self._fixed = fixed
         self._arrays = tuple(

@@ -53,7 +53,7 @@ def atoms_of(scene: Scene) -> Atoms:
     for index, surface in enumerate(scene.surfaces):
         numbers, own = _kinds(surface, index, surface.each["mass"])
         bobs, bars = _start(scene, index)
-        initial, velocities = surface.initial.for_each(surface.count), np.zeros((surface.count, 3))
+        initial, velocities = surface.initial_of_each, np.zeros((surface.count, 3))
         velocities[:, :2] = surface.velocity + np.column_stack([initial["vx"], initial["vy"]])
         ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
         if surface.springs.turned:  # no bond has their force
@@ -82,7 +82,7 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) bobs at t = 0, and (n, 2) displacements of the bars from rest [length]."""
     surface = scene.surfaces[index]
     each, bobs = surface.each, surface.resting_bobs(seed=[scene.seed, index, 0])
-    initial, swing = surface.initial.for_each(surface.count), surface.initial_swing
+    initial, swing = surface.initial_of_each, surface.initial_swing
     swing = initial["phi"] if swing is None else swing
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])
     bars = np.column_stack([initial["x"], initial["y"]])

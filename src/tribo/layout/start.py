@@ -25,7 +25,7 @@ def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.nd
     y = np.zeros(2 * numbering.coordinates)
     q, v = np.split(y, 2)
     for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
-        own, initial = asperites[part], surface.initial.for_each(surface.count)
+        own, initial = asperites[part], surface.initial_of_each
         swing = surface.initial_swing
         q[part] = initial["phi"] if swing is None else swing
         v[part] = initial["omega"]

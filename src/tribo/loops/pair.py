@@ -10,6 +10,7 @@ import itertools
 import time
 from collections.abc import Hashable
 from copy import copy
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from numba import config
 from tribo.compiler.jit import EntryPoint
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
-from tribo.integrators.methods import Method
+from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
@@ -74,9 +75,10 @@ class Slots(NamedTuple):
 
 @once_per_layout
 def _slots_of(layout: Layout) -> tuple[Slots, ...]:
+    asperites, surfaces = np.asarray(layout.asperites), np.asarray(layout.surfaces)
     names = Slots._fields[:-1]
-    blocks = layout.surfaces["acc_block"].tolist()
-    each = zip(*(layout.asperites[name].tolist() for name in names), blocks, strict=True)
+    blocks = surfaces["acc_block"].tolist()
+    each = zip(*(asperites[name].tolist() for name in names), blocks, strict=True)
     return tuple(itertools.starmap(Slots, each))
 
 
@@ -120,7 +122,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
 
 def _mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
     """(..., 2) displacement of each centre of mass for k = 1."""
-    free = layout.surfaces.drive == FREE
+    free = np.asarray(layout.surfaces)["drive"] == FREE
     return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
 
 
@@ -165,7 +167,7 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    a, surfaces = layout.together.asperites, layout.surfaces
+    a, surfaces = layout.together.asperites, np.asarray(layout.surfaces)
     along_x = a.dof_x[a.dof_x >= 0]
     return (
         layout.scene.count == surfaces.size == 2
@@ -175,7 +177,8 @@ def is_pair(layout: Layout) -> bool:
         and model.species is None
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1
-        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE, BARS)) & (surfaces.loaded == 0)))
+        and set(surfaces["drive"].tolist()) <= {FORCED, FREE, BARS}
+        and not surfaces["loaded"].any()
         and bool(np.all((a.dof_phi < 0) & (a.phi == 0.0) & (a.nu == 0.0) & (a.dof_y < 0)))
     )
 
@@ -193,12 +196,12 @@ class Pair:
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
-        assert isinstance(method.coefficients, Collocation)
-        along_x = np.array([slot for slot in layout.asperites.dof_x if slot >= 0], int)
+        slots = np.asarray(layout.asperites)["dof_x"].tolist()
+        along_x = np.array([slot for slot in slots if slot >= 0], int)
         # Of y: what is zero at the start of every run of the loop.
         self.zeros = np.concatenate([along_x, layout.coordinates + along_x])
         self._rows = np.zeros((step_rows.ROWS, LANES))
-        self._rows[: step_rows.LIMITS] = table(method.coefficients)
+        self._rows[: step_rows.LIMITS] = _table_of(method.name)
         examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
         self.entry = entry_point(layout, pair_collocation, fixed, examples)
@@ -275,6 +278,14 @@ class Pair:
         both[0, step_rows.FIRST] = first_step_at(tolerance, self._first_step, self._order)
         both[1] = 1.0 / own[FIRST_ACCOUNT : FIRST_ACCOUNT + LANES]
         return both
+
+
+@cache
+def _table_of(method: str) -> np.ndarray:
+    """The coefficients of a method in rows, as the loop reads them."""
+    coefficients = METHODS[method].coefficients
+    assert isinstance(coefficients, Collocation)
+    return table(coefficients)
 
 
 def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
