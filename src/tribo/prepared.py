@@ -21,7 +21,7 @@ from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
 from tribo.ledger.guards import facing, passing_notes
-from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.ledger import Ledger, SampledLedger, assemble
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
@@ -417,7 +417,7 @@ def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
 def _ledger_of(layout: Layout, run: Integration, recorded: np.ndarray | None) -> Ledger:
     """The ledger of a run at those of its times that are recorded."""
     samples = run.samples if recorded is None else run.samples.rows(recorded)
-    ledger = assemble(layout, samples)
+    ledger = SampledLedger(layout, samples)
     if samples.t[0] == layout.beginning:
         return ledger
     return ledger.rows(slice(samples.index_from(layout.beginning), None))

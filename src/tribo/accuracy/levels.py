@@ -193,10 +193,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     return Tolerance(np.concatenate([q, v]), s, level, near)
 
 
-def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
+def _slower_below(tolerance: float | np.ndarray, lost: float) -> float | np.ndarray:
     """Tolerances, of which those below the effect of rounding fall more slowly."""
     if lost == 0.0:
-        return np.asarray(tolerance)
+        return tolerance
     slower = lost ** (1.0 - BELOW_ROUNDING) * np.power(tolerance, BELOW_ROUNDING)
     return np.where(np.less(tolerance, lost), slower, tolerance)
 

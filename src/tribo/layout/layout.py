@@ -248,7 +248,7 @@ class Layout:
 
     def _rows(self, each: np.ndarray) -> np.ndarray:
         """A row for each time and member, from one for each member."""
-        return np.tile(each, (self.member_times, *np.ones(each.ndim - 1, int)))
+        return np.concatenate([each] * self.member_times)
 
     @cached_property
     def shifts(self) -> np.ndarray:
