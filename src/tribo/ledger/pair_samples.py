@@ -72,6 +72,10 @@ class PairSamples(Samples):
         self._first = first
         self._factors = factors
 
+    @property
+    def linear_alike(self) -> bool:  # type: ignore[override]
+        return self._factors.driven is not None
+
     @lazy_property
     def contact(self) -> np.ndarray:  # type: ignore[override]
         return self._record[:, ENERGY]

@@ -60,11 +60,11 @@ def series_table(
     """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
     What is linear in the integrals is computed together: its last bits may differ from one alone.
-    Of the other quantities, those that are not among `only` are left out, if that is given.
+    Quantities that are not among `only` are left out, if that is given, where this changes no bits.
     """
     of, samples, (motion,) = _columns(layout), group.samples, group.motions
     if only is not None:
-        of = of.with_others(only)
+        of = of.of_some(only, samples.linear_alike)
     wholes = tuple([SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts))])
     sources = (motion,), (group,), wholes, (SystemSeries(layout, samples, wholes),)
 
@@ -92,17 +92,19 @@ class Columns(NamedTuple):
     linear: tuple[tuple[Callable[..., np.ndarray], int], ...]  # formulas, and what they take
     others: tuple[tuple[Callable[..., np.ndarray], int], ...]
 
-    def with_others(self, names: Collection[str]) -> Columns:
-        """The linear quantities, and those of the others that are named."""
-        count = len(self.linear)
+    def of_some(self, names: Collection[str], of_linear: bool) -> Columns:
+        """Those of the quantities that are named, and all linear ones unless some `of_linear`."""
+        count = 0 if of_linear else len(self.linear)
         chosen = [k for k, name in enumerate(self.names) if k < count or name in names]
+        linear = [k for k in chosen if k < len(self.linear)]
+        others = chosen[len(linear) :]
         widths = tuple([self.widths[k] for k in chosen])
         return Columns(
             names=tuple([self.names[k] for k in chosen]),
             widths=widths,
             starts=_starts(widths),
-            linear=self.linear,
-            others=tuple([self.others[k - count] for k in chosen if k >= count]),
+            linear=tuple([self.linear[k] for k in linear]),
+            others=tuple([self.others[k - len(self.linear)] for k in others]),
         )
 
 

@@ -212,7 +212,8 @@ def _value_of_part(surface: Surface, part: str, name: str) -> object:
 def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -> Surface:
     with inside(surface.name):
         given = of_parts.get(surface.name, {})
-        for key in sorted(given.keys() & table_of(surface.asperite).keys() - {*OF_SURFACE}):
+        unknown = given.keys() - {*OF_SURFACE}
+        for key in sorted(unknown & table_of(surface.asperite).keys() if unknown else ()):
             hint = f'did you mean "{surface.name}.asperite.{key}"?'
             raise InputError(key, f"is not a known key; {hint}")
         own = known_keys(given, OF_SURFACE)
