@@ -4,6 +4,7 @@ They hardly depend on the machine.  A bound that a change exceeds is work done f
 what is the same for all of them, and compute it once.
 """
 
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -13,12 +14,13 @@ from scipy import stats
 
 import tribo
 
-# Calls of functions in Python and in C, in all frames; measured: 58, 822 and 10,623.
-PREPARED, ESTIMATED, SIMULATED = 66, 900, 11700
-# The same of 100 members, and of 121 points of a grid; measured: 32,600 and 51,300.
-MEMBERS, POINTS = 35000, 57000
-# Of each further thousand of members, where these differ in starts or in numbers, and of points.
-EACH_THOUSAND, EACH_THOUSAND_OWN, EACH_THOUSAND_POINTS = 500, 1000, 1500
+# Calls of functions in Python and in C, in all frames; measured: 47, 792 and 5,690.
+PREPARED, ESTIMATED, SIMULATED = 50, 830, 6000
+# The same of 100 members, and of 121 points of a grid; measured: 19,600 and 30,900.
+MEMBERS, POINTS = 21000, 33000
+# Of each further thousand of members, where these differ in starts or in numbers, and of points;
+# measured: 110, 60 and 390.
+EACH_THOUSAND, EACH_THOUSAND_OWN, EACH_THOUSAND_POINTS = 160, 160, 600
 
 
 def calls(function):
@@ -58,6 +60,19 @@ def test_prepared_pair():
 def test_simulate():
     scene = tribo.paper.scene("A")
     assert calls(lambda: tribo.simulate(scene, accuracy=1e-8, progress=False)) <= SIMULATED
+
+
+def test_modules_of_a_run():
+    """Where machine code is on disk, a process imports nothing that compiles it or reads files."""
+    program = """
+import sys, tribo
+tribo.simulate(tribo.paper.scene("A"), accuracy=1e-6, progress=False)
+unused = {"scipy.linalg", "numba.np.arraymath", "h5py", "xarray", "matplotlib", "numpy.ma"}
+print(*sorted(unused & sys.modules.keys()))
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)  # compiles, if that is needed
+    found = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+    assert found.stdout.split() == []
 
 
 def ensemble(members, **vary):

@@ -22,6 +22,7 @@ from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
 from tribo.ledger.guards import facing, passing_notes
 from tribo.ledger.ledger import Ledger, SampledLedger, assemble
+from tribo.ledger.samples import are_among
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
@@ -409,7 +410,7 @@ def cost_of(
 
 def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
     """Which of the times of a run are to record, with its ends, (times,); None if all are."""
-    recorded = np.isin(t, layout.times)
+    recorded = are_among(t, layout.times)
     recorded[[0, -1]] = True
     return None if recorded.all() else recorded
 

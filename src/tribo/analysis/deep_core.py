@@ -69,9 +69,7 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
     return float(energies[0]), max(-float(np.min(energies)), _other_energies(layout, bobs))
 
 
-def _energies_at(
-    energy: Callable[..., Any], r: np.ndarray, charges: np.ndarray
-) -> np.ndarray:
+def _energies_at(energy: Callable[..., Any], r: np.ndarray, charges: np.ndarray) -> np.ndarray:
     """Energies of two charges at distances r (n,): one by one if the potential takes no arrays."""
     with suppress(Exception):
         together = np.asarray(energy(r, *charges), float)

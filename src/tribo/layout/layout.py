@@ -301,9 +301,7 @@ def lay_out(scene: Scene) -> Layout:
             asperites[name] = -1
     start = start_of(asperites, scene, mine)
     depths = [own[:, 2] for own in bobs]
-    calculators, calls = contacts.calculators(
-        scene, depths, theirs.surfaces["start"]
-    )
+    calculators, calls = contacts.calculators(scene, depths, theirs.surfaces["start"])
     found, rows, skin = contacts.lay_out_contacts(scene)
     # Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
     # are faster where the bars of a row follow one another.

@@ -71,9 +71,7 @@ def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
     return -(-sizes // width) * width
 
 
-def _slots(
-    wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int
-) -> tuple[list[int], int]:
+def _slots(wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int) -> tuple[list[int], int]:
     """First slot of each surface, with so many `sizes`, or -1; and the first slot after all."""
     slots = []
     for is_wanted, size in zip(wanted, sizes.tolist(), strict=True):

@@ -59,7 +59,7 @@ class Samples:
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
-        found = times[np.minimum(times.searchsorted(self.t), times.size - 1)] == self.t
+        found = are_among(self.t, times)
         return self if np.logical_and.reduce(found) else self.rows(found)
 
     def rows(self, selected: np.ndarray | slice) -> Samples:
@@ -121,6 +121,12 @@ class Samples:
         """A series of these samples less its value at the start of the run."""
         change: np.ndarray = series - self.at_start(series)
         return change
+
+
+def are_among(t: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Which of some times `t` are among `times`, which ascend."""
+    nearest = np.minimum(times.searchsorted(t), times.size - 1)
+    return np.asarray(times[nearest] == t)
 
 
 # The names of the arrays of samples.

@@ -322,9 +322,7 @@ class PairLoop(TimeLoop):
         began = time.perf_counter()
         record = np.empty((times.size + 1, COLUMNS))
         pair = self._pair
-        code = pair.entry(
-            self._rows, self.clocks, self._start, times, record, UNINTERRUPTED_STEPS
-        )
+        code = pair.entry(self._rows, self.clocks, self._start, times, record, UNINTERRUPTED_STEPS)
         if code != COMPLETED:
             if code != PAUSED:  # from the start again, to the same end
                 self.clocks["evaluations"] = 0
