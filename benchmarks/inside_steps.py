@@ -14,6 +14,7 @@ from numpy.polynomial import polynomial
 import tribo
 from tribo import paper
 from tribo.integrators.tableaux import RADAU
+from tribo.loops.pair import PairLoop
 
 NODES = np.array(RADAU, float)
 INSIDE = np.linspace(0.05, 0.95, 19)
@@ -22,8 +23,8 @@ INSIDE = np.linspace(0.05, 0.95, 19)
 def ends_of_steps(scene: tribo.Scene, accuracy: float) -> np.ndarray:
     """The times at which the steps of the run that is delivered end, and 0."""
     simulation = tribo.prepare(scene, accuracy=accuracy, method="gauss-radau-15")
-    loop = simulation.integrator.pair.loops.take()
-    loop.begin(simulation.plan.tuned.fine, simulation.layout.start)
+    pair = simulation.integrator.pair
+    loop = PairLoop(pair, pair.beginning(simulation.plan.tuned.fine), simulation.layout.start)
     columns, ends = loop.room(3), [0.0]
     while ends[-1] < scene.duration:
         loop.advance(np.array([0.0, scene.duration]), columns, 1)

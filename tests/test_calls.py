@@ -4,6 +4,7 @@ They hardly depend on the machine.  A bound that a change exceeds is work done f
 what is the same for all of them, and compute it once.
 """
 
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -14,19 +15,19 @@ from scipy import stats
 import tribo
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 58, 822 and 10,623.
-PREPARED = 66
-ESTIMATED = 900
-SIMULATED = 11700
-# Of 100 members, and of 121 points of a grid; measured: 32,600 and 51,300.
-MEMBERS = 35000
-POINTS = 57000
-# Of each further thousand of members that differ in starts.
-EACH_THOUSAND = 500
-# Of each further thousand of members that differ in numbers.
-EACH_THOUSAND_OWN = 1000
-# Of each further thousand of points.
-EACH_THOUSAND_POINTS = 1500
+# with an estimate, and of `simulate`; measured: 47, 792 and 5,690.
+PREPARED = 50
+ESTIMATED = 830
+SIMULATED = 6000
+# Of 100 members, and of 121 points of a grid; measured: 19,600 and 30,900.
+MEMBERS = 21000
+POINTS = 33000
+# Of each further thousand of members that differ in starts; measured: 110.
+EACH_THOUSAND = 160
+# Of each further thousand of members that differ in numbers; measured: 60.
+EACH_THOUSAND_OWN = 160
+# Of each further thousand of points; measured: 390.
+EACH_THOUSAND_POINTS = 600
 
 
 def calls(function):
@@ -66,6 +67,19 @@ def test_prepared_pair():
 def test_simulate():
     scene = tribo.paper.scene("A")
     assert calls(lambda: tribo.simulate(scene, accuracy=1e-8, progress=False)) <= SIMULATED
+
+
+def test_modules_of_a_run():
+    """Where machine code is on disk, a process imports nothing that compiles it or reads files."""
+    program = """
+import sys, tribo
+tribo.simulate(tribo.paper.scene("A"), accuracy=1e-6, progress=False)
+unused = {"scipy.linalg", "numba.np.arraymath", "h5py", "xarray", "matplotlib", "numpy.ma"}
+print(*sorted(unused & sys.modules.keys()))
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)  # compiles, if that is needed
+    found = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+    assert found.stdout.split() == []
 
 
 def ensemble(members, **vary):

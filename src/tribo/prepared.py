@@ -22,7 +22,8 @@ from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
 from tribo.layout.layout import Layout
 from tribo.ledger.guards import facing, passing_notes
-from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.ledger import Ledger, SampledLedger, assemble
+from tribo.ledger.samples import are_among
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
 from tribo.loops.integrate import Integration, Setting
@@ -411,7 +412,7 @@ def cost_of(
 
 def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
     """Which of the times of a run are to record, with its ends, (times,); None if all are."""
-    recorded = np.isin(t, layout.times)
+    recorded = are_among(t, layout.times)
     recorded[[0, -1]] = True
     return None if recorded.all() else recorded
 
@@ -419,7 +420,7 @@ def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
 def _ledger_of(layout: Layout, run: Integration, recorded: np.ndarray | None) -> Ledger:
     """The ledger of a run at those of its times that are recorded."""
     samples = run.samples if recorded is None else run.samples.rows(recorded)
-    ledger = assemble(layout, samples)
+    ledger = SampledLedger(layout, samples)
     if samples.t[0] == layout.beginning:
         return ledger
     return ledger.rows(slice(samples.index_from(layout.beginning), None))

@@ -13,13 +13,14 @@ import sys
 from pathlib import Path
 from typing import BinaryIO
 
-from tribo import first_read
 from tribo.validation import InputError
 
 # What a seal begins with.
 MAGIC = b"\r\n\x1atribo seal\r\n"
 # Magic, length of the content, and its checksum.
 SEAL = struct.Struct("<15sQ32s")
+# The program that first reads a file; imported here, it would load the HDF5 library.
+FIRST_READ = Path(__file__).with_name("first_read.py").resolve()
 # Bytes that are read at once.
 BLOCK = 2**20
 # Most processor time of a first read without its bytes [s]; files of 160 kB with 155 variables
@@ -73,7 +74,7 @@ def check(path: Path) -> None:
 def check_readable(path: Path) -> None:
     """Read all of a file in another process.  Raises InputError if that does not end well."""
     seconds = SECONDS + path.stat().st_size / SPEED
-    command = [sys.executable, "-P", first_read.__file__, str(path.absolute()), str(seconds)]
+    command = [sys.executable, "-P", str(FIRST_READ), str(path.absolute()), str(seconds)]
     try:
         nothing = subprocess.DEVNULL
         subprocess.run(

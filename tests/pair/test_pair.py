@@ -15,17 +15,15 @@ from support.strategies import asperites, coulombs, dyadic, potentials
 from tribo import paper
 from tribo.accuracy.levels import first_guess, setting_at
 from tribo.accuracy.search_runs import PILOT_LEVEL
-from tribo.compiler.jit import time_loop
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.pair_samples import PairSamples
 from tribo.ledger.samples import Samples
-from tribo.loops.pair import has_pair_loop, is_pair
+from tribo.loops.pair import PairLoop, has_pair_loop, is_pair
 from tribo.loops.select import Integrator
-from tribo.pair.loop import COLUMNS, pair_collocation
-from tribo.plugins.stamps import code_stamp_of
+from tribo.pair.loop import COLUMNS
 
 RADAU = METHODS["gauss-radau-15"]
 
@@ -286,14 +284,12 @@ def test_in_pieces_as_in_one(samples):
     layout = integrator.layout
     own = integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
-    loop = time_loop(pair_collocation, code_stamp_of(layout.plugins))
-    paused = own.loops.take()
-    paused._evaluations[0] = 0
+    paused = PairLoop(own, own.beginning(pilot(layout)), layout.start)
     record = np.empty((scene.times.size + 1, COLUMNS))
     code = PAUSED
     calls = 0
     while code == PAUSED:
-        code = loop(*paused._loop._fixed, layout.start, scene.times, record, 3)
+        code = paused.advance(scene.times, (record,), 3)
         calls += 1
     assert code == COMPLETED and calls > 3
     assert np.array_equal(paused.samples(scene.times, (record,)).s, whole.samples.s)

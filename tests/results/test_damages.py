@@ -176,7 +176,7 @@ def bundles(folder, files=results):
     archive = folder / "all.zip"
 
     def read():
-        bundle._bundle(argparse.Namespace(files=[path], out=archive))
+        bundle.run_bundle(argparse.Namespace(files=[path], out=archive))
         with zipfile.ZipFile(archive) as packed:
             path.write_bytes(packed.read(path.name))
         return read_result()

@@ -27,6 +27,7 @@ from tribo.ledger.nearest import nearest
 from tribo.ledger.separation import in_box
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
+from tribo.potentials.potential import Potential
 
 # Of gauss-radau-15 in the loop for pairs.
 PAIR = Cost(5.13, 21.4, 12.0, 0.0, 0.0, 18)
@@ -141,24 +142,36 @@ def counted(layout: Layout, method: Method, step: float, times: np.ndarray) -> f
 
 def steps_towards(layout: Layout) -> float:
     """The fewest steps that jump no encounter, if bobs keep their first velocity and swing."""
-    a = layout.asperites
-    tx, ty = swing_direction(a.facing, layout.start[: a.size])
+    a = layout.together.asperites
+    count = layout.scene.count
+    tx, ty = swing_direction(a.facing, layout.start[:count])
     places = np.column_stack([*rod_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     in_place, box = in_box(layout, places)
-    swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][: a.size])))
+    swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][:count])))
+    parts = list(layout.parts.values())
     times, rates = np.linspace(layout.beginning, layout.scene.duration, TIMES), [0.0]
     for contact in (each for each in layout.model.contacts if each.within is None):
         for one, other in contact.pairs:
-            mine, theirs = (layout.surfaces[k] for k in (one, other))
+            mine, theirs = parts[one], parts[other]
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             drift = layout.velocities[one] - layout.velocities[other]
             moved = places[first.astype(int)] + np.outer(times, [*drift, 0.0])[:, None]
-            candidates = in_place[theirs.start : theirs.stop]
+            candidates = in_place[theirs]
             near = nearest(in_box(layout, moved)[0], candidates, box)[0].min(axis=1)
-            clear = np.array(
-                [contact.potential.clearance_between(r, 1.0, 1.0) for r in near.tolist()]
-            )
+            clear = _clearances(contact.potential, near)
             if np.max(clear) > 0.0:  # bobs that stay at one place have no run
                 speed = float(np.hypot(*drift)) + 2.0 * swinging
                 rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
     return max(rates) * layout.run_time / NEAR
+
+
+def _clearances(potential: Potential, r: np.ndarray) -> np.ndarray:
+    """The clearances of charges of 1 at distances r (n,): together if the class has no own rule."""
+    kind = type(potential)
+    of_both = kind.clearance_between is Potential.clearance_between
+    if not of_both or kind.clearance is not Potential.clearance:
+        return np.array([potential.clearance_between(each, 1.0, 1.0) for each in r.tolist()])
+    if not potential.acts_between(1.0, 1.0):
+        return np.full(r.size, np.inf)
+    length, reach = potential.feature()
+    return np.maximum(length, r - min(reach, potential.range()))

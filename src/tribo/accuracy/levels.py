@@ -13,7 +13,7 @@ from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
 from tribo.ledger.motion import Motion, mean_velocity
-from tribo.ledger.samples import Samples
+from tribo.ledger.samples import Samples, are_among
 from tribo.loops.integrate import Integration, Setting
 from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
 
@@ -69,6 +69,7 @@ class ToleranceScales:
         return level * self.energy < self.lost_energy
 
 
+@once_per_layout
 def first_guess(layout: Layout) -> ToleranceScales:
     """Scales for a first, coarse run, from the start of the scene."""
     a = layout.together.asperites
@@ -105,7 +106,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
-    reported = samples.s[np.isin(samples.t, layout.times)]
+    reported = samples.s[are_among(samples.t, layout.times)]
     work = max(largest(top * weights), _work_of_impulses(layout, reported))
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 or top.size == 0 else highest
@@ -192,8 +193,10 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     return Tolerance(np.concatenate([q, v]), s, level, near)
 
 
-def _slower_below(tolerance: float | np.ndarray, lost: float) -> np.ndarray:
+def _slower_below(tolerance: float | np.ndarray, lost: float) -> float | np.ndarray:
     """Tolerances, of which those below the effect of rounding fall more slowly."""
+    if lost == 0.0:
+        return tolerance
     slower = lost ** (1.0 - BELOW_ROUNDING) * np.power(tolerance, BELOW_ROUNDING)
     return np.where(np.less(tolerance, lost), slower, tolerance)
 

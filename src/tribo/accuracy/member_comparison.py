@@ -38,7 +38,12 @@ class FineRuns:
         samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
-        table = series_table(layout, group, observables(self._accuracy))
+        # The scales depend on all quantities, and differences on those that are asked for.
+        asked = observables(self._accuracy)
+        only = None
+        if asked and self._scales is not None:
+            only = {name.rpartition(".")[2] for name in asked}
+        table = series_table(layout, group, asked, only)
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
             self._scales = _scales(layout, group, _with(table, values[:, 0]), members)

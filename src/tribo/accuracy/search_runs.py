@@ -54,7 +54,8 @@ class StopTimes(NamedTuple):
         parts = np.linspace(times[0], times[-1], PARTS + 1)
         k = np.searchsorted(times, parts).clip(1, times.size - 1)
         off = np.minimum(np.abs(parts - times[k - 1]), np.abs(parts - times[k]))
-        return cls.split(np.union1d(times, parts[off > SAME * (times[-1] - times[0])]))
+        further = parts[off > SAME * (times[-1] - times[0])]
+        return cls.split(np.sort(np.concatenate([times, further])))
 
     @classmethod
     def split(cls, times: np.ndarray) -> StopTimes:

@@ -1,5 +1,10 @@
 """Bobs that start deep in the repulsive core of a potential."""
 
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
 import numpy as np
 
 from tribo.kernels.records import CHARGE, Contact
@@ -58,20 +63,31 @@ def _energies(layout: Layout, bobs: Closest, contact: Contact) -> tuple[float, f
         with np.errstate(all="ignore"):
             if not energy(r[0], *charges) > energy(r[1], *charges):
                 return 0.0, 0.0
-            energies = np.array([energy(distance, *charges) for distance in r], float)
+            energies = _energies_at(energy, r, charges)
     # A user's energy may raise anything: its errors are reported when it is compiled.
     except Exception:
         return 0.0, 0.0
     return float(energies[0]), max(-float(np.min(energies)), _other_energies(layout, bobs))
 
 
+def _energies_at(energy: Callable[..., Any], r: np.ndarray, charges: np.ndarray) -> np.ndarray:
+    """Energies of two charges at distances r (n,): one by one if the potential takes no arrays."""
+    with suppress(Exception):
+        together = np.asarray(energy(r, *charges), float)
+        if together.shape == r.shape:
+            return together
+    return np.array([energy(distance, *charges) for distance in r], float)
+
+
 def _other_energies(layout: Layout, bobs: Closest) -> float:
     """The largest energy of two asperites but for contact, over the length of a rod [energy]."""
-    pair = layout.asperites[list(bobs[1:])]
-    speed = np.hypot(np.ptp(pair.vx), np.ptp(pair.vy))
-    rods = (pair.l1 + pair.l2).tolist()
-    energies = [float(np.max(0.5 * pair.mass) * speed**2), float(np.max(0.5 * pair.kappa))]
-    for k, rod in zip(pair.surface.tolist(), rods, strict=True):
+    pair = np.asarray(layout.asperites)[list(bobs[1:])]
+    (vx, other_vx), (vy, other_vy) = pair["vx"].tolist(), pair["vy"].tolist()
+    speed = math.hypot(vx - other_vx, vy - other_vy)
+    rods = (pair["l1"] + pair["l2"]).tolist()
+    mass, kappa = max(pair["mass"].tolist()), max(pair["kappa"].tolist())
+    energies = [0.5 * mass * speed**2, 0.5 * kappa]
+    for k, rod in zip(pair["surface"].tolist(), rods, strict=True):
         surface = layout.scene.surfaces[k]
         drive = surface.drive
         energies += [abs(drive.load or 0.0) * rod, surface.bath.temperature]

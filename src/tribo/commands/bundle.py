@@ -33,16 +33,8 @@ ATTRIBUTES_IN_JSON = ("settings", "plugins", "accuracy", "met", "notes")
 NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def add_bundle(bundle: argparse.ArgumentParser) -> None:
-    files = "a scene file, whose plug-ins and data are added, a result, or any other file"
-    bundle.add_argument("files", nargs="+", type=Path, metavar="FILE", help=files)
-    out = "the archive to write"
-    bundle.add_argument("-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help=out)
-    bundle.set_defaults(command=_bundle)
-
-
-def _bundle(options: argparse.Namespace) -> int:
-    """Write files, those that their scenes need, a manifest and checksums to an archive."""
+def run_bundle(options: argparse.Namespace) -> int:
+    """Write the archive of the files that are named.  Raises InputError."""
     checked_target("--out", options.out)
     if options.out.suffix.lower() != ".zip":
         raise InputError("--out", f"must end on .zip, got {str(options.out)!r}")

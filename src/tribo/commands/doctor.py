@@ -22,12 +22,6 @@ ACCURACY = 1e-8
 TOLERANCE = 1e-6
 
 
-def add_doctor(doctor: argparse.ArgumentParser) -> None:
-    compiling = "compile all common kinds of scenes now, which takes one to three minutes"
-    doctor.add_argument("--compile", action="store_true", help=compiling)
-    doctor.set_defaults(command=run_doctor)
-
-
 def run_doctor(options: argparse.Namespace) -> int:
     """Print versions, the machine, and whether the paper's case A gives its known work."""
     from tribo.paper import scene

@@ -12,8 +12,6 @@ from typing import NoReturn
 from tribo.commands import scene_options as shared
 from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
-from tribo.commands.bundle import add_bundle
-from tribo.commands.doctor import add_doctor
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.sweep import run_sweep
@@ -157,9 +155,17 @@ def _add_others(add: Add) -> None:
     folder = "the folder to write to"
     lammps.add_argument("-o", "--out", type=Path, required=True, metavar="DIR", help=folder)
 
-    add_bundle(add("bundle", "pack scenes and results in one archive with checksums"))
+    bundle = add("bundle", "pack scenes and results in one archive with checksums", _bundle)
+    files = "a scene file, whose plug-ins and data are added, a result, or any other file"
+    bundle.add_argument("files", nargs="+", type=Path, metavar="FILE", help=files)
+    archive = "the archive to write"
+    bundle.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="ARCHIVE.zip", help=archive
+    )
     add_new(add("new", "print or write a commented scene file to start from"))
-    add_doctor(add("doctor", "print versions, cores, cache and speed"))
+    doctor = add("doctor", "print versions, cores, cache and speed", _doctor)
+    compiling = "compile all common kinds of scenes now, which takes one to three minutes"
+    doctor.add_argument("--compile", action="store_true", help=compiling)
 
 
 def _add_completion(
@@ -187,6 +193,18 @@ def _ensemble(options: argparse.Namespace) -> int:
     from tribo.commands.ensemble import run_ensemble
 
     return run_ensemble(options)
+
+
+def _bundle(options: argparse.Namespace) -> int:
+    from tribo.commands.bundle import run_bundle
+
+    return run_bundle(options)
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    from tribo.commands.doctor import run_doctor
+
+    return run_doctor(options)
 
 
 def _paper(options: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numba
 
-from tribo.compiler.numba_private import caching, dumps
+from tribo.compiler.numba_private import caching, dumps, rtsys
 from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
@@ -28,6 +28,16 @@ class KernelCache(caching.FunctionCache):
     def __init__(self, function: Any) -> None:
         super().__init__(function)
         self._cache_file = CodeFiles(self._cache_file)
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Load machine code, without what is needed to compile some.
+
+        numba prepares for compilation first: it imports its implementations of numpy, and
+        scipy.linalg, which takes as long as `import numba`.  Machine code calls functions of numba
+        that manage memory and no others of these.
+        """
+        rtsys.initialize(target)
+        return self._load_overload(signature, target)
 
     def _save_overload(self, signature: Any, data: Any) -> None:
         with suppress(OSError):  # the code is in memory; another process compiles it again

@@ -163,7 +163,7 @@ def cache_folder(loop: Any) -> Path | None:
 
 def is_compiled(loop: Any) -> bool:
     """Whether a loop made by :func:`time_loop` has been compiled, in this process or on disk."""
-    if config.DISABLE_JIT or loop.signatures:  # type: ignore[attr-defined]
+    if config.DISABLE_JIT or loop.overloads:  # type: ignore[attr-defined]
         return True
     folder = loop.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{loop.__name__}-*.nbc"))
@@ -219,9 +219,12 @@ class EntryPoint:
     def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
         kinds = tuple(map(_kind_of, (*fixed, *examples)))
-        with undisturbed():
-            loop.compile(kinds)
-        self._code = loop.overloads[kinds].entry_point if NATIVE else loop
+        compiled = loop.overloads.get(kinds)
+        if compiled is None:
+            with undisturbed():
+                loop.compile(kinds)
+            compiled = loop.overloads[kinds]
+        self._code = compiled.entry_point if NATIVE else loop
         self._fixed = fixed
         self._arrays = tuple(
             (place, example.dtype, example.strides)
@@ -262,20 +265,19 @@ class EntryPoint:
 def _kind_of(argument: Any) -> Any:
     """numba's type of an argument."""
     if type(argument) is np.ndarray and argument.flags.c_contiguous:
-        kind = _element_kind(argument.dtype)
-        return types.Array(kind, argument.ndim, "C", readonly=not argument.flags.writeable)
+        return _array_kind(argument.dtype, argument.ndim, argument.flags.writeable)
     return typeof(argument)
 
 
 @functools.cache
-def _element_kind(dtype: np.dtype) -> Any:
-    """numba's type of an array's elements, which takes long to find where they are records."""
-    return from_dtype(dtype)
+def _array_kind(dtype: np.dtype, ndim: int, writeable: bool) -> Any:
+    """numba's type of an array in C's order, which takes long to find where it is of records."""
+    return types.Array(from_dtype(dtype), ndim, "C", readonly=not writeable)
 
 
 def _compare(place: int, given: Any, example: Any) -> None:
     """Raise TypeError where numba's types of two arguments with their members would differ."""
-    if _class_of(given) is not _class_of(example):
+    if type(given) is not type(example) and _class_of(given) is not _class_of(example):
         kinds = type(example).__name__, type(given).__name__
         raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
     if isinstance(example, np.ndarray):

@@ -130,7 +130,12 @@ def recognize_class(cls: Any) -> None:
 
 
 def _freeze(cls: Any) -> Frozen:
-    """What compilation freezes of a class now, also of those that its methods make or refer to."""
+    """What compilation freezes of a class now, also of those that its methods make or refer to.
+
+    Those of this package stay as they are.
+    """
+    if cls in _frozen and is_known(cls.__module__):
+        return _frozen[cls]
     found = frozen_in(cls, METHOD_ARGUMENTS)
     for each in found.classes:
         _frozen[each] = found if each is cls else frozen_in(each, METHOD_ARGUMENTS)

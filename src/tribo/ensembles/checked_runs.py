@@ -12,7 +12,7 @@ run at a level below the cheapest one, and compared with rougher runs.
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -71,6 +71,8 @@ OTHERS = 4
 # Their largest difference from finer runs, in units of the accuracy.  In 20,000 members of case A
 # the share above x fell as x^-4: of a million, ten miss if one in a thousand is above this.
 ROOM = 0.3
+# Settings that are kept: all members have a few, in many calls.
+SETTINGS_KEPT = 8
 # Part of a level to which it is lowered at most, since errors need not be proportional to it.
 LOWERED = 0.1
 
@@ -116,6 +118,8 @@ class CheckedRuns(Policy):
         self.exact = simulation.method.name  # that of single runs, and of the first stepper
         self.steppers = _steppers(simulation, bool(own_numbers))
         self._checks = simulation.integrator.batch(bool(own_numbers), rounded=True)
+        find = partial(setting_at, simulation.layout, simulation.method)
+        self._setting_at = lru_cache(SETTINGS_KEPT)(find)
         pair = simulation.integrator.pair is not None
         self.pilot = PILOT if pair else PILOT_OF_LARGE  # members that tell whom to check
         self.finest = FLOOR if pair else max(FLOOR, FINEST_OF_LARGE * self.strictest)  # level
@@ -161,8 +165,7 @@ class CheckedRuns(Policy):
         return self._checks.run(setting, starts)
 
     def _setting(self, plan: CheckedPlan, near: float) -> Setting:
-        layout, method = self.simulation.layout, self.simulation.method
-        return setting_at(layout, method, plan.scales, plan.level, near)
+        return self._setting_at(plan.scales, plan.level, near)
 
     def fine(self, runs: MemberRuns) -> FineRuns:
         """Runs of members, with which others of the same members are compared."""

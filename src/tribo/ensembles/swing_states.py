@@ -170,7 +170,7 @@ class JointStart:
         for surface, swing, rate in zip(self._surfaces, swings, rates, strict=True):
             each = _numbers_of(surface, len(rows), values)
             _check_stiffness(self.name, surface.name, each["kappa"])
-            phi = surface.initial.for_each(surface.count)["phi"]
+            phi = surface.initial_of_each["phi"]
             phi = values.get(f"{surface.name}.phi", phi)
             found[f"{surface.name}.swing"] = phi + swing / np.sqrt(each["kappa"])
             found[f"{surface.name}.omega"] = rate / np.sqrt(_swing_inertia(surface, each))

@@ -52,7 +52,7 @@ def atoms_of(scene: Scene) -> Atoms:
     for index, surface in enumerate(scene.surfaces):
         numbers, own = _kinds(surface, index, surface.each["mass"])
         bobs, bars = _start(scene, index)
-        initial = surface.initial.for_each(surface.count)
+        initial = surface.initial_of_each
         velocities = np.zeros((surface.count, 3))
         velocities[:, :2] = surface.velocity + np.column_stack([initial["vx"], initial["vy"]])
         ends, strengths = surface.springs.bonds(surface.shape, surface.count, periodic)
@@ -84,7 +84,7 @@ def _start(scene: Scene, index: int) -> tuple[np.ndarray, np.ndarray]:
     surface = scene.surfaces[index]
     each = surface.each
     bobs = surface.resting_bobs(seed=[scene.seed, index, 0])
-    initial = surface.initial.for_each(surface.count)
+    initial = surface.initial_of_each
     swing = surface.initial_swing
     swing = initial["phi"] if swing is None else swing
     turn = surface.facing_sign * np.column_stack([np.sin(swing), 2.0 * np.sin(0.5 * swing) ** 2])

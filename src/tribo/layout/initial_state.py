@@ -49,37 +49,39 @@ class InitialState:
         Thermal starts are drawn from `seed`; without it they are the scene's.  Raises InputError if
         a name or a value cannot be used, or both theta and swing are given.
         """
-        if not isinstance(start, (dict, Mapping)):  # a dict is recognised sooner
+        if type(start) is not dict and not isinstance(start, Mapping):
             raise InputError("start", f"must map names to values, got {start!r}")
         values: Values = {}
         for key, given in self._bound(tuple(start)):
             slots, _ = self._slots(key)
             values[key] = own = number_or_array(key, start[given])
             count = slots.stop - slots.start
-            if isinstance(own, np.ndarray) and own.size != count:
-                raise InputError(key, f"has {own.size} values for {count} asperites")
-        return self._states(values, 1, None if seed is None else [seed])[0]
+            if type(own) is not float and np.size(own) != count:
+                raise InputError(key, f"has {np.size(own)} values for {count} asperites")
+        y = self._layout.start.copy()
+        self._change(y[None], values, None if seed is None else [seed])
+        return y
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
         """The states of many members, (members, 2 coordinates), drawn from `seeds` if thermal.
 
         `values` are (members, 1) or (members, asperites).  Raises InputError about a name.
         """
-        return self._states(dict(values), seeds.size, seeds.tolist())
+        y = self._layout.start[None].repeat(seeds.size, axis=0)
+        self._change(y, dict(values), seeds.tolist())
+        return y
 
-    def _states(self, values: Values, members: int, seeds: list[int] | None) -> np.ndarray:
-        """States y with these values by key, (members, 2 coordinates); each seed draws its own."""
-        y = self._layout.start[None].repeat(members, axis=0)
+    def _change(self, y: np.ndarray, values: Values, seeds: list[int] | None) -> None:
+        """Change the starts y (members, 2 coordinates) of the layout."""
         if self._is_drawn and seeds:
             draw_starts(*self._scene, y, seeds)
-        for key, own in values.items():
+        for key in values:
             slots, rest = self._slots(key)
-            y[:, slots] = own - rest
+            y[:, slots] = values[key] - rest
         for name in self._following(tuple(values)):
             y[:, self._slots(f"{name}.swing")[0]] = y[:, self._slots(f"{name}.phi")[0]]
         if self._starts_baths and (values or seeds):
             start_baths(*self._scene, y, seeds or [self._layout.scene.seed])
-        return y
 
 
 def _following(scene: Scene, continues: bool, keys: tuple[str, ...]) -> tuple[str, ...]:

@@ -95,7 +95,7 @@ class Layout:
         """The times to record, from the start of the run on, but for its rounding."""
         times = self.scene.times
         later = times - self.beginning > SAME * self.scene.duration
-        return np.union1d(times[later], [self.beginning])
+        return np.concatenate([[self.beginning], times[later]])
 
     @property
     def run_time(self) -> float:
@@ -154,8 +154,8 @@ class Layout:
     @property
     def constants(self) -> np.ndarray:
         """The constants of all asperites, (rows, n); see `tribo.kernels.records.CONSTANTS`."""
-        surfaces = self.model.surfaces
-        owners = self.asperites.surface
+        surfaces = np.asarray(self.model.surfaces)
+        owners = np.asarray(self.asperites)["surface"]
         columns = columns_of_constants(surfaces, owners, self.places.columns)
         return np.asarray(self.model.constants[:, columns])
 
@@ -245,15 +245,15 @@ class Layout:
 
     def _rows(self, each: np.ndarray) -> np.ndarray:
         """A row for each time and member, from one for each member."""
-        return np.tile(each, (self.member_times, *np.ones(each.ndim - 1, int)))
+        return np.concatenate([each] * self.member_times)
 
     @cached_property
     def shifts(self) -> np.ndarray:
         """One rounding of the place of each bob, along x and y, of either sign (2, asperites)."""
-        a = self.asperites
-        moved = np.hypot(a.vx - a.vx[0], a.vy - a.vy[0]) * self.scene.duration
-        place = np.hypot(a.x, a.y) + moved + a.l1 + a.l2
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (2, a.size))
+        a = np.asarray(self.asperites)
+        moved = np.hypot(a["vx"] - a["vx"][0], a["vy"] - a["vy"][0]) * self.scene.duration
+        place = np.hypot(a["x"], a["y"]) + moved + a["l1"] + a["l2"]
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (2, place.size))
         return np.asarray(ROUNDING * place * signs)
 
     def with_other_rounding(self) -> Layout:
@@ -266,14 +266,15 @@ class Layout:
         """
         x, y = self.shifts
         columns = self.places.columns
-        asperites = self.asperites.copy()
+        asperites = np.array(self.asperites)
+        asperites["x"] += x
+        asperites["y"] += y
         each = room(self.model.each.shape)
-        asperites.x += x
-        asperites.y += y
         each[:] = self.model.each
         each[records.X_START, columns] += x
         each[records.Y_START, columns] += y
-        return replace(self, asperites=asperites, model=self.model._replace(each=each))
+        model = self.model._replace(each=each)
+        return replace(self, asperites=asperites.view(np.recarray), model=model)
 
     def neighbours(self, splits: bool = False) -> Neighbours:
         """An empty list, which the first evaluation fills; `splits` leaves inactive blocks out."""
@@ -290,7 +291,8 @@ def _begun_at(
 def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
-    asperites, physics = scene_records(scene)
+    bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
+    asperites, physics = scene_records(scene, bobs)
     origin = np.array(scene.surfaces[0].first_bob[:2])
     kept = scene.output.ledger != "none"
     sliding = slots.slide(scene) & kept
@@ -303,10 +305,8 @@ def lay_out(scene: Scene) -> Layout:
         for name in slots.GROUPS:  # only lanes have accounts
             asperites[name] = -1
     start = start_of(asperites, scene, mine)
-    bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    calculators, calls = contacts.calculators(
-        scene, [own[:, 2] for own in bobs], theirs.surfaces["start"]
-    )
+    depths = [own[:, 2] for own in bobs]
+    calculators, calls = contacts.calculators(scene, depths, theirs.surfaces["start"])
     found, rows, skin = contacts.lay_out_contacts(scene)
     # Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
     # are faster where the bars of a row follow one another.

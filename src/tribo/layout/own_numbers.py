@@ -1,7 +1,7 @@
 """The numbers in which members of an ensemble may differ, and these from the values of keys."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 
@@ -159,10 +159,13 @@ def parameters_of_members(surface: Surface, members: int, values: Values) -> dic
         for key, v in values.items()
         if key.startswith(before)
     }
-    known = surface.asperite.for_each(count)
-    common = Asperite(*(np.tile(known[each.name], members) for each in fields(Asperite)))
+    common = {
+        each.name: np.tile(surface.each[each.name], members)
+        for each in fields(Asperite)
+        if each.name not in own
+    }
     with inside(before[:-1]):
-        return replace(common, **own).for_each(members * count)
+        return Asperite(**common, **own).for_each(members * count)
 
 
 def _potentials(layout: Layout, members: int, values: Values) -> np.ndarray:

@@ -40,19 +40,19 @@ class MemberNumbers(NamedTuple):
         return self._replace(asperites=asperites)
 
 
-def scene_records(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """The asperites and the surfaces, but for their slots."""
+def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The asperites, whose surfaces have `bobs` (n, 3), and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         own = asperites[scene.parts[surface.name]]
         record = surfaces[k : k + 1]
         _fill_surface(record, surface, scene.surfaces[0])
-        fill_parameters(own, surface, surface.each, resting_bobs(scene, k))
+        fill_parameters(own, surface, surface.each, bobs[k])
         own["surface"] = k
         for name in ("facing", "vx", "vy"):
             own[name] = record[name]
-        initial = surface.initial.for_each(surface.count)
+        initial = surface.initial_of_each
         for name in ("phi", "nu"):
             own[name] = initial[name]
         record["mass"] = np.sum(own["mass"])
@@ -152,6 +152,8 @@ def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:
 
 def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs | None:
     """All lattice springs between bars with the columns (n, members); None without any."""
+    if not any(surface.springs for surface in scene.surfaces):
+        return None
     periodic = (scene.periodic.x is not None, scene.periodic.z is not None)
     tables = []
     chains = []

@@ -72,13 +72,13 @@ def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
     return -(-sizes // width) * width
 
 
-def _slots(
-    wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int
-) -> tuple[np.ndarray, int]:
+def _slots(wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int) -> tuple[list[int], int]:
     """First slot of each surface, with so many `sizes`, or -1; and the first slot after all."""
-    sizes = np.where(wanted, sizes, 0)
-    stops = first + np.cumsum(sizes)
-    return np.where(wanted, stops - sizes, -1), int(stops[-1])
+    slots = []
+    for is_wanted, size in zip(wanted, sizes.tolist(), strict=True):
+        slots.append(first if is_wanted else -1)
+        first += size if is_wanted else 0
+    return slots, first
 
 
 def slide(scene: Scene) -> np.ndarray:

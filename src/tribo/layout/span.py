@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from tribo.kernels.records import FORCED
-from tribo.layout.scene_records import Records
 
 # Asperites of a span: more of them would make the temporary arrays of a ledger large.
 SPAN_SIZE = 50_000
@@ -30,16 +29,20 @@ class Span:
     def present(self) -> frozenset[str]:
         """Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has."""
         groups = ((k, v) for k, v in vars(self.asperites).items() if k[:4] in ("acc_", "dof_"))
-        return frozenset(name for name, slots in groups if slots.max() >= 0)
+        return frozenset(name for name, slots in groups if np.maximum.reduce(slots) >= 0)
 
     @cached_property
     def consecutive(self) -> frozenset[str]:
         """Groups whose slots follow one another, with one stride for all of them."""
-        if np.any(self.asperites.stride != self.asperites.stride[0]):
+        strides = self.asperites.stride
+        if np.any(strides != strides[0]):
             return frozenset()
+        place = np.arange(strides.size)
         groups = ((name, getattr(self.asperites, name)) for name in self.present)
         return frozenset(
-            name for name, slots in groups if slots[0] >= 0 and np.all(np.diff(slots) == 1)
+            name
+            for name, slots in groups
+            if slots[0] >= 0 and np.array_equal(slots, slots[0] + place)
         )
 
 
@@ -54,12 +57,12 @@ def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
     return tuple(spans)
 
 
-def span_of(records: Records, surfaces: Records, velocity: np.ndarray) -> Span:
+def span_of(records: np.ndarray, surfaces: np.ndarray, velocity: np.ndarray) -> Span:
     """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
+    # Attributes of record arrays, and fields of these, take microseconds.
+    records, surfaces = np.asarray(records), np.asarray(surfaces)
     mine = records["surface"]
-    names = records.dtype.names or ()
-    # Attributes of records take microseconds.
-    asperites = Asperites(**{name: np.asarray(records[name]) for name in names})
+    asperites = Asperites(**{name: records[name] for name in records.dtype.names or ()})
     return Span(
         place=slice(0, records.size),
         asperites=asperites,

@@ -23,10 +23,10 @@ class Draws:
 def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.ndarray:
     """y at t = 0; the angle and the rate of a clamped bar are in its record instead."""
     y = np.zeros(2 * numbering.coordinates)
-    q, v = np.split(y, 2)
+    q, v = halves(y)
     for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
         own = asperites[part]
-        initial = surface.initial.for_each(surface.count)
+        initial = surface.initial_of_each
         swing = surface.initial_swing
         q[part] = initial["phi"] if swing is None else swing
         v[part] = initial["omega"]
@@ -40,12 +40,18 @@ def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.nd
     return y
 
 
+def halves(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Views of the coordinates and of their rates in y, (..., 2 coordinates)."""
+    coordinates = y.shape[-1] // 2
+    return y[..., :coordinates], y[..., coordinates:]
+
+
 def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Sequence[int]) -> None:
     """Draw swings and rates of surfaces that start at a temperature, in y (runs, 2 coordinates).
 
     Energies of torsion springs and of motion have Boltzmann's distribution.
     """
-    q, v = np.split(y, 2, axis=1)
+    q, v = halves(y)
     for index, surface in enumerate(scene.surfaces):
         temperature = surface.initial.temperature
         if not temperature:
@@ -76,7 +82,7 @@ def start_baths(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
     Their variances are T / (m w^2) of displacements, in each direction, and T / m of velocities;
     those of torsional ones have the moment of inertia in place of the mass m.
     """
-    q, v = np.split(y, 2, axis=1)
+    q, v = halves(y)
     hang_baths(asperites, scene, q)
     for index, surface in enumerate(scene.surfaces):
         bath = surface.bath
@@ -99,7 +105,7 @@ def bath_slots(asperites: np.ndarray, bath: Bath) -> list[np.ndarray]:
     """Slots of the oscillators on each bar: along x, along y, and torsional, (asperites, ...)."""
     n = bath.masses.size
     slots = asperites["dof_bath"][:, None] + np.arange(2 * n + bath.inertias.size)
-    return np.split(slots, [n, 2 * n], axis=1)
+    return [slots[:, :n], slots[:, n : 2 * n], slots[:, 2 * n :]]
 
 
 def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:

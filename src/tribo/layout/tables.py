@@ -69,8 +69,11 @@ def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
 
     Those that fill its last block would turn if the angles of bars were not zero.
     """
-    same = (np.all(asperites[name] == asperites[name][0]) for name in PARAMETERS)
-    return not surface["tilted"] and all(same)
+    if surface["tilted"]:
+        return False
+    return asperites.size == 1 or all(
+        np.all(asperites[name] == asperites[name][0]) for name in PARAMETERS
+    )
 
 
 def _place_constants(surfaces: np.ndarray, asperites: np.ndarray, apart: bool) -> None:

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from tribo.layout.span import Span, columns
+from tribo.ledger.lazy import lazy_property
 
 Part = np.ndarray | float  # of an account
 
@@ -55,6 +56,22 @@ class Accounts(dict[str, Account]):
         account = self[name] = FORCES[name](self.span, self._s)
         return account
 
+    @lazy_property
+    def acting(self) -> frozenset[str]:
+        """The forces that act on any of the asperites, by the names of their works."""
+        present = self.span.present
+        return frozenset(name for name, groups in GROUPS.items() if present.intersection(groups))
+
+    def total(
+        self, names: Iterable[str], part: Callable[[Account, np.ndarray], Part]
+    ) -> np.ndarray:
+        """The sum of a part of the accounts of some forces, (times, asperites)."""
+        total: Part = 0.0
+        for name in names:
+            if name in self.acting:
+                total = total + part(self[name], self.span.velocity)
+        return self.whole(total)
+
     @property
     def swing_work(self) -> Part:
         """The work of the reservoir on the swing, a part of that of both."""
@@ -88,7 +105,10 @@ def account_columns(span: Span, group: str, places: Iterable[int], s: np.ndarray
     if group in span.consecutive:  # a part of the table, ten times faster than its columns
         firsts = [int(slots[0] + k * stride[0]) for k in places]
         return [s[:, first : first + slots.size] for first in firsts]
-    return [columns(np.where(slots >= 0, slots + k * stride, -1), s) for k in places]
+    present = slots >= 0
+    if present.all():
+        return [s[:, slots + k * stride] for k in places]
+    return [columns(np.where(present, slots + k * stride, -1), s) for k in places]
 
 
 def _contact(span: Span, s: np.ndarray) -> Account:
@@ -146,6 +166,16 @@ FORCES: dict[str, Callable[[Span, np.ndarray], Account]] = {
     "w_field": partial(_point, "acc_field"),
     "w_T": _thermal,
 }
+# The groups of accounts of these forces.
+GROUPS = {
+    "w1": ("acc_contact", "acc_slide"),
+    "w2": ("acc_contact", "acc_slide", "acc_drive"),
+    "wL": ("acc_ends", "acc_user_ends"),
+    "wR": ("acc_ends", "acc_user_ends"),
+    "w_int": ("acc_internal",),
+    "w_field": ("acc_field",),
+    "w_T": ("acc_thermal", "acc_swing"),
+}
 # The names of the external ones, and of those by which outside agents do work on a surface.
 EXTERNAL = tuple(name for name in FORCES if name != "w_int")
 APPLIED = ("w2", "wL", "wR", "w_T")
@@ -161,5 +191,4 @@ def accounted(forces: Accounts, name: str) -> np.ndarray:
         return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work
-    names = FORCES if force == "w" else [force]
-    return forces.whole(sum(kind(forces[name], span.velocity) for name in names))
+    return forces.total(FORCES if force == "w" else [force], kind)

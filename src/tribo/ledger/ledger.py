@@ -62,12 +62,11 @@ class Series(Mapping[str, np.ndarray]):
         self._known: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        known = self._known.get(name)
-        if known is None:
+        if name not in self._known:
             if name not in self._names:
                 raise self._absence(name)
-            known = self._known[name] = self._compute(name)
-        return known
+            self._known[name] = self._compute(name)
+        return self._known[name]
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name[0] == "_":  # a copy asks for methods before it has names
@@ -228,16 +227,12 @@ class SampledLedger(Ledger):
         self._forces = Forces(layout, samples)  # which the surfaces share
         self._known: dict[str, SourceSeries] = {}  # by the names of surfaces
 
-    def of(self, surface: str) -> Series:
-        return self._source(surface)
-
-    def _source(self, surface: str) -> SourceSeries:
-        known = self._known.get(surface)
-        if known is None:
+    def of(self, surface: str) -> SourceSeries:
+        if surface not in self._known:
             quantities, index = self._contents.surfaces[surface]
             source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces)
-            known = self._known[surface] = SourceSeries(quantities, source)
-        return known
+            self._known[surface] = SourceSeries(quantities, source)
+        return self._known[surface]
 
     @lazy_property
     def surfaces(self) -> Mapping[str, Table]:  # type: ignore[override]
@@ -249,7 +244,7 @@ class SampledLedger(Ledger):
 
     @lazy_property
     def system(self) -> Table:  # type: ignore[override]
-        wholes = tuple(self._source(name).source for name in self._contents.surfaces)
+        wholes = tuple(self.of(name).source for name in self._contents.surfaces)
         source = SystemSeries(self._layout, self.samples, wholes)
         return SourceSeries(self._contents.reported[-1].system, source)
 

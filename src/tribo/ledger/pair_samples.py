@@ -30,9 +30,7 @@ class Factors:
     linear: dict[Hashable, tuple[np.ndarray, tuple[int, ...]]]
     driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
 
-    def find(
-        self, key: Hashable, function: Callable[[Integrals], np.ndarray]
-    ) -> tuple[np.ndarray, tuple[int, ...]]:
+    def find(self, key: Hashable, function: Callable[[Integrals], np.ndarray]) -> None:
         """Compute the factors of a linear function of s once, and keep them under `key`."""
         factors = function(self.integrals)
         shape = factors.shape[1:]
@@ -41,7 +39,6 @@ class Factors:
         width = factors.size // len(factors)
         factors = factors.reshape((-1, width) if width > 1 else -1)
         self.linear[key] = factors, shape
-        return factors, shape
 
     @lazy_property
     def integrals(self) -> Integrals:
@@ -74,6 +71,10 @@ class PairSamples(Samples):
         self._record = record
         self._first = first
         self._factors = factors
+
+    @property
+    def linear_alike(self) -> bool:  # type: ignore[override]
+        return self._factors.driven is not None
 
     @lazy_property
     def contact(self) -> np.ndarray:  # type: ignore[override]
@@ -113,7 +114,9 @@ class PairSamples(Samples):
         """The value of a linear function of `s`, from the record's columns that it depends on."""
         if self._factors.driven is not None:
             return function(Integrals(self.s))
-        factors, shape = self._factors.linear.get(key) or self._factors.find(key, function)
+        if key not in self._factors.linear:
+            self._factors.find(key, function)
+        factors, shape = self._factors.linear[key]
         height = factors.shape[0]
         columns = self._record[:, :ENERGY] if height == ENERGY else self._columns
         if factors.ndim > 1:

@@ -29,6 +29,8 @@ class Samples:
     baths: np.ndarray  # (times, rows, columns), or (times, 0, 0) where no series needs it
 
     runs = 1  # how many there are; all have the same times
+    # Whether values of linear functions have the same bits beside others as alone.
+    linear_alike = True
 
     @lazy_property
     def contacts(self) -> dict[tuple[Layout, bool], dict[tuple[int, int], np.ndarray]]:
@@ -49,15 +51,15 @@ class Samples:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All arrays by the names of the fields."""
-        return {each.name: getattr(self, each.name) for each in fields(Samples)}
+        return {name: getattr(self, name) for name in NAMES}
 
     @property
     def columns(self) -> tuple[np.ndarray, ...]:
-        return tuple(self.arrays().values())
+        return tuple([getattr(self, name) for name in NAMES])
 
     def at(self, times: np.ndarray) -> Samples:
         """The samples whose times are among `times`, which ascend."""
-        found = times[np.minimum(times.searchsorted(self.t), times.size - 1)] == self.t
+        found = are_among(self.t, times)
         return self if np.logical_and.reduce(found) else self.rows(found)
 
     def rows(self, selected: np.ndarray | slice) -> Samples:
@@ -119,6 +121,16 @@ class Samples:
         """A series of these samples less its value at the start of the run."""
         change: np.ndarray = series - self.at_start(series)
         return change
+
+
+def are_among(t: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Which of some times `t` are among `times`, which ascend."""
+    nearest = np.minimum(times.searchsorted(t), times.size - 1)
+    return np.asarray(times[nearest] == t)
+
+
+# The names of the arrays of samples.
+NAMES = tuple(each.name for each in fields(Samples))
 
 
 def sample_columns(layout: Layout, *shape: int) -> tuple[np.ndarray, ...]:

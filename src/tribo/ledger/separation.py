@@ -63,18 +63,19 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
     if not np.all(np.isfinite(places)):
         return
     places, box = in_box(layout, places)
+    parts = list(layout.parts.values())
     for contact in layout.model.contacts:
         for one, other in contact.pairs:
-            mine, theirs = (layout.surfaces[k] for k in (one, other))
-            own = places[mine.start : mine.stop]
+            mine, theirs = parts[one], parts[other]
+            own = places[mine]
             # Within a surface, the nearest bob to each is that bob itself.
             rank = 2 if one == other else 1
-            candidates = places[theirs.start : theirs.stop]
+            candidates = places[theirs]
             distances, indices = nearest(own, candidates, box, rank)
             i = int(np.argmin(distances))
             near = int(indices[i])
             if near < len(candidates):  # a surface of one bob has no other
-                pair = int(mine.start) + i, int(theirs.start) + near
+                pair = mine.start + i, theirs.start + near
                 yield Closest(float(distances[i]), *pair), contact
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -51,12 +51,20 @@ class SeriesTable(NamedTuple):
             return SeriesTable(self.names, self.starts, self.values - other.values)
 
 
-def series_table(layout: Layout, group: AsperiteSeries, names: Iterable[str] = ()) -> SeriesTable:
+def series_table(
+    layout: Layout,
+    group: AsperiteSeries,
+    names: Iterable[str] = (),
+    only: Collection[str] | None = None,
+) -> SeriesTable:
     """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
     What is linear in the integrals is computed together: its last bits may differ from one alone.
+    Quantities that are not among `only` are left out, if that is given, where this changes no bits.
     """
     of, samples, (motion,) = _columns(layout), group.samples, group.motions
+    if only is not None:
+        of = of.of_some(only, samples.linear_alike)
     wholes = tuple([SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts))])
     sources = (motion,), (group,), wholes, (SystemSeries(layout, samples, wholes),)
 
@@ -79,9 +87,30 @@ class Columns(NamedTuple):
     """What the columns of a layout's tables are, whichever the run: the linear quantities first."""
 
     names: tuple[str, ...]  # of the quantities
-    starts: np.ndarray  # (names,) the first column of each
+    widths: tuple[int, ...]  # (names,) columns of each
+    starts: np.ndarray  # (names,) the first of these
     linear: tuple[tuple[Callable[..., np.ndarray], int], ...]  # formulas, and what they take
     others: tuple[tuple[Callable[..., np.ndarray], int], ...]
+
+    def of_some(self, names: Collection[str], of_linear: bool) -> Columns:
+        """Those of the quantities that are named, and all linear ones unless some `of_linear`."""
+        count = 0 if of_linear else len(self.linear)
+        chosen = [k for k, name in enumerate(self.names) if k < count or name in names]
+        linear = [k for k in chosen if k < len(self.linear)]
+        others = chosen[len(linear) :]
+        widths = tuple([self.widths[k] for k in chosen])
+        return Columns(
+            names=tuple([self.names[k] for k in chosen]),
+            widths=widths,
+            starts=_starts(widths),
+            linear=tuple([self.linear[k] for k in linear]),
+            others=tuple([self.others[k - len(self.linear)] for k in others]),
+        )
+
+
+def _starts(widths: tuple[int, ...]) -> np.ndarray:
+    """The first column of each of some quantities, from their numbers of columns."""
+    return np.cumsum((0, *widths[:-1]))
 
 
 @once_per_layout
@@ -102,8 +131,14 @@ def _columns(layout: Layout) -> Columns:
             others.append((of.value, MOTION))
         else:
             others.append((of.value if isinstance(of, Summed) else of, kind))
-    starts = np.cumsum([0, *(widths[kind] for _, _, kind in each[:-1])])
-    return Columns(tuple(name for name, _, _ in each), starts, tuple(linear), tuple(others))
+    columns = tuple([widths[kind] for _, _, kind in each])
+    return Columns(
+        names=tuple([name for name, _, _ in each]),
+        widths=columns,
+        starts=_starts(columns),
+        linear=tuple(linear),
+        others=tuple(others),
+    )
 
 
 def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesTable:

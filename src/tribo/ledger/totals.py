@@ -225,11 +225,8 @@ class SurfaceSeries(AsperiteSeries):
         names: tuple[str, ...],
         part: Callable[[Account, np.ndarray], Part],
     ) -> np.ndarray:
-        every = (integrals[span] for span in self._accounted)
-        return _sum(
-            each.whole(sum(part(each[name], each.span.velocity) for name in names))
-            for each in every
-        )
+        """The sum over the asperites of a part of the accounts of some forces."""
+        return _sum([integrals[span].total(names, part) for span in self._accounted])
 
     def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
         return _sum(value(motion) for motion in self.motions)

@@ -66,7 +66,7 @@ def _pair_runs(
     pair: Pair, times: np.ndarray, samples: np.ndarray, counts: np.ndarray, starts: MemberStarts
 ) -> MemberRuns:
     """Runs of a pair's members from rows of its record, (times, members, COLUMNS)."""
-    layout, each_time, numbers = pair.layout, np.repeat(times, len(counts)), starts.numbers
+    layout, each_time, numbers = pair.layout, times.repeat(len(counts)), starts.numbers
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)

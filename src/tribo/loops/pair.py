@@ -10,6 +10,7 @@ import itertools
 import time
 from collections.abc import Hashable
 from copy import copy
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,13 +19,12 @@ from numba import config
 from tribo.compiler.jit import EntryPoint
 from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
-from tribo.integrators.methods import Method
+from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
-from tribo.loops.batch import Pool
 from tribo.loops.general import numbers_of
 from tribo.loops.integrate import (
     Checkpoints,
@@ -56,8 +56,8 @@ KNOWN = {
 # First step in units of the one that is usual: the loop's method is of order 15, and a first step
 # that is too long costs one rejection only.
 FIRST_STEP_FACTOR = 8.0
-# Tolerances whose limits are kept.
-LIMITS_KEPT = 4
+# Tolerances with which the memory of loops is kept.
+BEGINNINGS_KEPT = 4
 # Steps before a run without a progress report can be interrupted: a few milliseconds.
 UNINTERRUPTED_STEPS = 2048
 
@@ -74,9 +74,10 @@ class Slots(NamedTuple):
 
 @once_per_layout
 def _slots_of(layout: Layout) -> tuple[Slots, ...]:
+    asperites, surfaces = np.asarray(layout.asperites), np.asarray(layout.surfaces)
     names = Slots._fields[:-1]
-    blocks = layout.surfaces["acc_block"].tolist()
-    each = zip(*(layout.asperites[name].tolist() for name in names), blocks, strict=True)
+    blocks = surfaces["acc_block"].tolist()
+    each = zip(*(asperites[name].tolist() for name in names), blocks, strict=True)
     return tuple(itertools.starmap(Slots, each))
 
 
@@ -120,7 +121,7 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
 
 def _mobility_of(layout: Layout, asperites: np.ndarray) -> np.ndarray:
     """(..., 2) displacement of each centre of mass for k = 1."""
-    free = layout.surfaces.drive == FREE
+    free = np.asarray(layout.surfaces)["drive"] == FREE
     return np.asarray(np.array([1.0, -1.0]) * free / asperites["mass"])
 
 
@@ -165,7 +166,7 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    a, surfaces = layout.together.asperites, layout.surfaces
+    a, surfaces = layout.together.asperites, np.asarray(layout.surfaces)
     along_x = a.dof_x[a.dof_x >= 0]
     return (
         layout.scene.count == surfaces.size == 2
@@ -175,9 +176,18 @@ def is_pair(layout: Layout) -> bool:
         and model.species is None
         and layout.rows == 0
         and len(model.contacts[0].pairs) == 1
-        and bool(np.all(np.isin(surfaces.drive, (FORCED, FREE, BARS)) & (surfaces.loaded == 0)))
+        and set(surfaces["drive"].tolist()) <= {FORCED, FREE, BARS}
+        and not surfaces["loaded"].any()
         and bool(np.all((a.dof_phi < 0) & (a.phi == 0.0) & (a.nu == 0.0) & (a.dof_y < 0)))
     )
+
+
+class Beginning(NamedTuple):
+    """The memory of a loop before a run with some tolerances."""
+
+    tolerance: Tolerance
+    rows: np.ndarray  # (ROWS, 8)
+    clock: bytes  # of CLOCK, of which arrays take microseconds to copy
 
 
 class Pair:
@@ -193,26 +203,24 @@ class Pair:
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
-        assert isinstance(method.coefficients, Collocation)
-        along_x = np.array([slot for slot in layout.asperites.dof_x if slot >= 0], int)
+        slots = np.asarray(layout.asperites)["dof_x"].tolist()
+        along_x = np.array([slot for slot in slots if slot >= 0], int)
         # Of y: what is zero at the start of every run of the loop.
         self.zeros = np.concatenate([along_x, layout.coordinates + along_x])
         self._rows = np.zeros((step_rows.ROWS, LANES))
-        self._rows[: step_rows.LIMITS] = table(method.coefficients)
-        examples = (layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        fixed = (*self.scene_arguments, self._rows, np.zeros(1, CLOCK))
-        self.entry = entry_point(layout, pair_collocation, fixed, examples)
-        self._limits: tuple[tuple[Tolerance, np.ndarray], ...] = ()
+        self._rows[: step_rows.LIMITS] = _table_of(method.name)
+        own_memory = (self._rows, np.zeros(1, CLOCK))
+        examples = (*own_memory, layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
+        self.entry = entry_point(layout, pair_collocation, self.scene_arguments, examples)
+        self._beginnings: tuple[Beginning, ...] = ()
         self._members: dict[Hashable, EntryPoint] = {}
-        self.loops = Pool(lambda: PairLoop(self))
-        self.loops.give_back(self.loops.take())
         self.compile_seconds = time.perf_counter() - began
 
     def displaced(self, layout: Layout) -> Pair:
         """The same loops for a layout in which the places of bobs alone are others."""
         pair = copy(self)
         pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
-        pair.loops = Pool(lambda: PairLoop(pair))
+        pair.entry = self.entry.with_fixed(*pair.scene_arguments)
         return pair
 
     def entry_of_members(
@@ -238,29 +246,34 @@ class Pair:
         most: float | None = None,
     ) -> Integration:
         """Integrate from `start`, y, with `most` evaluations, or those of the scene without it."""
-        loop = self.loops.take()
-        loop.begin(tolerance, start)
+        loop = PairLoop(self, self.beginning(tolerance), start)
         if progress is not None or checkpoints is not None:
-            run = integrate(loop, times, progress, None, checkpoints, most=most)
-        else:
-            run = loop.undisturbed(times, most)
-        self.loops.give_back(loop)
-        return run
+            return integrate(loop, times, progress, None, checkpoints, most=most)
+        return loop.undisturbed(times, most)
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
         return self._rows.copy()
 
     def limits(self, tolerance: Tolerance) -> np.ndarray:
-        """The loop's own limits (2, 8), with which all of the layout's tolerances are met.
+        """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
+        return self.beginning(tolerance).rows[step_rows.LIMITS : step_rows.STATE]
+
+    def beginning(self, tolerance: Setting) -> Beginning:
+        """The memory of a loop before runs with some tolerances.
 
         The last ones are kept: a run with an estimate takes three by two tolerances.
         """
-        for known, limits in self._limits:
-            if known is tolerance:
-                return limits
-        found = self._limits_of(tolerance)
-        self._limits = ((tolerance, found), *self._limits[: LIMITS_KEPT - 1])
+        for known in self._beginnings:
+            if known.tolerance is tolerance:
+                return known
+        assert isinstance(tolerance, Tolerance)
+        rows = self.rows()
+        rows[step_rows.LIMITS : step_rows.STATE] = self._limits_of(tolerance)
+        clocks = np.zeros(1, CLOCK)
+        clocks["encounter_fraction"] = tolerance.encounter_fraction
+        found = Beginning(tolerance, rows, clocks.tobytes())
+        self._beginnings = (found, *self._beginnings[: BEGINNINGS_KEPT - 1])
         return found
 
     def _limits_of(self, tolerance: Tolerance) -> np.ndarray:
@@ -277,6 +290,14 @@ class Pair:
         return both
 
 
+@cache
+def _table_of(method: str) -> np.ndarray:
+    """The coefficients of a method in rows, as the loop reads them."""
+    coefficients = METHODS[method].coefficients
+    assert isinstance(coefficients, Collocation)
+    return table(coefficients)
+
+
 def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
     """The record and the potential that the loop reads."""
     charges = layout.model.each[CHARGE, layout.places.columns]
@@ -285,57 +306,43 @@ def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
 
 
 class PairLoop(TimeLoop):
-    """The time loop of a pair, and all that it writes."""
+    """The time loop of a pair in one run from `start`, y of the layout, and all that it writes."""
 
     adaptive = True
 
-    def __init__(self, pair: Pair) -> None:
-        self.layout = layout = pair.layout
+    def __init__(self, pair: Pair, before: Beginning, start: np.ndarray) -> None:
+        self.layout = pair.layout
         self._pair = pair
-        self._tolerance: Setting | None = None  # from which the limits in the rows were made
-        self.clocks, self._rows = np.zeros(1, CLOCK), pair.rows()
-        self._evaluations = self.clocks["evaluations"]  # the loop begins a run where this is 0
-        self._start = layout.start
-        self._loop = pair.entry.with_fixed(*pair.scene_arguments, self._rows, self.clocks)
-
-    def begin(self, tolerance: Setting, start: np.ndarray) -> None:
-        """Begin a run from `start`, y of the scene's layout."""
-        if self._tolerance is not tolerance:
-            assert isinstance(tolerance, Tolerance)
-            self._tolerance = tolerance
-            self._rows[step_rows.LIMITS : step_rows.STATE] = self._pair.limits(tolerance)
-            self.clocks["encounter_fraction"] = tolerance.encounter_fraction
-        self._evaluations[0] = 0
+        self._rows = before.rows.copy()
+        self.clocks = np.frombuffer(bytearray(before.clock), CLOCK)
         self._start = start
 
     def undisturbed(self, times: np.ndarray, most: float | None) -> Integration:
         """Integrate through `times` in one call, if it does not take too many steps."""
         began = time.perf_counter()
         record = np.empty((times.size + 1, COLUMNS))
-        code = self._loop(self._start, times, record, UNINTERRUPTED_STEPS)
+        pair = self._pair
+        code = pair.entry(self._rows, self.clocks, self._start, times, record, UNINTERRUPTED_STEPS)
         if code != COMPLETED:
-            if code != PAUSED:
-                self._evaluations[0] = 0  # from the start again, to the same end
+            if code != PAUSED:  # from the start again, to the same end
+                self.clocks["evaluations"] = 0
             return integrate(self, times, columns=(record,), most=most)
-        seconds, clock = time.perf_counter() - began, self.clocks.tobytes()
-        rows, factors = self._rows[step_rows.STATE :].copy(), self._pair.factors
-        samples = PairSamples(times, record[:-1], record[:1], factors)
-        return Integration(
-            samples,
-            Status.COMPLETED,
-            record[-1],
-            seconds,
-            lambda: _memory(np.frombuffer(clock, CLOCK), rows),
-        )
+        seconds = time.perf_counter() - began
+        samples = PairSamples(times, record[:-1], record[:1], pair.factors)
+        return Integration(samples, Status.COMPLETED, record[-1], seconds, self.memory)
 
     def room(self, samples: int) -> Columns:
         return (np.empty((samples, COLUMNS)),)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        return self._loop(self._start, times, columns[0], budget)
+        """Take some steps; the loop begins the run where it has made no evaluations."""
+        memory = self._rows, self.clocks
+        code: int = self._pair.entry(*memory, self._start, times, columns[0], budget)
+        return code
 
     def memory(self) -> Memory:
-        return _memory(self.clocks, self._rows[step_rows.STATE :].copy())
+        rows = self._rows[step_rows.STATE :].copy()
+        return {"clock": numbers_of(self.clocks), "pair": rows}
 
     def restore(self, memory: Memory) -> None:
         self.clocks[0] = tuple(memory["clock"])
@@ -344,7 +351,3 @@ class PairLoop(TimeLoop):
     def samples(self, times: np.ndarray, columns: Columns) -> PairSamples:
         record = columns[0][: times.size]
         return PairSamples(times, record, record[:1], self._pair.factors)
-
-
-def _memory(clocks: np.ndarray, rows: np.ndarray) -> Memory:
-    return {"clock": numbers_of(clocks), "pair": rows}

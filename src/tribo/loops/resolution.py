@@ -79,8 +79,8 @@ def contact_frequency(layout: Layout) -> float:
 
 def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     """The first step: short against the run and the period of every pendulum and oscillator."""
-    own = layout.asperites if members is None else members.asperites
-    a = {name: np.asarray(own[name]) for name in ("kappa", "inertia", "i2")}
+    own = np.asarray(layout.asperites) if members is None else members.asperites
+    a = {name: own[name] for name in ("kappa", "inertia", "i2")}
     mobility = np.maximum(1.0 / a["inertia"], 1.0 / a["i2"])
     pendulum = float(np.max(np.sqrt(a["kappa"] * mobility)))
     fastest = max(pendulum, bath_frequency(layout))

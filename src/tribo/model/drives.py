@@ -354,7 +354,8 @@ class Custom(Drive):
         plugins.check_class(type(self.force), "force", FORCE_ON_BAR)
         object.__setattr__(self, "force", plugins.with_numbers(self.force))
         with check.inside("force"):
-            flags = _declared_flags(type(self.force))
+            kind: Any = type(self.force)
+            flags = _declared_flags(kind)
             for given in TRIALS if flags else ():
                 _check_flags(self.force, flags, given)
         for name, value in flags.items():
@@ -397,7 +398,7 @@ TRIALS = ((0.0, 0.3, -0.7, 0.6, -0.2, 0.9, 0.4), (1.3, -2.1, 0.8, -0.5, 1.1, -0.
 
 
 @functools.cache
-def _declared_flags(kind: type) -> dict[str, bool]:
+def _declared_flags(kind: Any) -> dict[str, bool]:
     """The flags that the class of a user's drive declares.
 
     Raises InputError for names like those of flags, and other values than true and false.

@@ -33,7 +33,10 @@ def settings_of(
 
 def changes(initial: Mapping[str, Any], estimate: bool = True) -> Identity:
     """The settings of a prepared run: initial values that it changed, and whether it has errors."""
-    values = {str(name): np.asarray(value, float).tolist() for name, value in initial.items()}
+    values = {}
+    for name in initial:
+        value = initial[name]
+        values[str(name)] = value if type(value) is float else np.asarray(value, float).tolist()
     return {"initial": values, "estimate": estimate}
 
 

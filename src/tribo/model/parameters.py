@@ -224,7 +224,8 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
     """
     with inside(surface.name):
         given = of_parts.get(surface.name, {})
-        for key in sorted(given.keys() & table_of(surface.asperite).keys() - {*OF_SURFACE}):
+        unknown = given.keys() - {*OF_SURFACE}
+        for key in sorted(unknown & table_of(surface.asperite).keys() if unknown else ()):
             hint = f'did you mean "{surface.name}.asperite.{key}"?'
             raise InputError(key, f"is not a known key; {hint}")
         own = known_keys(given, OF_SURFACE)

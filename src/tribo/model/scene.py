@@ -177,11 +177,14 @@ class Scene(ComparedByValue):
     def _check_initial(self, surface: Surface) -> None:
         """Refuse displacements of centres of mass that cannot move, and starts of nothing."""
         for name in DISPLACEMENTS:
+            if getattr(surface.initial, name) is None:
+                continue
             held = self._held(surface, name)
-            if held and getattr(surface.initial, name) is not None:
+            if held:
                 raise InputError(name, f"cannot be given{held}")
-        can_move = self.slides_along_x(surface) or self.slides_along_y(surface)
-        if surface.initial.temperature and surface.asperite.is_rigid and not can_move:
+        if not surface.initial.temperature or not surface.asperite.is_rigid:
+            return
+        if not (self.slides_along_x(surface) or self.slides_along_y(surface)):
             raise InputError("temperature", "draws nothing: the asperites are rigid and are held")
 
     def _held(self, surface: Surface, name: str) -> str:
@@ -307,23 +310,32 @@ class Scene(ComparedByValue):
 
         On driven bars they follow from the pendulum's angle.
         """
-        if surface.drive.holds_bars:
-            return False
-        return not surface.drive.cancels_x or self.has_uncancelled_forces(surface)
+        return self._sliding[surface.name][0]
 
     def slides_along_y(self, surface: Surface) -> bool:
         """Whether the y of the surface's centres of mass are degrees of freedom, likewise."""
-        if surface.drive.holds_bars:
-            return False
-        pressed = surface.drive.load is not None or not surface.drive.cancels_y
-        return pressed or self.has_uncancelled_forces(surface)
+        return self._sliding[surface.name][1]
+
+    @cached_property
+    def _sliding(self) -> dict[str, tuple[bool, bool]]:
+        """Surface -> whether x and y of its centres of mass are degrees of freedom."""
+        found = {}
+        for surface in self.surfaces:
+            drive = surface.drive
+            pushed = self.has_uncancelled_forces(surface)
+            along_x = pushed or not drive.cancels_x
+            along_y = pushed or drive.load is not None or not drive.cancels_y
+            moves = not drive.holds_bars
+            found[surface.name] = (moves and along_x, moves and along_y)
+        return found
 
     @property
     def times(self) -> np.ndarray:
         """The times to record, which include the start and the end [time]."""
         if self.output.times is None:
             return np.linspace(0.0, self.duration, self.output.samples)
-        return np.union1d(np.array(self.output.times), [0.0, self.duration])
+        inner = [time for time in self.output.times if 0.0 < time < self.duration]
+        return np.array([0.0, *inner, self.duration])
 
     def __repr__(self) -> str:
         surfaces = ", ".join(f"{s.name} ({s.count})" for s in self.surfaces)

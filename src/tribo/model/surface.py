@@ -169,7 +169,7 @@ class Surface(ComparedByValue):
         if self.bars != "clamped":
             raise InputError("asperite.kappa", "must be finite where bars are not clamped, got inf")
         for name in ("omega", "nu"):
-            if np.any(self.initial.for_each(self.count)[name]):
+            if np.any(self.initial_of_each[name]):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.reservoir("swing") is not None:
             raise InputError("langevin.on", 'must be "bar" where asperite.kappa = inf, got "swing"')
@@ -207,7 +207,7 @@ class Surface(ComparedByValue):
             return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
         return ("f2",) if noisy and self.drive.holds_bars else ()
 
-    @property
+    @cached_property
     def reservoirs(self) -> tuple[Langevin, ...]:
         """The Langevin reservoirs that damp, that at the bars first."""
         listed = self.langevin if isinstance(self.langevin, tuple) else (self.langevin,)
@@ -267,7 +267,7 @@ class Surface(ComparedByValue):
             return (self.count, 1), (0.0, 0.0)
         return self.shape, self.spacing
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of asperites."""
         return len(self.positions) if self.positions is not None else self.shape[0] * self.shape[1]
@@ -287,11 +287,16 @@ class Surface(ComparedByValue):
         """+1 for a surface that faces down, -1 for one that faces up."""
         return 1.0 if self.facing == "down" else -1.0
 
+    @cached_property
+    def initial_of_each(self) -> dict[str, np.ndarray]:
+        """The initial values of each asperite; see :meth:`Initial.for_each`."""
+        return self.initial.for_each(self.count)
+
     @property
     def initial_swing(self) -> np.ndarray | None:
         """(n,) initial angles theta - rest [rad], from `theta` or `swing`; None without either."""
         given = self.initial
-        each = self.initial.for_each(self.count)
+        each = self.initial_of_each
         if given.theta is not None:
             return each["theta"] - self.rest
         return None if given.swing is None else each["swing"]
@@ -307,11 +312,11 @@ class Surface(ComparedByValue):
         if self.positions is not None:
             bobs = self.positions - np.array(origin)
         else:
-            column, row = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]))
+            index = np.arange(self.count)
             bobs = np.empty((self.count, 3))
-            bobs[:, 0] = (self.bob[0] - origin[0]) + column.ravel() * self.spacing[0]
+            bobs[:, 0] = (self.bob[0] - origin[0]) + index % self.shape[0] * self.spacing[0]
             bobs[:, 1] = self.bob[1] - origin[1]
-            bobs[:, 2] = (self.depth - origin[2]) + row.ravel() * self.spacing[1]
+            bobs[:, 2] = (self.depth - origin[2]) + index // self.shape[0] * self.spacing[1]
         heights = self.drawn_heights(seed)
         if heights is not None:
             bobs[:, 1] += heights

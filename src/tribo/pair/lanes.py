@@ -66,7 +66,7 @@ START = J + 1
 def coefficients(method: Nystrom) -> np.ndarray:
     """The coefficients of a method, in the order in which a step reads them."""
     stages = method.c.size
-    rows = [np.append(method.c[i], method.a[i, :i]) for i in range(1, stages)]
+    rows = [[method.c[i], *method.a[i, :i]] for i in range(1, stages)]
     return np.concatenate(
         [*rows, *np.column_stack([method.b, method.v, method.ev[:-1]]), method.ev[-1:]]
     )

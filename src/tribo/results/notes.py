@@ -265,7 +265,7 @@ def _on_places(scene: Scene) -> Iterator[str]:
 def _on_angles(scene: Scene) -> Iterator[str]:
     """Initial angles beyond a whole turn, which may be degrees."""
     for surface in scene.surfaces:
-        phi = surface.initial.for_each(surface.count)["phi"]
+        phi = surface.initial_of_each["phi"]
         swing = surface.initial_swing
         for name, angles in (("swing from rest", swing), ("phi", phi)):
             largest = 0.0 if angles is None else float(np.max(np.abs(angles)))
