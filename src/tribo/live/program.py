@@ -1,0 +1,112 @@
+"""The program of a page: a run of a pair, its quantities, and their errors."""
+
+from tribo.compiler.jit import apart, kernel
+from tribo.kernels import status as codes
+from tribo.live import inputs
+from tribo.live.limits import guess, measured, set_limits
+from tribo.live.quantities import MEMBERS, OfAsperite, write_quantities
+from tribo.live.setup import bodies_of, set_times, sides_of
+from tribo.pair.bodies import pair_of
+from tribo.pair.loop import integrate_pair
+
+# Places in the options of a run.  GIVEN is 1 where the limits stand in the loop's memory and the
+# times are given; ESTIMATE is 1 for a second run, at COARSER times the level.  The program writes
+# the number of samples that were reached, and of evaluations.
+GIVEN, LEVEL, NEAR, ESTIMATE, MOST_STEPS, REACHED, EVALUATIONS, PASSED, NEEDED = range(9)
+OPTIONS = 9
+# Level of the run that measures scales, and the largest part of the way to an encounter in it.
+PILOT, PILOT_NEAR = 1e-4, 0.5
+# Level of the coarser run, relative to that of the run that is shown; see tribo.accuracy.levels.
+COARSER = 10.0
+# An estimate is this times the difference from the coarser run; see tribo.accuracy.comparison.
+SAFETY, ROUNDING = 3.0, 256.0 * 2.0**-52
+# The largest part of the way to an encounter in the run that is shown, and its level in units of
+# the accuracy that is wanted; see tribo.accuracy.search.
+NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
+LEVEL_OF_ACCURACY = 0.1 * 100.0 * 2.0 / 3.0
+X_BOB = OfAsperite._fields.index("x_bob")
+
+
+def level_of(accuracy: float) -> float:
+    """The level of the run that is shown."""
+    return LEVEL_OF_ACCURACY * accuracy
+
+
+@apart  # once for all runs
+def integrate(pair, potential, memory, clocks, start, times, record, near, most):
+    """One run from the start; returns its status and the number of samples that it reached."""
+    clocks[0].evaluations = 0
+    clocks[0].sample = 0
+    clocks[0].encounter_fraction = near
+    status = integrate_pair((pair,), potential, memory, clocks, start, times, record, most)
+    return status, clocks[0].sample
+
+
+@kernel
+def passing(pair, series, count):
+    """Whether the bobs have passed along x, and a duration after which surfaces have done so.
+
+    They have where at the end they are half as far apart as at the start, on the other side, or
+    more.  The duration carries them as far apart again; it is 0 where the surfaces do not approach.
+    """
+    one, other, last = X_BOB, MEMBERS + X_BOB, count - 1
+    begins, ends = series[one, 0] - series[other, 0], series[one, last] - series[other, last]
+    if begins * pair.velocity_x >= 0.0:
+        return 1.0, 0.0
+    passed = 1.0 if ends * begins < 0.0 and abs(ends) >= 0.5 * abs(begins) else 0.0
+    return passed, 2.0 * abs(begins / pair.velocity_x)
+
+
+def live_pair(
+    potential, numbers, options, memory, clocks, start, times, record, coarse, series, other, errors
+):
+    """Run a pair with the `numbers` of `tribo.live.inputs`; returns the code of a status.
+
+    `memory` has the method's table; `record` and `coarse` are records of the loop, `series` and
+    `other` (QUANTITIES, times) the quantities of both runs, and `errors` (QUANTITIES,) a bound on
+    the error of each in the first run.
+    """
+    bodies = bodies_of(numbers)
+    one, second = bodies
+    pair = pair_of(one, second)
+    at = inputs.OF_SURFACE
+    start[0], start[1] = numbers[inputs.SWING], numbers[at + inputs.SWING]
+    start[2], start[3] = numbers[inputs.OMEGA], numbers[at + inputs.OMEGA]
+    bar_lengths = numbers[inputs.BAR_LENGTH], numbers[at + inputs.BAR_LENGTH]
+    sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
+    most, near, level = int(options[MOST_STEPS]), options[NEAR], options[LEVEL]
+    duration = numbers[inputs.DURATION]
+    scales = guess(bodies, start)
+    if options[GIVEN] == 0.0:
+        set_times(duration, times)
+        mean_x = 0.5 * (numbers[inputs.VELOCITY_X] + numbers[at + inputs.VELOCITY_X])
+        mean_y = 0.5 * (numbers[inputs.VELOCITY_Y] + numbers[at + inputs.VELOCITY_Y])
+        set_limits(bodies, bar_lengths, scales, duration, PILOT, memory)
+        status, count = integrate(
+            pair, potential, memory, clocks, start, times, coarse, PILOT_NEAR, most
+        )
+        if count > 0:
+            of_mean = sides_of(numbers, bodies, mean_x, mean_y)
+            write_quantities(pair, potential, of_mean, times, coarse, count, other)
+            scales = measured(bodies, coarse, other, count, scales)
+        set_limits(bodies, bar_lengths, scales, duration, level, memory)
+    status, count = integrate(pair, potential, memory, clocks, start, times, record, near, most)
+    options[REACHED], options[EVALUATIONS] = count, clocks[0].evaluations
+    if count > 0:
+        write_quantities(pair, potential, sides, times, record, count, series)
+        options[PASSED], options[NEEDED] = passing(pair, series, count)
+    if options[ESTIMATE] == 0.0 or count == 0:
+        return status
+    set_limits(bodies, bar_lengths, scales, duration, COARSER * level, memory)
+    _, reached = integrate(
+        pair, potential, memory, clocks, start, times, coarse, PILOT_NEAR, most
+    )
+    if reached > 0:
+        write_quantities(pair, potential, sides, times, coarse, reached, other)
+    for name in range(series.shape[0]):
+        top = gap = 0.0
+        for k in range(min(count, reached)):
+            top = max(top, abs(series[name, k]))
+            gap = max(gap, abs(series[name, k] - other[name, k]))
+        errors[name] = SAFETY * gap + ROUNDING * top
+    return status
