@@ -13,6 +13,7 @@ from tribo.ensembles.swing_states import (
     Microcanonical as Microcanonical,
 )
 from tribo.explanation import Explanation as Explanation, explain as explain
+from tribo.live_pages.page import live as live, to_live_html as to_live_html
 from tribo.model.asperite import Asperite as Asperite
 from tribo.model.bath import Bath as Bath
 from tribo.model.drives import (

@@ -6,9 +6,9 @@ import struct
 import numpy as np
 import wasmtime
 
-from tribo.live import program
-from tribo.live.inputs import INPUTS
-from tribo.live.quantities import QUANTITIES
+from tribo.live_pages import program
+from tribo.live_pages.inputs import INPUTS
+from tribo.live_pages.quantities import QUANTITIES
 from tribo.pair import step_rows
 from tribo.pair.loop import COLUMNS
 

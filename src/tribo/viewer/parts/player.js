@@ -47,8 +47,9 @@ function mount(element, source) {
   element.innerHTML = BODY;
   const part = (name) => element.querySelector(`[data-part=${name}]`);
   const values = Object.fromEntries(source.sliders.map(({ key, value }) => [key, value]));
-  const drawScene = makeDrawing(part("scene"));
-  const drawKept = makeDrawing(part("keptScene"));
+  const force = { size: 0 }; // of the arrows in both drawings
+  const drawScene = makeDrawing(part("scene"), force);
+  const drawKept = makeDrawing(part("keptScene"), force);
   const curves = makeCurves(part("curves"));
   const drawn = new Map();
   let run = null;

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.layout.layout import Layout, lay_out
-from tribo.live.inputs import inputs_of
+from tribo.live_pages.inputs import inputs_of
 from tribo.loops.pair import is_pair
 from tribo.model.parameters import INTERACTION, value_of, with_values
 from tribo.model.scene import Scene

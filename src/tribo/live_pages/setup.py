@@ -2,8 +2,8 @@
 
 from tribo.compiler.jit import kernel
 from tribo.kernels.kinematics import equation
-from tribo.live import inputs
-from tribo.live.quantities import Side
+from tribo.live_pages import inputs
+from tribo.live_pages.quantities import Side
 from tribo.model.asperite import rod_of
 from tribo.pair.bodies import Body
 

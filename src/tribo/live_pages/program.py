@@ -1,19 +1,25 @@
 """The program of a page: a run of a pair, its quantities, and their errors."""
 
+import math
+
 from tribo.compiler.jit import apart, kernel
+from tribo.compiler.lanes import broadcast, lane, with_lane
+from tribo.compiler.lanes_functions import sine_cosine
 from tribo.kernels import status as codes
-from tribo.live import inputs
-from tribo.live.limits import guess, measured, set_limits
-from tribo.live.quantities import MEMBERS, OfAsperite, write_quantities
-from tribo.live.setup import bodies_of, set_times, sides_of
+from tribo.live_pages import inputs
+from tribo.live_pages.limits import guess, measured, set_limits
+from tribo.live_pages.quantities import MEMBERS, OfAsperite, write_quantities
+from tribo.live_pages.setup import bodies_of, set_times, sides_of
 from tribo.pair.bodies import pair_of
 from tribo.pair.loop import integrate_pair
 
 # Places in the options of a run.  GIVEN is 1 where the limits stand in the loop's memory and the
 # times are given; ESTIMATE is 1 for a second run, at COARSER times the level.  The program writes
-# the number of samples that were reached, and of evaluations.
+# the number of samples that were REACHED, that of evaluations, and what `passing` returns.
 GIVEN, LEVEL, NEAR, ESTIMATE, MOST_STEPS, REACHED, EVALUATIONS, PASSED, NEEDED = range(9)
-OPTIONS = 9
+# With an AMPLITUDE above 0 [rad] both pendulums begin a free swing of it, at their own phases.
+AMPLITUDE, PHASE1, PHASE2 = range(9, 12)
+OPTIONS = 12
 # Level of the run that measures scales, and the largest part of the way to an encounter in it.
 PILOT, PILOT_NEAR = 1e-4, 0.5
 # Level of the coarser run, relative to that of the run that is shown; see tribo.accuracy.levels.
@@ -57,10 +63,21 @@ def passing(pair, series, count):
     return passed, 2.0 * abs(begins / pair.velocity_x)
 
 
+@kernel
+def begin_swings(pair, options, start):
+    """Begin both pendulums at phases of a free swing, which all have one amplitude."""
+    amplitude = options[AMPLITUDE]
+    phases = with_lane(broadcast(options[PHASE1]), 1, options[PHASE2])
+    sin, cos = sine_cosine(phases)
+    start[0], start[1] = amplitude * lane(cos, 0), amplitude * lane(cos, 1)
+    start[2] = -amplitude * math.sqrt(pair.omega_squared1) * lane(sin, 0)
+    start[3] = -amplitude * math.sqrt(pair.omega_squared2) * lane(sin, 1)
+
+
 def live_pair(
     potential, numbers, options, memory, clocks, start, times, record, coarse, series, other, errors
 ):
-    """Run a pair with the `numbers` of `tribo.live.inputs`; returns the code of a status.
+    """Run a pair with the `numbers` of `tribo.live_pages.inputs`; returns the code of a status.
 
     `memory` has the method's table; `record` and `coarse` are records of the loop, `series` and
     `other` (QUANTITIES, times) the quantities of both runs, and `errors` (QUANTITIES,) a bound on
@@ -72,6 +89,8 @@ def live_pair(
     at = inputs.OF_SURFACE
     start[0], start[1] = numbers[inputs.SWING], numbers[at + inputs.SWING]
     start[2], start[3] = numbers[inputs.OMEGA], numbers[at + inputs.OMEGA]
+    if options[AMPLITUDE] > 0.0:
+        begin_swings(pair, options, start)
     bar_lengths = numbers[inputs.BAR_LENGTH], numbers[at + inputs.BAR_LENGTH]
     sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
     most, near, level = int(options[MOST_STEPS]), options[NEAR], options[LEVEL]

@@ -15,24 +15,31 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import LOOP, cache_folder, package_stamp
+from tribo.compiler.jit import COMPILED, LOOP, cache_folder, stamp_of
 from tribo.compiler.numba_private import NATIVE, dumps
 from tribo.compiler.plugin_methods import recognize
 from tribo.files import replace_file
 from tribo.kernels.records import CLOCK
-from tribo.live import program
-from tribo.live.inputs import INPUTS
-from tribo.live.link import linked
-from tribo.live.quantities import QUANTITIES
-from tribo.live.retarget import object_of
+from tribo.live_pages import program
+from tribo.live_pages.inputs import INPUTS
+from tribo.live_pages.link import linked
+from tribo.live_pages.quantities import QUANTITIES
+from tribo.live_pages.retarget import object_of
 from tribo.pair import step_rows
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.stamps import code_stamp_of
 from tribo.validation import InputError
 
 GENERIC = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
-# Ends of the line of the process that reports an error of the potential.
-REFUSED = "tribo.live: "
+# Sources that a module is made of.
+SOURCES = (
+    *COMPILED,
+    "model/asperite.py",
+    *(
+        f"live_pages/{name}.py"
+        for name in ("inputs", "setup", "quantities", "limits", "program", "retarget", "link")
+    ),
+)
 # The arrays of the program behind the potential: the shape of each, where -1 is the number of
 # samples and -2 one more; the clock is a record.
 ARRAYS: dict[str, tuple[int, ...]] = {
@@ -72,7 +79,7 @@ def _kept_at(potential: Any) -> Path | None:
     if stamp is None or folder is None:
         return None
     kind = hashlib.blake2b(f"{stamp} {_shape(potential)}".encode(), digest_size=8).hexdigest()
-    return folder / f"live-{package_stamp()}-{kind}.wasm"
+    return folder / f"live-{stamp_of(SOURCES)}-{kind}.wasm"
 
 
 def _shape(value: Any) -> str:
@@ -85,7 +92,7 @@ def _shape(value: Any) -> str:
 def _compiled_apart(potential: Any) -> bytes:
     """The module, compiled by another process."""
     given = dumps((sys.path, potential))
-    command = [sys.executable, "-c", "from tribo.live.compile import main; main()"]
+    command = [sys.executable, "-c", "from tribo.live_pages.compile import main; main()"]
     paths = os.pathsep.join(str(each) for each in sys.path if each)
     environment = os.environ | GENERIC | {"PYTHONPATH": paths}
     done = subprocess.run(command, input=given, capture_output=True, env=environment, check=False)

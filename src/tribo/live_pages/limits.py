@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES
-from tribo.live.quantities import MEMBERS, OfAsperite
+from tribo.live_pages.quantities import MEMBERS, OfAsperite
 from tribo.pair import step_rows as rows
 from tribo.pair.bodies import slide_of
 
