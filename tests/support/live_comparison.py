@@ -139,7 +139,7 @@ def own_settings(host, numbers, record, samples):
     options[program.MOST_STEPS], options[program.ESTIMATE] = 1e5, 1.0
     code = host.run(numbers=numbers, options=options)
     errors = np.abs(host.get("series") - accurate).max(axis=1)
-    said = host.get("errors") + 1e-9 * np.abs(accurate).max(axis=1)
+    said = host.get("errors") + 1e-12 * np.abs(accurate).max(axis=1)
     known = said > 0.0
     return {"own_code": code, "own_excess": float(np.max(errors[known] / said[known]))}
 

@@ -27,9 +27,7 @@ class Machine:
     def __init__(self, content, potential, samples, clock_size):
         self.store = wasmtime.Store(wasmtime.Engine())
         module = wasmtime.Module(self.store.engine, content)
-        self.memory = wasmtime.Memory(
-            self.store, wasmtime.MemoryType(wasmtime.Limits(256, None))
-        )
+        self.memory = wasmtime.Memory(self.store, wasmtime.MemoryType(wasmtime.Limits(256, None)))
         imports = [self._import(each) for each in module.imports]
         self.run_code = wasmtime.Instance(self.store, module, imports).exports(self.store)["run"]
         self.top, self.samples = 2 * STACK, samples

@@ -96,10 +96,11 @@ def numbers_at(scene: Scene) -> np.ndarray | None:
 def _present(scene: Scene, layout: Layout, key: str) -> float | None:
     value = value_of(scene, key)
     name, _, rest = key.partition(".")
-    if value is None and rest in ("swing", "theta"):
+    if value is None and rest in ("swing", "theta", "omega"):  # not given
         index = next(k for k, surface in enumerate(scene.surfaces) if surface.name == name)
         surface: Surface = scene.surfaces[index]
-        value = float(layout.start[index]) + surface.rest * (rest == "theta")
+        place = index + layout.coordinates * (rest == "omega")
+        value = float(layout.start[place]) + surface.rest * (rest == "theta")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return None
     return float(value)

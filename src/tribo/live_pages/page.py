@@ -149,6 +149,5 @@ def _picture(scene: Scene, moving: int) -> str:
             f"{dash}><title>{name}</title></polyline>"
         )
     label = f"works of friction and drive over time, from {low:.3g} to {high:.3g}"
-    return (
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}">{"".join(lines)}</svg>'
-    )
+    frame = f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}"'
+    return f"<svg {frame}>{''.join(lines)}</svg>"

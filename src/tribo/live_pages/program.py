@@ -5,7 +5,6 @@ import math
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.kernels import status as codes
 from tribo.live_pages import inputs
 from tribo.live_pages.limits import guess, measured, set_limits
 from tribo.live_pages.quantities import MEMBERS, OfAsperite, write_quantities
@@ -30,7 +29,10 @@ SAFETY, ROUNDING = 3.0, 256.0 * 2.0**-52
 # the accuracy that is wanted; see tribo.accuracy.search.
 NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
 LEVEL_OF_ACCURACY = 0.1 * 100.0 * 2.0 / 3.0
-X_BOB = OfAsperite._fields.index("x_bob")
+X_BOB, VX_CM = (OfAsperite._fields.index(name) for name in ("x_bob", "vx_cm"))
+# Samples of the run that measures scales, at most; and those of the coarser run: every fourth, so
+# that it has steps of its own.
+PILOT_SAMPLES, EVERY = 65, 4
 
 
 def level_of(accuracy: float) -> float:
@@ -50,17 +52,20 @@ def integrate(pair, potential, memory, clocks, start, times, record, near, most)
 
 @kernel
 def passing(pair, series, count):
-    """Whether the bobs have passed along x, and a duration after which surfaces have done so.
+    """Whether the encounter is over, and a duration after which it is at the surfaces' velocities.
 
-    They have where at the end they are half as far apart as at the start, on the other side, or
-    more.  The duration carries them as far apart again; it is 0 where the surfaces do not approach.
+    It is over where the bobs are again half as far apart along x as at the start, or more, and
+    the centres of mass part.  The duration carries the surfaces as far apart on the other side; it
+    is 0 where they do not approach at the start.
     """
-    one, other, last = X_BOB, MEMBERS + X_BOB, count - 1
-    begins, ends = series[one, 0] - series[other, 0], series[one, last] - series[other, last]
+    last = count - 1
+    begins = series[X_BOB, 0] - series[MEMBERS + X_BOB, 0]
+    ends = series[X_BOB, last] - series[MEMBERS + X_BOB, last]
+    parting = ends * (series[VX_CM, last] - series[MEMBERS + VX_CM, last])
     if begins * pair.velocity_x >= 0.0:
         return 1.0, 0.0
-    passed = 1.0 if ends * begins < 0.0 and abs(ends) >= 0.5 * abs(begins) else 0.0
-    return passed, 2.0 * abs(begins / pair.velocity_x)
+    over = 1.0 if abs(ends) >= 0.5 * abs(begins) and parting > 0.0 else 0.0
+    return over, 2.0 * abs(begins / pair.velocity_x)
 
 
 @kernel
@@ -97,18 +102,20 @@ def live_pair(
     duration = numbers[inputs.DURATION]
     scales = guess(bodies, start)
     if options[GIVEN] == 0.0:
-        set_times(duration, times)
         mean_x = 0.5 * (numbers[inputs.VELOCITY_X] + numbers[at + inputs.VELOCITY_X])
         mean_y = 0.5 * (numbers[inputs.VELOCITY_Y] + numbers[at + inputs.VELOCITY_Y])
+        few = times[: min(times.size, PILOT_SAMPLES)]
+        set_times(duration, few)
         set_limits(bodies, bar_lengths, scales, duration, PILOT, memory)
         status, count = integrate(
-            pair, potential, memory, clocks, start, times, coarse, PILOT_NEAR, most
+            pair, potential, memory, clocks, start, few, coarse, PILOT_NEAR, most
         )
         if count > 0:
             of_mean = sides_of(numbers, bodies, mean_x, mean_y)
-            write_quantities(pair, potential, of_mean, times, coarse, count, other)
+            write_quantities(pair, potential, of_mean, few, coarse, count, other)
             scales = measured(bodies, coarse, other, count, scales)
         set_limits(bodies, bar_lengths, scales, duration, level, memory)
+        set_times(duration, times)
     status, count = integrate(pair, potential, memory, clocks, start, times, record, near, most)
     options[REACHED], options[EVALUATIONS] = count, clocks[0].evaluations
     if count > 0:
@@ -116,16 +123,19 @@ def live_pair(
         options[PASSED], options[NEEDED] = passing(pair, series, count)
     if options[ESTIMATE] == 0.0 or count == 0:
         return status
+    every = EVERY if (times.size - 1) % EVERY == 0 else 1
+    few = times[: (times.size - 1) // every + 1]
+    set_times(duration, few)
     set_limits(bodies, bar_lengths, scales, duration, COARSER * level, memory)
-    _, reached = integrate(
-        pair, potential, memory, clocks, start, times, coarse, PILOT_NEAR, most
-    )
+    _, reached = integrate(pair, potential, memory, clocks, start, few, coarse, PILOT_NEAR, most)
     if reached > 0:
-        write_quantities(pair, potential, sides, times, coarse, reached, other)
+        write_quantities(pair, potential, sides, few, coarse, reached, other)
+    set_times(duration, times)
+    compared = min((count - 1) // every + 1, reached)
     for name in range(series.shape[0]):
         top = gap = 0.0
-        for k in range(min(count, reached)):
-            top = max(top, abs(series[name, k]))
-            gap = max(gap, abs(series[name, k] - other[name, k]))
+        for k in range(compared):
+            top = max(top, abs(series[name, every * k]))
+            gap = max(gap, abs(series[name, every * k] - other[name, k]))
         errors[name] = SAFETY * gap + ROUNDING * top
     return status

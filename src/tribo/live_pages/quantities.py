@@ -216,9 +216,7 @@ def end_entries(side, now, first_arc):
     """Of the left and the right end, where clamps hold the bar."""
     end = side.clamped * side.body.kappa / side.bar_length
     turned = side.body.facing * end * (now.arc - first_arc)
-    left = Entry(
-        -side.body.l2 * turned, 0.0, end * now.twist, side.body.pivot * turned
-    )
+    left = Entry(-side.body.l2 * turned, 0.0, end * now.twist, side.body.pivot * turned)
     right = Entry(side.body.l2 * turned, 0.0, -end * now.twist, -side.body.pivot * turned)
     return left, right
 
@@ -237,9 +235,7 @@ def drive_entry(side, now, contact, left, right, vx, vy, vx0, vy0):
     if side.held_bar == 0.0:
         held = 1.0 - side.body.free
         about = side.body.facing * (held * now.about_x + now.about_y)
-        return Entry(
-            side.body.l2 * about, -held * contact.jx, -contact.jy, -held * contact.pseudo
-        )
+        return Entry(side.body.l2 * about, -held * contact.jx, -contact.jy, -held * contact.pseudo)
     mass = side.body.mass
     kinetic = 0.5 * mass * (vx * vx + vy * vy - vx0 * vx0 - vy0 * vy0)
     pseudo = kinetic - (contact.pseudo + left.pseudo + right.pseudo)

@@ -4,7 +4,7 @@ The keys are those of scene files, with the name of a surface in place of its nu
 
     duration, seed, title, output.KEY, numerics.KEY, periodic.KEY
     SURFACE.theta (and the other initial values), SURFACE.velocity, SURFACE.bob, SURFACE.drive, ...
-    SURFACE.bob.1           one of two numbers: 0 along x and 1 along y; also of velocity and spacing
+    SURFACE.bob.1           one of two numbers, 0 along x or 1 along y; also of velocity, spacing
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field

@@ -132,6 +132,8 @@ async function startPage(element, source) {
   }
 
   function setStatus() {
+    const isChanged = Object.keys(state.changes()).length > 0;
+    part("title").textContent = source.title + (isChanged ? ", with other values" : "");
     const { code, passed, needed, reached, samples } = run.result;
     const worst = Math.max(run.result.errors[source.names.asperite.indexOf("w1")], run.result.errors[source.names.asperite.length + source.names.asperite.indexOf("w1")]);
     const status = part("status");
@@ -427,7 +429,7 @@ async function startPage(element, source) {
       head.title = source.meanings[name] ?? "work less pseudowork: the same for every observer";
       if (name in table) head.append(typeset(name));
       else head.append(typeset("w1"), " − ", typeset("w1_ps"));
-      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? value.toExponential(0) : shownNumber(value) })));
+      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? (value === 0 ? "0" : value.toExponential(0)) : shownNumber(value) })));
       return row;
     }));
   });

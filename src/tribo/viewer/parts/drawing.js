@@ -11,6 +11,7 @@ const LEAST_NAMED = 30; // length of a displacement with a name, in pixels
 const LARGE = 0.97; // the part of all forces that are not larger
 const ROOM = 0.55; // a picture stays as it is for runs that fill at least this part of it
 const HEIGHTS = [190, 460]; // of the canvas, least and most
+const NARROW = [450, 140]; // the width of a narrow canvas, and its least height
 const WINDINGS = 4; // of each half of a torsion spring
 
 function colour(canvas, name) {
@@ -337,7 +338,7 @@ function makeDrawing(canvas, force = { size: 0 }) {
     const [spanX, spanY] = [right - left + 2 * margin, top - bottom + 2 * margin];
     const names = 44; // pixels above and below for names of surfaces
     const fitting = (canvas.clientWidth * spanY) / spanX + names;
-    canvas.style.height = `${Math.min(Math.max(fitting, HEIGHTS[0]), HEIGHTS[1])}px`;
+    canvas.style.height = `${Math.min(Math.max(fitting, canvas.clientWidth < NARROW[0] ? NARROW[1] : HEIGHTS[0]), HEIGHTS[1])}px`;
     const { context, width, height } = prepared(canvas);
     const scale = Math.min(width / spanX, (height - names) / spanY);
     const view = (x, y, z) => [
