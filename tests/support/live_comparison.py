@@ -52,7 +52,8 @@ POTENTIALS = {
     "Shifted": tribo.Coulomb(0.2).with_cutoff(5.0, "shift"),
     "Truncated": tribo.Coulomb(0.2).with_cutoff(5.0, "truncate"),
 }
-# Differences of quantities in units of the largest value of their kind: rounding.
+# Of the run that the others are compared with.
+ACCURACY = 1e-9
 SERIES = ("forces", "energies")
 
 
@@ -89,7 +90,7 @@ def random_scene(rng, potential):
 
 def compared(scene):
     """Whether all bits of a run are the same, and the largest relative error of any quantity."""
-    simulation = tribo.prepare(scene, accuracy=1e-9, method="gauss-radau-15")
+    simulation = tribo.prepare(scene, accuracy=ACCURACY, method="gauss-radau-15")
     layout, pair = simulation.layout, simulation.integrator.pair
     potential, setting = layout.model.contacts[0].potential, simulation.plan.setting
     times = layout.times
@@ -139,7 +140,7 @@ def own_settings(host, numbers, record, samples):
     options[program.MOST_STEPS], options[program.ESTIMATE] = 1e5, 1.0
     code = host.run(numbers=numbers, options=options)
     errors = np.abs(host.get("series") - accurate).max(axis=1)
-    said = host.get("errors") + 1e-12 * np.abs(accurate).max(axis=1)
+    said = host.get("errors") + ACCURACY * np.abs(accurate).max(axis=1)
     known = said > 0.0
     return {"own_code": code, "own_excess": float(np.max(errors[known] / said[known]))}
 

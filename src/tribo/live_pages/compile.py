@@ -30,6 +30,11 @@ from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.stamps import code_stamp_of
 from tribo.validation import InputError
 
+# What to do where a scene cannot go in.
+ELSEWHERE = (
+    "`tribo view --slider KEY=LOW:HIGH` writes a page with runs of the scene, and `tribo play` "
+    "simulates while values change"
+)
 GENERIC = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 # Sources that a module is made of.
 SOURCES = (
@@ -99,7 +104,8 @@ def _compiled_apart(potential: Any) -> bytes:
     if done.returncode == 0:
         return done.stdout
     said = done.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
-    raise InputError("interaction.potential", f"does not compile for a page: {said[-1]}")
+    problem = f"does not compile for a page ({said[-1]}); {ELSEWHERE}"
+    raise InputError("interaction.potential", problem)
 
 
 def main() -> None:

@@ -30,6 +30,9 @@ SAFETY, ROUNDING = 3.0, 256.0 * 2.0**-52
 NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
 LEVEL_OF_ACCURACY = 0.1 * 100.0 * 2.0 / 3.0
 X_BOB, VX_CM = (OfAsperite._fields.index(name) for name in ("x_bob", "vx_cm"))
+# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# paper.
+APART = 0.25
 # Samples of the run that measures scales, at most; and those of the coarser run: every fourth, so
 # that it has steps of its own.
 PILOT_SAMPLES, EVERY = 65, 4
@@ -54,9 +57,9 @@ def integrate(pair, potential, memory, clocks, start, times, record, near, most)
 def passing(pair, series, count):
     """Whether the encounter is over, and a duration after which it is at the surfaces' velocities.
 
-    It is over where the bobs are again half as far apart along x as at the start, or more, and
-    the centres of mass part.  The duration carries the surfaces as far apart on the other side; it
-    is 0 where they do not approach at the start.
+    It is over where the bobs are again APART of their distance along x at the start away from each
+    other, or more, and the centres of mass part.  The duration carries the surfaces as far apart on
+    the other side; it is 0 where they do not approach at the start.
     """
     last = count - 1
     begins = series[X_BOB, 0] - series[MEMBERS + X_BOB, 0]
@@ -64,7 +67,7 @@ def passing(pair, series, count):
     parting = ends * (series[VX_CM, last] - series[MEMBERS + VX_CM, last])
     if begins * pair.velocity_x >= 0.0:
         return 1.0, 0.0
-    over = 1.0 if abs(ends) >= 0.5 * abs(begins) and parting > 0.0 else 0.0
+    over = 1.0 if abs(ends) >= APART * abs(begins) and parting > 0.0 else 0.0
     return over, 2.0 * abs(begins / pair.velocity_x)
 
 

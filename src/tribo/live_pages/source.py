@@ -13,7 +13,7 @@ from tribo.kernels.status import MEANINGS, STATUS_OF_CODE
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import inputs, program
-from tribo.live_pages.compile import ARRAYS, module_of
+from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
 from tribo.live_pages.controls import Controls, controls_of, least
 from tribo.live_pages.keys import numbers_of
 from tribo.live_pages.quantities import OfAsperite, OfSystem
@@ -28,11 +28,6 @@ from tribo.validation import InputError
 METHOD, ACCURACY = "gauss-radau-15", 1e-8
 # Samples of a run in a page, at most, and steps before it is given up.
 MOST_SAMPLES, MOST_STEPS = 1001, 20_000
-# What to do where a scene cannot go in.
-ELSEWHERE = (
-    "`tribo view --slider KEY=LOW:HIGH` writes a page with runs of the scene, and `tribo play` "
-    "simulates while values change"
-)
 # Meanings of what only live pages show.
 MEANINGS_HERE = {
     "p1": "power of the contact force at the bob",

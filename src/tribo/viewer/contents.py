@@ -35,6 +35,9 @@ SINGLE = (1e-36, 1e38)
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
+# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# paper.
+APART = 0.25
 # What a page of a periodic scene does not show.
 PERIODIC = (
     "The scene is periodic. Places are not wrapped and images are not drawn: asperites that have "
@@ -113,8 +116,8 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
 def _unfinished(result: RunResult) -> str:
     """What to say of one asperite on one whose bobs approach at the end; else empty.
 
-    The encounter is over where the bobs are half as far apart along x as at the start, or more, and
-    their centres of mass part.
+    The encounter is over where the bobs are APART of their distance along x at the start away from
+    each other, or more, and their centres of mass part.
     """
     scene = result.scene
     if scene.count != 2 or len(scene.surfaces) != 2 or result.status != "completed":
@@ -125,7 +128,9 @@ def _unfinished(result: RunResult) -> str:
     one, other = tables
     gap = (one["x_bob"] - other["x_bob"])[:, 0]
     speed = (one["vx_cm"] - other["vx_cm"])[:, 0]
-    if gap[0] * speed[0] >= 0.0 or (abs(gap[-1]) >= 0.5 * abs(gap[0]) and gap[-1] * speed[-1] > 0):
+    if gap[0] * speed[0] >= 0.0 or (
+        abs(gap[-1]) >= APART * abs(gap[0]) and gap[-1] * speed[-1] > 0
+    ):
         return ""
     needed = 2.0 * abs(gap[0] / speed[0])
     return (
