@@ -74,11 +74,12 @@ class Slider:
         return replace(self, values=tuple(values))
 
 
-def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
+def sliders_of(scene: Scene, given: Mapping[Any, Any]) -> list[Slider]:
     """The sliders of a scene: key -> (low, high), or a list of words or of other values.
 
-    Keys with commas between them, or a tuple of keys, change together: a list of rows.  Raises InputError if a range is none, the scene cannot have one of its ends or values, or two
-    keys exclude each other.
+    Keys with commas between them, or a tuple of keys, change together: a list of rows.  Raises
+    InputError if a range is none, the scene cannot have one of its ends or values, or two keys
+    exclude each other.
     """
     named = {",".join(key) if isinstance(key, tuple) else str(key): v for key, v in given.items()}
     check_together(scene, bound(scene, {one: None for key in named for one in key.split(",")}))

@@ -86,9 +86,21 @@ def test_in_a_browser(page):
             tab.get_by_role("tab", name=name).click()
             tab.wait_for_timeout(50)
         check_accessible(tab)
+        check_stopped(browser, page)
         browser.close()
     assert problems == []
     assert [url for url in requests if not url.startswith(("data:", "blob:"))] == [requests[0]]
+
+
+def check_stopped(browser, page):
+    """Where a policy forbids WebAssembly, a sentence and the stored picture stand in its place."""
+    text = page.read_text(encoding="utf-8").replace("'wasm-unsafe-eval' ", "")
+    forbidden = page.with_name("forbidden.html")
+    forbidden.write_text(text, encoding="utf-8")
+    tab = browser.new_page()
+    tab.goto(forbidden.as_uri())
+    tab.wait_for_selector("main svg")
+    assert "cannot simulate here" in tab.locator("[data-part=status]").inner_text()
 
 
 def check_run(tab, values):

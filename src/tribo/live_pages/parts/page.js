@@ -96,7 +96,8 @@ async function startPage(element, source) {
   try {
     machine = await startMachine(source);
   } catch (error) {
-    part("status").textContent = `This page cannot simulate here: ${error.message}. It shows the run of its file.`;
+    element.classList.add("stopped");
+    part("status").textContent = `This page cannot simulate here, and shows works of the run of its file. ${error.message}`;
     part("scene").outerHTML = source.picture;
     return null;
   }

@@ -23,7 +23,7 @@ function makeState(source) {
       if (!found) throw new Error(`${own} is no value that this page can change; tribo play changes all values`);
       const number = Number(value);
       if (!Number.isFinite(number)) throw new Error(`${own} must be a number, got ${value}`);
-      if (number < found.least || (number === found.least && found.open)) {
+      if (found.least !== null && (number < found.least || (number === found.least && found.open))) {
         throw new Error(`${own} must be ${found.open ? "positive" : "at least 0"}, got ${number}`);
       }
       for (const [place, factor, constant] of found.parts) target[place] = factor * number + constant;
