@@ -12,8 +12,6 @@ from tribo.live_pages.compile import GENERIC
 from tribo.live_pages.link import Reader, number
 from tribo.potentials import BUILT_IN
 
-# Potentials whose modules the default tests compile.
-FEW = ("Coulomb", "Own")
 # Largest difference of a quantity in units of its largest value: rounding of sums.
 ROUNDING = 1e-13
 
