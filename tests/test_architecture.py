@@ -59,6 +59,7 @@ ORDER = [
     "work_precision",
     "ensembles",
     "sliders",
+    "live_pages",
     "simulation",
     "prepared",
     "result",

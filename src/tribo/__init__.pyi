@@ -15,6 +15,7 @@ from tribo.ensembles.swing_states import (
 from tribo.explanation import Explanation as Explanation, explain as explain
 from tribo.integrators.own_method import add_method as add_method
 from tribo.ledger.own_quantity import Quantity as Quantity
+from tribo.live_pages.page import live as live, to_live_html as to_live_html
 from tribo.model.asperite import Asperite as Asperite
 from tribo.model.bath import Bath as Bath
 from tribo.model.drives import (

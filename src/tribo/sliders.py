@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,11 +33,20 @@ MOST_EVALUATIONS = 2e6
 class Slider:
     """A value of a scene that can be changed: in a range, or to one of some `values`."""
 
-    key: str  # as for tribo.model.parameters.with_values
+    # As for tribo.model.parameters.with_values; several keys with commas between them change
+    # together, and their values are words.
+    key: str
     value: Any  # at the beginning
     low: float = 0.0
     high: float = 0.0
     values: tuple[Any, ...] | None = None
+    rows: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)  # word -> a value of each key
+
+    def settings(self, value: Any) -> dict[str, Any]:
+        """The values of the keys of the scene."""
+        if not self.rows:
+            return {self.key: value}
+        return dict(zip(self.key.split(","), self.rows[value], strict=True))
 
     def as_json(self) -> dict[str, Any]:
         """What the page needs to know."""
@@ -59,19 +68,44 @@ class Slider:
         if self.values is not None:
             return self
         spaced = np.linspace(self.low, self.high, points)
-        values = tuple(float(f"{value:.12g}") for value in spaced)
-        nearest = min(values, key=lambda each: abs(each - self.value))
-        return replace(self, values=values, value=nearest)
+        values = [float(f"{value:.12g}") for value in spaced]
+        # The value of the scene is one of them, in place of the nearest.
+        values[int(np.argmin(np.abs(spaced - self.value)))] = self.value
+        return replace(self, values=tuple(values))
 
 
-def sliders_of(scene: Scene, given: Mapping[str, Any]) -> list[Slider]:
+def sliders_of(scene: Scene, given: Mapping[Any, Any]) -> list[Slider]:
     """The sliders of a scene: key -> (low, high), or a list of words or of other values.
 
-    Raises InputError if a range is none, the scene cannot have one of its ends or values, or two
-    keys exclude each other.
+    Keys with commas between them, or a tuple of keys, change together: a list of rows.  Raises
+    InputError if a range is none, the scene cannot have one of its ends or values, or two keys
+    exclude each other.
     """
-    check_together(scene, bound(scene, given))
-    return [_slider(scene, str(key), values) for key, values in given.items()]
+    named = {",".join(key) if isinstance(key, tuple) else str(key): v for key, v in given.items()}
+    check_together(scene, bound(scene, {one: None for key in named for one in key.split(",")}))
+    return [
+        _joined(scene, key, values) if "," in key else _slider(scene, key, values)
+        for key, values in named.items()
+    ]
+
+
+def _joined(scene: Scene, key: str, given: object) -> Slider:
+    """A slider of several keys, whose values are rows with a value of each."""
+    keys, rows = key.split(","), dict[str, tuple[Any, ...]]()
+    if not is_list(given) or len(given) < 2:
+        raise must_be(key, "a list of rows, as [0.5, 40], [0.25, 80]", given)
+    for row in given:
+        if not is_list(row) or len(row) != len(keys):
+            raise must_be(key, f"a list of rows of {len(keys)} values", row)
+        with_values(scene, dict(zip(keys, row, strict=True)))
+        rows[", ".join(f"{each:g}" if _is_number(each) else str(each) for each in row)] = tuple(row)
+    present = tuple(value_of(scene, each) for each in keys)
+    first = next((word for word, row in rows.items() if row == present), next(iter(rows)))
+    return Slider(key, first, values=tuple(rows), rows=rows)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _slider(scene: Scene, key: str, given: object) -> Slider:
@@ -86,8 +120,7 @@ def _slider(scene: Scene, key: str, given: object) -> Slider:
         low, high = (number(key, each) for each in given)
         if not low < high:
             raise must_be(key, "a range whose first number is the lower one", given)
-        is_number = isinstance(present, (int, float)) and not isinstance(present, bool)
-        start = min(max(float(present), low), high) if is_number else low  # type: ignore[arg-type]
+        start = min(max(float(present), low), high) if _is_number(present) else low  # type: ignore[arg-type]
         return Slider(key, start, low, high)
     values = tuple(given)
     return Slider(key, present if present in values else values[0], values=values)
@@ -124,7 +157,10 @@ class Playing:
         if not isinstance(values, dict):
             raise must_be("values", "a value for each key", values)
         known = self._sliders
-        checked = {k: known[one_of(str(k), k, known)].checked(v) for k, v in values.items()}
+        checked: dict[str, Any] = {}
+        for key, value in values.items():
+            slider = known[one_of(str(key), key, known)]
+            checked |= slider.settings(slider.checked(value))
         return simulate(with_values(self._scene, checked), progress=False)
 
     def source(self) -> dict[str, Any]:
@@ -155,7 +191,9 @@ def grid_page(scene: Scene, sliders: Sequence[Slider], bath: bool = False) -> st
     recorded = shown(scene, bath)
     runs = []
     for chosen in combinations:
-        values = dict(zip((slider.key for slider in grid), chosen, strict=True))
+        values: dict[str, Any] = {}
+        for slider, value in zip(grid, chosen, strict=True):
+            values |= slider.settings(value)
         runs.append(contents(simulate(with_values(recorded, values), progress=False), bath))
     first = runs[combinations.index(tuple(slider.value for slider in grid))]
     return document({"run": first, "runs": runs, "sliders": [s.as_json() for s in grid]})

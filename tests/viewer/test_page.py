@@ -131,6 +131,16 @@ def test_a_periodic_page_says_what_is_not_drawn(result):
     assert contents.PERIODIC in contents.contents(periodic)["notes"]
 
 
+def test_a_run_before_the_encounter(result):
+    """Its page says that its works are not those of the encounter, and which duration is."""
+    scene = replace(result.scene, duration=15.0)
+    shown = contents.contents(tribo.simulate(scene, accuracy=1e-6))
+    assert shown["status"] == "ended early"
+    assert shown["sentence"].startswith("The run ends at t = 15, before the bobs have passed")
+    assert shown["sentence"].endswith("a duration of 40.")
+    assert contents.contents(result)["status"] == "completed"
+
+
 def test_one_work_on_a_surface():
     """Summary, plot, film and page: the work of external forces; what springs do is beside it."""
     springs = tribo.Springs(stiffness=1.0)

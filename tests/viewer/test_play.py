@@ -122,6 +122,29 @@ def test_a_whole_number_of_a_list():
     assert playing.simulated({"duration": 1}).scene.duration == 1.0
 
 
+def test_values_that_change_together():
+    """Keys with commas between them have rows of values, as in sweeps."""
+    (slider,) = sliders_of(SCENE, {"upper.velocity,duration": [[0.25, 80], [0.5, 40.0]]})
+    assert slider.values == ("0.25, 80", "0.5, 40") and slider.value == "0.5, 40"
+    playing = Playing(SCENE, [slider])
+    scene = playing.simulated({"upper.velocity,duration": "0.25, 80"}).scene
+    assert scene.duration == 80.0 and scene.surfaces[0].velocity == (0.25, 0.0)
+    assert sliders_of(SCENE, {("upper.velocity", "duration"): [[0.25, 80], [0.5, 40.0]]}) == [
+        slider
+    ]
+    for wrong in ([0.25, 80], [[0.25], [0.5]], 1.0):
+        with pytest.raises(InputError, match="must be a list of rows"):
+            sliders_of(SCENE, {"upper.velocity,duration": wrong})
+
+
+def test_the_value_of_the_scene_is_in_the_grid():
+    """In place of the nearest of the evenly spaced values."""
+    (slider,) = sliders_of(SCENE, {"upper.velocity": (0.1, 2.0)})
+    grid = slider.on_a_grid(11)
+    assert grid.value == 0.5 and grid.values[2] == 0.5 and len(set(grid.values)) == 11
+    assert grid.values[0] == 0.1 and grid.values[-1] == 2.0
+
+
 def test_limits(server):
     """Long bodies and those without a length are not read; evaluations are bounded."""
     assert asked(server, body=b" " * (MOST_BYTES + 1))[0] == 413
@@ -249,7 +272,7 @@ def test_a_grid_in_a_browser(tab, tmp_path):
 
 
 def test_keys_from_any_control(tab, tmp_path):
-    """Home and End go to the start and the end, wherever the focus is."""
+    """Home and End go to the start and the end, but for a slider of a value, where Space plays."""
     page = tmp_path / "a.html"
     choices = {"interaction.strength": [0.1, 0.2], "upper.drive": ["forced", "free"]}
     page.write_text(grid_page(SCENE, sliders_of(SCENE, choices)), encoding="utf-8")
@@ -260,7 +283,15 @@ def test_keys_from_any_control(tab, tmp_path):
         for key, t in (("End", 40.0), ("Home", 0.0)):
             tab.keyboard.press(key)
             tab.wait_for_timeout(100)
-            assert float(tab.locator("[data-part=time]").input_value()) == t
+            now = float(tab.locator("[data-part=time]").input_value())
+            assert now == (0.0 if control == '[data-key="interaction.strength"]' else t)
+    slider = tab.locator('[data-key="interaction.strength"]')
+    slider.focus()
+    tab.keyboard.press("End")
+    assert slider.input_value() == "1"
+    tab.keyboard.press("Space")
+    tab.wait_for_timeout(300)
+    assert float(tab.locator("[data-part=time]").input_value()) > 0.0
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

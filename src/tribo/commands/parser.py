@@ -12,6 +12,7 @@ from typing import NoReturn
 from tribo.commands import scene_options as shared
 from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
+from tribo.commands.live import add_live
 from tribo.commands.new import add_new
 from tribo.commands.run import add_run
 from tribo.commands.sweep import run_sweep
@@ -143,6 +144,7 @@ def _add_others(add: Add) -> None:
     shared.add_output(atlas, "the table")
 
     add_view(add("view", "write a page that plays runs in a browser"))
+    add_live(add("live", "write a page that simulates a scene in the browser itself"))
     add_play(add("play", "change values of a scene in a browser and simulate it again"))
 
     plot = add("plot", "draw the file of a run in one figure", _plot)

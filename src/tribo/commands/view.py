@@ -40,7 +40,8 @@ def add_play(play: argparse.ArgumentParser) -> None:
 
 
 def _add_slider(command: argparse.ArgumentParser, meaning: str) -> None:
-    value = "a value to change, as 'upper.velocity=0.1:2' or 'upper.drive=forced,free'; may be "
+    value = "a value to change, as 'interaction.strength=0.05:1', 'upper.drive=forced,free' or "
+    value += "'upper.velocity,duration=[0.25,80],[0.5,40]' for values that change together; may be "
     value += f"repeated; {meaning}"
     command.add_argument("--slider", metavar="KEY=LOW:HIGH", help=value, **shared.REPEATED)
 
@@ -115,7 +116,7 @@ def _play(options: argparse.Namespace) -> int:
     scene = shared.load_with_values(options)
     sliders = _sliders(options, scene)
     if not sliders:
-        raise must_be("--slider", "given, as --slider upper.velocity=0.1:2", "none")
+        raise must_be("--slider", "given, as --slider interaction.strength=0.05:1", "none")
     playing = Playing(scene, sliders)
     with Server(playing.source(), playing.run) as server:
         print(f"{server.url}\nCtrl-C ends it", flush=True)

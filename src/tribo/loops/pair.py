@@ -21,7 +21,7 @@ from tribo.compiler.lanes import LANES
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.records import BARS, CHARGE, CLOCK, FORCED, FREE
+from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
@@ -39,6 +39,7 @@ from tribo.loops.integrate import (
 )
 from tribo.model.effects import Effect
 from tribo.pair import step_rows
+from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
 from tribo.pair.step import table
@@ -48,6 +49,8 @@ from tribo.threads.writable_memory import entry_point
 ARC1, ARC2 = ENERGY, ENERGY + 1
 
 FIRST_ACCOUNT = step_rows.J + 1
+# Names of what records of asperites contain.
+OF_ASPERITE = frozenset(ASPERITE.names or ())
 # Effects of scenes that the loop of a pair knows.
 KNOWN = {
     *(Effect.CONTACT, Effect.SWING, Effect.SLIDING),
@@ -130,24 +133,16 @@ def record_of(layout: Layout, asperites: np.ndarray, charges: np.ndarray) -> np.
 
     Asperites and charges are (..., 2).
     """
-    a, depths, mobility = asperites, layout.depths, _mobility_of(layout, asperites)
-    record = np.zeros(a.shape[:-1], PAIR)
-    for name, of in (("gap_x", "x"), ("gap_y", "y"), ("velocity_x", "vx"), ("velocity_y", "vy")):
-        record[name] = a[of][..., 0] - a[of][..., 1]
-    raised = a["facing"] * a["pivot"]
-    record["gap_y"] += raised[..., 0] - raised[..., 1]
-    record["z_squared"] = (depths[0] - depths[1]) ** 2
-    record["mobility"] = mobility[..., 0] - mobility[..., 1]
-    for i, sign in enumerate((1.0, -1.0)):
-        one, free = a[..., i], mobility[..., i] != 0.0
-        inertia = one["inertia"] + one["mass"] * one["pivot"] ** 2
-        lever = sign * one["facing"] / inertia
-        across = one["l1"] + one["l2"]
-        record[f"charge{i + 1}"] = charges[..., i]
-        record[f"arm{i + 1}"] = one["facing"] * (one["l1"] + one["pivot"])
-        record[f"lever_x{i + 1}"] = lever * np.where(free, one["l1"], across)
-        record[f"lever_y{i + 1}"] = lever * across
-        record[f"omega_squared{i + 1}"] = one["kappa"] / inertia
+    free = layout.surfaces.drive == FREE
+    bodies = []
+    for i in range(2):
+        own = {name: asperites[name][..., i] for name in Body._fields if name in OF_ASPERITE}
+        bodies.append(
+            Body(**own, depth=layout.depths[i], charge=charges[..., i], free=float(free[i]))
+        )
+    record = np.zeros(asperites.shape[:-1], PAIR)
+    for name, values in pair_of(*bodies)._asdict().items():
+        record[name] = values
     return record
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -104,10 +105,14 @@ class Asperite(ComparedByValue):
         from the centre of mass), and `inertia` I = m1 l1^2 + m2 l2^2.
         """
         each = {name: broadcast(name, getattr(self, name), count) for name in LIMITS}
-        m1 = self.m1
-        m2 = self.m2
-        mass = m1 + m2
-        l1 = self.length * m2 / mass
-        l2 = self.length * m1 / mass
-        derived = {"mass": mass, "l1": l1, "l2": l2, "inertia": m1 * l1**2 + m2 * l2**2}
+        names = ("mass", "l1", "l2", "inertia")
+        derived = dict(zip(names, rod_of(self.m1, self.m2, self.length), strict=True))
         return each | {name: broadcast(name, value, count) for name, value in derived.items()}
+
+
+def rod_of(m1: Any, m2: Any, length: Any) -> tuple[Any, Any, Any, Any]:
+    """M, the distances of bob and bar from the centre of mass, and I, of numbers or arrays."""
+    mass = m1 + m2
+    l1 = length * m2 / mass
+    l2 = length * m1 / mass
+    return mass, l1, l2, m1 * (l1 * l1) + m2 * (l2 * l2)

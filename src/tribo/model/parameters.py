@@ -4,6 +4,7 @@ The keys are those of scene files, with the name of a surface in place of its nu
 
     duration, seed, title, output.KEY, numerics.KEY, periodic.KEY
     SURFACE.theta (and the other initial values), SURFACE.velocity, SURFACE.bob, SURFACE.drive, ...
+    SURFACE.bob.1           one of two numbers, 0 along x or 1 along y; also of velocity, spacing
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
@@ -47,6 +48,8 @@ OF_SCENE = ("duration", "seed", "title")
 PARTS_OF_SCENE = {"output": Output, "numerics": Numerics, "periodic": Periodic}
 # The initial values of a surface, and the other values of its own that have keys.
 INITIAL = field_names(Initial)
+# Those that are two numbers, each of which has a key of its own.
+OF_TWO = ("bob", "velocity", "spacing")
 OWN = [name for name in field_names(Surface) if name != "name"]
 OF_SURFACE = [*INITIAL, *OWN]
 # What reads a part of a surface from its table, or from a word.
@@ -84,7 +87,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with other values by keys; a number sets a velocity's x.  Raises InputError."""
     of_parts: dict[str, dict[str, Any]] = {}
     known = _parts_of(scene)
-    for key, value in bound(scene, values).items():
+    for key, value in _whole(scene, bound(scene, values)).items():
         part, _, name = key.rpartition(".")
         outer, _, inner = key.partition(".")
         if outer in (INTERACTION, FIELD) and inner:
@@ -118,6 +121,32 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     return replace(scene, **own) if own else scene
 
 
+def component(key: str) -> tuple[str, int] | None:
+    """The key of two numbers and the place of one of them, of a key as "upper.bob.1"; else None."""
+    whole, _, place = key.rpartition(".")
+    is_one = place in ("0", "1") and whole.rpartition(".")[2] in OF_TWO and whole.count(".") == 1
+    return (whole, int(place)) if is_one else None
+
+
+def _whole(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values with both numbers in place of a key of one of them.  Raises InputError."""
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        one = component(key)
+        name, _, of = (key if one is None else one[0]).partition(".")
+        surface = next((each for each in scene.surfaces if each.name == name), None)
+        if one is None or surface is None:
+            found[key] = value
+            continue
+        whole, place = one
+        if whole in values:
+            raise InputError(key, f"cannot go with {whole}; give one or the other")
+        both = list(found.get(whole, getattr(surface, of)))
+        both[place] = number(key, value)
+        found[whole] = tuple(both)
+    return found
+
+
 def reservoir_part(surface: Surface, on: str) -> str:
     """What stands in a key for a reservoir: its place is given where a surface has both."""
     return f"langevin.{on}" if isinstance(surface.langevin, tuple) else "langevin"
@@ -134,6 +163,10 @@ def value_of(scene: Scene, key: str) -> object:
     outer, _, inner = key.partition(".")
     if outer in (INTERACTION, FIELD) and "." in inner:
         return _values_of_only(scene, outer).get(inner)
+    if (one := component(key)) is not None:
+        whole, place = one
+        name, _, of = whole.partition(".")
+        return next((getattr(s, of)[place] for s in scene.surfaces if s.name == name), None)
     part, _, name = key.rpartition(".")
     table = scene.to_table()
     if part in (INTERACTION, FIELD):

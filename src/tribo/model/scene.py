@@ -374,6 +374,12 @@ class Scene(ComparedByValue):
         """
         return toml(self.to_table()).decode("utf-8")
 
+    def to_live_html(self, path: object, controls: object = None) -> Path:
+        """Write a page that simulates the scene in the browser; see :func:`tribo.to_live_html`."""
+        import tribo  # whose public names are found when they are used
+
+        return tribo.to_live_html(self, path, controls)  # type: ignore[arg-type]
+
     def to_table(self) -> dict[str, Any]:
         """The nested table of that file."""
         table: dict[str, Any] = {"title": self.title} if self.title else {}

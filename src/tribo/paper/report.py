@@ -17,7 +17,7 @@ TITLE = (
 NEXT = """\
 Next:  tribo new A -o a.toml     the paper's case A as a scene file; likewise B to E
        tribo run a.toml          simulates it
-       tribo play a.toml --slider upper.velocity=0.1:2     change a value and see what follows"""
+       tribo live a.toml         a page in which you change its values and see what follows"""
 HEAD = """\
   t             time as printed; two times for a change between them
   agrees        within half a unit of the last digit printed, at the time printed

@@ -34,6 +34,9 @@ SINGLE = (1e-36, 1e38)
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
+# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# paper.
+APART = 0.25
 # What a page of a periodic scene does not show.
 PERIODIC = (
     "The scene is periodic. Places are not wrapped and images are not drawn: asperites that have "
@@ -52,6 +55,7 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     scene = result.scene
     frames = _frames(result, bath)
     surfaces = [_drawn(result, surface, frames) for surface in scene.surfaces]
+    unfinished = _unfinished(result)
     works = {surface.name: works_of(result, surface.name, None) for surface in scene.surfaces}
     notes = [*result.notes, *([PERIODIC] if scene.periodic else [])]
     dots = {}
@@ -65,10 +69,10 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
         surface["dots"] = packed(dots[surface["name"]]) if surface["name"] in dots else None
     return {
         "title": scene.title or "A run of tribo",
-        "status": str(result.status),
+        "status": "ended early" if unfinished else str(result.status),
         "method": result.method,
         "accuracy": ACCURACY[result.met],
-        "sentence": _sentence(scene, works),
+        "sentence": unfinished or _sentence(scene, works),
         "notes": notes,
         "times": packed(result.t, exact=True),
         "frames": packed(frames),
@@ -107,6 +111,33 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
         f"pseudowork ({pseudowork:.3g}). The difference, {work - pseudowork:.3g}, is its work on "
         f"{motion}: weighted by the force, {bobs} {'more' if more else 'less'} along the force "
         "than against it."
+    )
+
+
+def _unfinished(result: RunResult) -> str:
+    """What to say of one asperite on one whose bobs approach at the end; else empty.
+
+    The encounter is over where the bobs are APART of their distance along x at the start away from
+    each other, or more, and their centres of mass part.
+    """
+    scene = result.scene
+    if scene.count != 2 or len(scene.surfaces) != 2 or result.status != "completed":
+        return ""
+    tables = [result[surface.name] for surface in scene.surfaces]
+    if any(name not in table for table in tables for name in ("x_bob", "vx_cm")):
+        return ""
+    one, other = tables
+    gap = (one["x_bob"] - other["x_bob"])[:, 0]
+    speed = (one["vx_cm"] - other["vx_cm"])[:, 0]
+    if gap[0] * speed[0] >= 0.0 or (
+        abs(gap[-1]) >= APART * abs(gap[0]) and gap[-1] * speed[-1] > 0
+    ):
+        return ""
+    needed = 2.0 * abs(gap[0] / speed[0])
+    return (
+        f"The run ends at t = {result.t[-1]:.6g}, before the bobs have passed each other, so its "
+        "works are not those of the encounter. At the velocity of the start they have passed after "
+        f"a duration of {needed:.3g}."
     )
 
 

@@ -9,7 +9,9 @@ const ARROW = 1.2; // length of the arrow of a large force, in rods
 const LEAST_ARROW = 34; // and in pixels, where asperites are small
 const LEAST_NAMED = 30; // length of a displacement with a name, in pixels
 const LARGE = 0.97; // the part of all forces that are not larger
+const ROOM = 0.55; // a picture stays as it is for runs that fill at least this part of it
 const HEIGHTS = [190, 460]; // of the canvas, least and most
+const NARROW = [450, 140]; // the width of a narrow canvas, and its least height
 const WINDINGS = 4; // of each half of a torsion spring
 
 function colour(canvas, name) {
@@ -100,19 +102,32 @@ function arrow(context, x, y, dx, dy) {
   context.fill();
 }
 
-// A drawing on a canvas: a function of a run, a time, and what is shown.  `box` grows with each run,
-// so that the picture does not jump from run to run.
-function makeDrawing(canvas) {
-  const box = [Infinity, -Infinity, Infinity, -Infinity];
+// A round number near a size: 1, 2 or 5 times a power of ten.
+function roundNear(size) {
+  const power = 10 ** Math.floor(Math.log10(size));
+  return [1, 2, 5, 10].reduce((a, b) => (Math.abs(Math.log(b * power / size)) < Math.abs(Math.log(a / size)) ? b * power : a), power);
+}
+
+// A drawing on a canvas: a function of a run, a time, and what is shown, which returns the function
+// from places to pixels.  `force` has the size of a force whose arrow is ARROW rods long: all
+// drawings of a page share it, so that their arrows can be compared; it is that of the first run
+// with forces.  The picture's frame stays while runs fit in it and fill most of it.
+function makeDrawing(canvas, force = { size: 0 }) {
+  let box = null;
   let known = null;
   let rod = 1;
-  let large = 0;
 
   function learn(run) {
     known = run;
     rod = rodLength(run);
-    large = largeForce(run);
-    extent(run).forEach((edge, k) => { box[k] = k % 2 ? Math.max(box[k], edge) : Math.min(box[k], edge); });
+    if (!force.size) {
+      const large = largeForce(run);
+      if (large > 0) force.size = roundNear(large);
+    }
+    const wanted = extent(run);
+    const fits = box && wanted.every((edge, k) => (k % 2 ? edge <= box[k] : edge >= box[k]));
+    const width = ([left, right]) => right - left;
+    if (!fits || width(wanted) < ROOM * width(box)) box = wanted;
   }
 
   const layers = {
@@ -287,7 +302,7 @@ function makeDrawing(canvas) {
         for (let i = 0; i < surface.count; i += 1, k += 1) {
           const size = Math.hypot(fx[k], fy[k]);
           if (!(size > 0)) continue;
-          const length = (unit * Math.min(size, 1.6 * large)) / large;
+          const length = (unit * size) / force.size;
           const [x, y] = view(surface.now[atX][i], surface.now[atY][i], surface.depth[i]);
           const [dx, dy] = [(fx[k] / size) * length, (-fy[k] / size) * length];
           arrow(context, x, y, dx, dy);
@@ -301,6 +316,21 @@ function makeDrawing(canvas) {
     }
   }
 
+  // The bar of the arrows' scale, in the lower left corner.
+  function scaleBar({ context, view, paint, height }) {
+    const length = Math.max(ARROW * rod * view.scale, LEAST_ARROW);
+    context.strokeStyle = context.fillStyle = paint("faint");
+    context.lineWidth = 1.5;
+    const y = height - 10;
+    drawLine(context, 8, y, 8 + length, y);
+    drawLine(context, 8, y - 4, 8, y + 4);
+    drawLine(context, 8 + length, y - 4, 8 + length, y + 4);
+    context.font = "12px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "bottom";
+    context.fillText(`force ${Number(force.size.toPrecision(1))}`, 8, y - 5);
+  }
+
   return function draw(run, t, shown) {
     if (run !== known) learn(run);
     const [left, right, bottom, top] = box;
@@ -308,7 +338,7 @@ function makeDrawing(canvas) {
     const [spanX, spanY] = [right - left + 2 * margin, top - bottom + 2 * margin];
     const names = 44; // pixels above and below for names of surfaces
     const fitting = (canvas.clientWidth * spanY) / spanX + names;
-    canvas.style.height = `${Math.min(Math.max(fitting, HEIGHTS[0]), HEIGHTS[1])}px`;
+    canvas.style.height = `${Math.min(Math.max(fitting, canvas.clientWidth < NARROW[0] ? NARROW[1] : HEIGHTS[0]), HEIGHTS[1])}px`;
     const { context, width, height } = prepared(canvas);
     const scale = Math.min(width / spanX, (height - names) / spanY);
     const view = (x, y, z) => [
@@ -324,6 +354,10 @@ function makeDrawing(canvas) {
       const on = { context, view, surface, paint, width };
       for (const name of surface.dots === null ? usual : ["bath", ...usual]) layers[name](on, run, place);
     }
-    if (shown.forces && large > 0) forces({ context, view, paint }, run, place);
+    if (shown.forces && force.size > 0 && run.forces.length) {
+      forces({ context, view, paint }, run, place);
+      scaleBar({ context, view, paint, height });
+    }
+    return view;
   };
 }

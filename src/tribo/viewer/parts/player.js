@@ -34,7 +34,7 @@ const BODY = `
 </section>
 <p class="hidden" aria-live="polite" data-part="spoken"></p>
 <footer>
-  <p>Space: play or pause. Left and right arrow: one sample back or on. Home, End: the start, the end.
+  <p>Space: play or pause. Left and right arrow: one sample back or on. Home, End: the start, the end; on a slider of a value its least and largest.
   Dashed curves are pseudoworks, which the motion of the centre of mass (red dot) determines.
   Values are those of the nearest recorded sample, in the units of the scene.</p>
   <ul data-part="notes"></ul>
@@ -47,8 +47,9 @@ function mount(element, source) {
   element.innerHTML = BODY;
   const part = (name) => element.querySelector(`[data-part=${name}]`);
   const values = Object.fromEntries(source.sliders.map(({ key, value }) => [key, value]));
-  const drawScene = makeDrawing(part("scene"));
-  const drawKept = makeDrawing(part("keptScene"));
+  const force = { size: 0 }; // of the arrows in both drawings
+  const drawScene = makeDrawing(part("scene"), force);
+  const drawKept = makeDrawing(part("keptScene"), force);
   const curves = makeCurves(part("curves"));
   const drawn = new Map();
   let run = null;
@@ -222,8 +223,11 @@ function mount(element, source) {
     End: () => goTo(end()),
   };
   (source.isPage ? document : element).addEventListener("keydown", (event) => {
-    const isEnd = event.key === "Home" || event.key === "End"; // of the time, from every control
-    const isOwn = !isEnd && event.target.closest?.("button, select, input[type=checkbox], [data-key]");
+    const isEnd = event.key === "Home" || event.key === "End"; // of the time, but for sliders of values
+    const isValue = event.target.matches?.("input[data-key]");
+    const isPlay = event.key === " " && isValue; // a slider has no use for the space bar
+    const isControl = event.target.closest?.("button, select, input[type=checkbox], [data-key]");
+    const isOwn = isControl && !isPlay && (!isEnd || isValue);
     if (isOwn || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
     event.preventDefault();
     event.stopPropagation();

@@ -1,0 +1,235 @@
+"""The controls of a page: which values have sliders, from where to where, and under which words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tribo.live_pages.keys import Key, keys_of, numbers_at
+from tribo.model.parameters import with_values
+from tribo.model.scene import Scene
+from tribo.validation import InputError, as_path, is_list, known_keys, must_be, number
+
+# Drives that a pair's module has.
+DRIVES = ("forced", "free", "bars")
+# Words for keys, by what follows the name of a surface.
+LABELS = {
+    "duration": "duration",
+    "interaction.strength": "strength of the force",
+    "interaction.epsilon": "depth of the potential",
+    "interaction.D": "depth of the potential",
+    "interaction.A": "strength of the force",
+    "interaction.height": "strength of the force",
+    "bob.1": "gap between the bobs",
+    "velocity": "velocity",
+    "asperite.kappa": "spring stiffness \N{GREEK SMALL LETTER KAPPA}",
+    "asperite.m1": "bob mass m\N{SUBSCRIPT ONE}",
+    "asperite.m2": "bar mass m\N{SUBSCRIPT TWO}",
+    "asperite.length": "rod length",
+    "drive": "drive",
+}
+# Parameters of potentials that are their strength, the most telling one first.
+STRENGTHS = ("strength", "epsilon", "D", "height", "A", "factor")
+# Parameters of asperites with a slider, which sets both surfaces.
+OF_BOTH = ("asperite.kappa", "asperite.m1", "asperite.m2", "asperite.length")
+# Ranges in units of the present value.
+RANGES = {
+    "asperite.kappa": (0.1, 5.0),
+    "asperite.m1": (0.2, 5.0),
+    "asperite.m2": (0.2, 5.0),
+    "asperite.length": (0.5, 2.0),
+    "velocity": (0.1, 4.0),
+    "duration": (0.25, 5.0),
+}
+# Those of other values; of 0, from minus one to one.
+OTHERS = (0.0, 3.0)
+# Keys that a mapping of controls may have beside keys of the scene.
+WORDS = ("title", "introduction", "questions")
+
+
+class Choice(NamedTuple):
+    """A key with words for values: each sets some numbers."""
+
+    key: str
+    value: str
+    words: dict[str, list[tuple[int, float]]]
+
+
+@dataclass(frozen=True)
+class Control:
+    """A slider of a page."""
+
+    key: str
+    label: str
+    low: float = 0.0
+    high: float = 0.0
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class Controls:
+    """All that a reader can change: keys with their numbers, and those that have controls."""
+
+    keys: tuple[Key, ...]
+    choices: tuple[Choice, ...]
+    shown: tuple[Control, ...]
+    words: dict[str, str]
+
+
+def controls_of(scene: Scene, given: object = None) -> Controls:
+    """The controls of a scene: the usual ones, or those that a mapping or a TOML file gives.
+
+    Raises InputError for an unknown key or a range that is none.
+    """
+    keys, choices = tuple(keys_of(scene)), tuple(_choices(scene))
+    table = _table(given)
+    words = {name: str(table.pop(name)) for name in WORDS if name in table}
+    wanted = table or _usual(scene, keys)
+    known = {key.key: key.value for key in keys} | {each.key: each.value for each in choices}
+    shown = tuple(_control(scene, known, key, value) for key, value in wanted.items())
+    return Controls(keys, choices, shown, words)
+
+
+def _table(given: object) -> dict[str, Any]:
+    """The mapping, or that of a TOML file, whose tables of surfaces may be nested."""
+    if given is None:
+        return {}
+    if isinstance(given, (str, Path)):
+        import tomllib
+
+        try:
+            text = as_path(given).read_text(encoding="utf-8")
+            return tomllib.loads(text)
+        except (OSError, ValueError) as error:
+            raise InputError("controls", f"cannot be read: {error}") from None
+    if not isinstance(given, Mapping):
+        raise must_be("controls", "a mapping of keys, or the name of a TOML file", given)
+    return dict(given)
+
+
+def _usual(scene: Scene, keys: tuple[Key, ...]) -> dict[str, Any]:
+    """The keys of the usual controls, each with None."""
+    known = {key.key for key in keys}
+    upper = scene.surfaces[0].name
+    moving = next((s.name for s in scene.surfaces if s.velocity[0] != 0.0), upper)
+    strength = next(
+        (f"interaction.{each}" for each in STRENGTHS if f"interaction.{each}" in known),
+        next((each for each in known if each.startswith("interaction.")), None),
+    )
+    wanted = [strength, f"{upper}.bob.1", f"{moving}.velocity"]
+    for name in OF_BOTH:
+        values = {key.value for key in keys if key.key.endswith(f".{name}")}
+        wanted.append(f"*.{name}" if len(values) == 1 else f"{upper}.{name}")
+    wanted += [f"{upper}.drive", "duration"]
+    return {key: None for key in wanted if key is not None and _known(known, key, upper)}
+
+
+def _known(known: set[str], key: str, upper: str) -> bool:
+    return key.endswith(".drive") or key.replace("*", upper, 1) in known
+
+
+def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Control:
+    """A control of a key: with None the usual range, else a range or a table of its own."""
+    first = scene.surfaces[0].name
+    plain = key.replace("*", first, 1) if key.startswith("*.") else key
+    if plain not in known:
+        problem = (
+            "has no control: it is no number of this scene that a page can change; `tribo play` "
+            "changes all values"
+        )
+        raise InputError(f"controls.{key}", problem)
+    value, rest = known[plain], _rest(scene, plain)
+    label = LABELS.get(rest, key)
+    own = dict(given) if isinstance(given, Mapping) else {"range": given}
+    own = known_keys(own, ("range", "label"))
+    label = str(own.get("label") or label)
+    if isinstance(value, str):
+        return Control(key, label, value=value)
+    bounds = own.get("range")
+    if bounds is None:
+        low, high = _usual_range(scene, rest, plain, value)
+    elif is_list(bounds) and len(bounds) == 2:
+        low, high = (number(f"controls.{key}", each) for each in bounds)
+    else:
+        raise must_be(f"controls.{key}", "a range [low, high]", bounds)
+    if not low < high:
+        raise must_be(f"controls.{key}", "a range whose first number is the lower one", bounds)
+    for end in (low, high):
+        with_values(scene, {key: end})
+    return Control(key, label, low, high, value)
+
+
+def _rest(scene: Scene, key: str) -> str:
+    """What follows the name of a surface in a key."""
+    name, _, rest = key.partition(".")
+    return rest if any(surface.name == name for surface in scene.surfaces) else key
+
+
+def _usual_range(scene: Scene, rest: str, key: str, value: float) -> tuple[float, float]:
+    if rest == "bob.1":
+        rod = float(scene.surfaces[0].each["length"][0])
+        return _round(value - 0.5 * rod), _round(value + rod)
+    if value == 0.0:
+        low, high = -1.0, 1.0
+    else:
+        low, high = sorted(value * part for part in RANGES.get(rest, OTHERS))
+        if rest.startswith("interaction.") and rest not in RANGES:
+            low, high = -OTHERS[1] * abs(value), OTHERS[1] * abs(value)
+    low, high = _round(low), _round(high)
+    try:
+        with_values(scene, {key: low})
+    except InputError:
+        low = 0.0 if _allowed(scene, key, 0.0) else _round(0.1 * abs(value))
+    return low, high
+
+
+def _allowed(scene: Scene, key: str, value: float) -> bool:
+    try:
+        with_values(scene, {key: value})
+    except InputError:
+        return False
+    return True
+
+
+def _round(value: float) -> float:
+    """To two significant digits."""
+    return float(f"{value:.2g}")
+
+
+def _choices(scene: Scene) -> list[Choice]:
+    """The drives of each surface: what each sets."""
+    found = []
+    before = numbers_at(scene)
+    assert before is not None
+    for surface in scene.surfaces:
+        key, words = f"{surface.name}.drive", {}
+        every = {word: _numbers(scene, key, word) for word in DRIVES}
+        places = [
+            place
+            for place in range(before.size)
+            if len({float(each[place]) for each in every.values() if each is not None}) > 1
+        ]
+        for word, numbers in every.items():
+            if numbers is not None:
+                words[word] = [(place, float(numbers[place])) for place in places]
+        kind = type(surface.drive).__name__.lower().replace("drivenbars", "bars")
+        if kind in words:
+            found.append(Choice(key, kind, words))
+    return found
+
+
+def _numbers(scene: Scene, key: str, word: str) -> Any:
+    try:
+        return numbers_at(with_values(scene, {key: word}))
+    except InputError:
+        return None
+
+
+def least(scene: Scene, key: Key) -> tuple[float, bool]:
+    """The smallest value of a key, and whether it may have that; minus infinity without one."""
+    if _allowed(scene, key.key, -abs(key.value) - 1.0):
+        return -math.inf, True
+    return 0.0, _allowed(scene, key.key, 0.0)

@@ -1,0 +1,153 @@
+"""Live pages: one HTML file with a scene, the module that simulates it, and what shows it."""
+
+from __future__ import annotations
+
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tribo.files import checked_target, replace_file, strict_json
+from tribo.live_pages.source import source_of
+from tribo.model.scene import Scene
+from tribo.simulation import simulate
+from tribo.validation import as_path
+from tribo.viewer.html import part as viewer_part
+
+# The scripts, in the order in which they need one another; those of the viewer first.  A worker has
+# those in WORKER alone.
+OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
+SCRIPTS = ("machine.js", "state.js", "runs.js", "panels.js", "worker.js", "page.js")
+WORKER = ("machine.js",)
+POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval' "
+    "blob:; worker-src blob:; img-src data: blob:"
+)
+PAGE = """\
+<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<title>{title}</title>
+<link rel="icon" href="data:,">
+<style>
+{style}
+</style>
+</head>
+<body class="page">
+<main id="live"></main>
+<noscript>This page simulates its scene, which needs JavaScript. {picture}</noscript>
+<script type="application/json" id="data">{data}</script>
+<script type="module">
+"use strict";
+{module}
+const source = JSON.parse(document.getElementById("data").textContent);
+window.tribo = await startPage(document.getElementById("live"), source);
+</script>
+</body>
+</html>
+"""
+# The stored picture: its size, and the works in it with their colours.
+WIDTH, HEIGHT = 720, 300
+DRAWN = {"w1": "#0b62a4", "w1_ps": "#0b62a4", "w2": "#d55e00", "w2_ps": "#d55e00"}
+
+
+def live_part(name: str) -> str:
+    return files("tribo.live_pages").joinpath("parts", name).read_text(encoding="utf-8")
+
+
+def document(scene: Scene, controls: object = None) -> str:
+    """The live page of a scene as text; see :func:`to_live_html`."""
+    source = source_of(scene, controls)
+    source["script"] = "\n".join(map(live_part, WORKER))
+    picture = source["picture"] = _picture(scene, source["moving"])
+    return PAGE.format(
+        policy=POLICY,
+        title=escape(source["title"]),
+        style="\n".join([viewer_part("style.css"), live_part("live.css")]),
+        picture=picture,
+        # "<" would end the script that holds the data; JSON may write it as an escape.
+        data=strict_json(source, None).replace("<", "\\u003c"),
+        module="\n".join([*map(viewer_part, OF_VIEWER), *map(live_part, SCRIPTS)]),
+    )
+
+
+def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Path:
+    """Write a page that simulates a scene in the browser: one file that loads nothing else.
+
+    Parameters
+    ----------
+    scene : Scene
+        One asperite on one, forced, free or with driven bars, with any potential.
+    path : str or Path
+        The file, which is replaced if it exists.
+    controls : mapping or str or Path, optional
+        The values that have sliders, in their order: key -> range (low, high), or None for the
+        usual one, or a table with `range` and `label`; beside them "title", "introduction" and
+        "questions" in Markdown.  Or the name of a TOML file with the same.  By default the strength
+        of the force, the gap, the velocity, stiffness, masses, length, drive and duration.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the scene cannot go into a page, a key or a range cannot be used, or the file cannot be
+        written.
+    """
+    target = checked_target("path", as_path(path))
+    replace_file(target, document(scene, controls).encode())
+    return as_path(path)
+
+
+class LivePage:
+    """A live page in a notebook."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def _repr_html_(self) -> str:
+        frame = escape(self._text, quote=True)
+        return (
+            f'<iframe srcdoc="{frame}" title="live page" style="width: 100%; height: 760px; '
+            'border: 0" allow="clipboard-write"></iframe>'
+        )
+
+
+def live(scene: Scene, controls: object = None) -> LivePage:
+    """Show a scene in a notebook as a page that simulates it in the browser.
+
+    Parameters and errors are those of :func:`to_live_html`.
+    """
+    return LivePage(document(scene, controls))
+
+
+def _picture(scene: Scene, moving: int) -> str:
+    """Works of the run of the scene's own values, for browsers that cannot simulate."""
+    result = simulate(scene, progress=False)
+    table: Any = result[scene.surfaces[moving].name]
+    series = {name: np.asarray(table[name])[:, 0] for name in DRAWN}
+    low = min(0.0, *(float(np.min(each)) for each in series.values()))
+    high = max(0.0, *(float(np.max(each)) for each in series.values()))
+    span, duration = (high - low) or 1.0, float(result.t[-1]) or 1.0
+    every = max(1, len(result.t) // 100)
+    lines = []
+    for name, values in series.items():
+        x = WIDTH * result.t[::every] / duration
+        y = HEIGHT * (high - values[::every]) / span
+        points = " ".join(f"{a:.0f},{b:.0f}" for a, b in zip(x, y, strict=True))
+        dash = ' stroke-dasharray="6 4"' if name.endswith("_ps") else ""
+        lines.append(
+            f'<polyline points="{points}" fill="none" stroke="{DRAWN[name]}" stroke-width="2"'
+            f"{dash}><title>{name}</title></polyline>"
+        )
+    label = f"works of friction and drive over time, from {low:.3g} to {high:.3g}"
+    frame = f'viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{label}"'
+    return f"<svg {frame}>{''.join(lines)}</svg>"

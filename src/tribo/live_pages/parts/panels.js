@@ -1,0 +1,193 @@
+// The panels beside the drawing: works and energies now, an end value against a control, many starts.
+
+const POINTS = 61; // of the end value against a control
+const SLICE = 6; // milliseconds of runs between two pictures
+const BINS = 30;
+const MOST_STARTS = 2000;
+
+// Bars of signed numbers from a common zero, each with its number.
+function drawBars(canvas, rows, size) {
+  const { context, width } = prepared(canvas);
+  const paint = (name) => colour(canvas, name);
+  const [left, right] = [132, 76];
+  const middle = left + 0.5 * (width - left - right);
+  const unit = (0.5 * (width - left - right)) / (size || 1);
+  context.font = "13px system-ui, sans-serif";
+  context.textBaseline = "middle";
+  rows.forEach(({ label, value, paint: own, line }, k) => {
+    const y = 13 + 21 * k;
+    if (line) {
+      context.strokeStyle = paint("faint");
+      context.lineWidth = 1;
+      drawLine(context, 0, y - 11, width, y - 11);
+    }
+    context.fillStyle = paint("ink");
+    context.textAlign = "left";
+    context.fillText(label, 0, y);
+    context.textAlign = "right";
+    context.fillText(shownShort(value), width, y);
+    context.fillStyle = paint(own);
+    const end = Math.max(Math.min(value * unit, middle - left), left - middle);
+    context.fillRect(Math.min(middle, middle + end), y - 7, Math.max(Math.abs(end), 1), 14);
+  });
+  context.strokeStyle = paint("faint");
+  drawLine(context, middle, 2, middle, 21 * rows.length);
+}
+
+const shownShort = (value) => (Math.abs(value) < 5e-7 ? "0" : Number(value.toPrecision(4)).toString().replace("-", "−"));
+
+// A number that stays while values change little: 1, 2 or 5 times a power of ten, at least `value`.
+function roundUp(value) {
+  if (!(value > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(value));
+  return power * [1, 2, 5, 10].find((each) => each * power >= value * 0.999999);
+}
+
+// Changes of all energies since the start, which add up to the work that was put in.
+function energyRows(run, k) {
+  const change = (name) => run.tables.reduce((sum, table) => sum + table[name][k] - table[name][0], 0);
+  const system = tableOf(run.source, run.result, 2);
+  const rows = [
+    { label: "translation", value: change("k_trans"), paint: "wT" },
+    { label: "rotation", value: change("k_swing"), paint: "wL" },
+    { label: "springs", value: change("e_torsion"), paint: "rod" },
+    { label: "contact", value: system.contact_energy[k] - system.contact_energy[0], paint: "w1" },
+  ];
+  rows.push({ label: "sum", value: rows.reduce((sum, { value }) => sum + value, 0), paint: "ink", line: true });
+  rows.push({ label: "work put in", value: system.applied_work[k], paint: "w2" });
+  return rows;
+}
+
+// Powers of a force at its point, and at the velocity of the centre of mass.
+function powerRows(run, surface, k) {
+  const table = run.tables[surface];
+  return [
+    { label: "friction, at the bob", value: table.p1[k], paint: "w1" },
+    { label: "… at centre of mass", value: table.p1_cm[k], paint: "cm" },
+    { label: "drive, at the bar", value: table.p2[k], paint: "w2", line: true },
+    { label: "… at centre of mass", value: table.p2_cm[k], paint: "cm" },
+  ];
+}
+
+function largestOf(run, rowsAt) {
+  let size = 0;
+  const last = run.times.length - 1;
+  for (let k = 0; k <= last; k += Math.max(1, Math.floor(last / 100))) {
+    for (const { value } of rowsAt(k)) size = Math.max(size, Math.abs(value));
+  }
+  return size;
+}
+
+// A graph of points (x, y), joined where the run showed the encounter; others are open circles.
+function drawPoints(canvas, points, present, title) {
+  const { context, width, height } = prepared(canvas);
+  const paint = (name) => colour(canvas, name);
+  const known = points.filter(({ y }) => Number.isFinite(y));
+  if (known.length < 2) return null;
+  const pad = { left: 52, right: 10, top: 10, bottom: 34 };
+  const [low, high] = [known[0].x, known[known.length - 1].x];
+  let [bottom, top] = known.reduce(([a, b], { y }) => [Math.min(a, y), Math.max(b, y)], [0, 0]);
+  if (bottom === top) [bottom, top] = [-1, 1];
+  const spread = 0.06 * (top - bottom);
+  [bottom, top] = [bottom - spread, top + spread];
+  const at = (x, y) => [
+    pad.left + ((x - low) / (high - low)) * (width - pad.left - pad.right),
+    height - pad.bottom - ((y - bottom) / (top - bottom)) * (height - pad.top - pad.bottom),
+  ];
+  context.font = "12px system-ui, sans-serif";
+  context.textBaseline = "middle";
+  context.lineWidth = 1;
+  for (const value of ticks(bottom, top)) {
+    const [, y] = at(low, value);
+    context.strokeStyle = paint(value === 0 ? "faint" : "line");
+    drawLine(context, pad.left, y, width - pad.right, y);
+    context.fillStyle = paint("faint");
+    context.textAlign = "right";
+    context.fillText(String(value).replace("-", "−"), pad.left - 5, y);
+  }
+  context.textAlign = "center";
+  for (const value of ticks(low, high)) context.fillText(String(value).replace("-", "−"), at(value, 0)[0], height - pad.bottom + 10);
+  context.fillStyle = paint("ink");
+  context.fillText(title, pad.left + 0.5 * (width - pad.left - pad.right), height - 8);
+  context.strokeStyle = paint("w1");
+  context.fillStyle = paint("w1");
+  context.lineWidth = 2;
+  context.beginPath();
+  known.forEach(({ x, y }, k) => (k ? context.lineTo(...at(x, y)) : context.moveTo(...at(x, y))));
+  context.stroke();
+  for (const { x, y, shown } of known) {
+    context.beginPath();
+    context.arc(...at(x, y), 2.5, 0, 2 * Math.PI);
+    context.fillStyle = paint(shown ? "w1" : "panel");
+    context.fill();
+    if (!shown) context.stroke();
+  }
+  if (present !== null && present >= low && present <= high) {
+    context.strokeStyle = paint("ink");
+    context.lineWidth = 1;
+    drawLine(context, at(present, 0)[0], pad.top, at(present, 0)[0], height - pad.bottom);
+  }
+  return (px) => low + (Math.min(Math.max(px - pad.left, 0), width - pad.left - pad.right) / (width - pad.left - pad.right)) * (high - low);
+}
+
+// Runs at many values, some milliseconds at a time; a new request replaces the last one.
+function makeScan(draw) {
+  let task = 0;
+  return function scan(values, runAt) {
+    task += 1;
+    const mine = task;
+    const points = [];
+    function go() {
+      if (mine !== task) return;
+      const until = performance.now() + SLICE;
+      while (points.length < values.length && performance.now() < until) points.push(runAt(values[points.length]));
+      if (points.length < values.length) {
+        window.setTimeout(go, 0);
+        return;
+      }
+      draw(points);
+    }
+    window.setTimeout(go, 30);
+  };
+}
+
+// A histogram of works over many starts.
+function drawHistogram(canvas, values, mirrored, title) {
+  const { context, width, height } = prepared(canvas);
+  if (!values.length) return;
+  const paint = (name) => colour(canvas, name);
+  const reach = Math.max(...values.map(Math.abs)) || 1;
+  const edge = roundUp(reach);
+  const counts = new Array(BINS).fill(0);
+  const index = (value) => Math.min(BINS - 1, Math.max(0, Math.floor(((value + edge) / (2 * edge)) * BINS)));
+  for (const value of values) counts[index(value)] += 1;
+  const most = Math.max(...counts);
+  const bar = width / BINS;
+  const base = height - 34;
+  context.fillStyle = paint("w1");
+  counts.forEach((count, k) => context.fillRect(k * bar + 1, base - (count / most) * (base - 6), bar - 2, (count / most) * (base - 6)));
+  if (mirrored) {
+    context.strokeStyle = paint("w2");
+    context.lineWidth = 2;
+    context.beginPath();
+    counts.forEach((_, k) => {
+      const y = base - (counts[BINS - 1 - k] / most) * (base - 6);
+      context.lineTo(k * bar, y);
+      context.lineTo((k + 1) * bar, y);
+    });
+    context.stroke();
+  }
+  context.font = "12px system-ui, sans-serif";
+  context.fillStyle = paint("ink");
+  context.textBaseline = "middle";
+  context.textAlign = "left";
+  context.fillText(shownShort(-edge), 2, base + 10);
+  context.textAlign = "center";
+  context.fillText("0", 0.5 * width, base + 10);
+  context.fillText(title, 0.5 * width, height - 8);
+  context.textAlign = "right";
+  context.fillText(shownShort(edge), width - 2, base + 10);
+  context.strokeStyle = paint("faint");
+  context.lineWidth = 1;
+  drawLine(context, 0.5 * width, 4, 0.5 * width, base);
+}

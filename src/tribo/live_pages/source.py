@@ -1,0 +1,150 @@
+"""What a live page holds: the module, its numbers, the keys that set them, and words."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from tribo.integrators.methods import METHODS
+from tribo.kernels.records import CLOCK
+from tribo.kernels.status import MEANINGS, STATUS_OF_CODE
+from tribo.layout.layout import Layout, lay_out
+from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages import inputs, program
+from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
+from tribo.live_pages.controls import Controls, controls_of, least
+from tribo.live_pages.keys import numbers_of
+from tribo.live_pages.quantities import OfAsperite, OfSystem
+from tribo.loops.pair import KNOWN, is_pair
+from tribo.model.effects import reason_for
+from tribo.model.scene import Scene
+from tribo.pair import step_rows
+from tribo.pair.step import table
+from tribo.validation import InputError
+
+# The method of a pair's loop, and the accuracy of a page whose scene names none.
+METHOD, ACCURACY = "gauss-radau-15", 1e-8
+# Samples of a run in a page, at most, and steps before it is given up.
+MOST_SAMPLES, MOST_STEPS = 1001, 20_000
+# Meanings of what only live pages show.
+MEANINGS_HERE = {
+    "p1": "power of the contact force at the bob",
+    "p1_cm": "power of the contact force at the velocity of the centre of mass",
+    "p2": "power of the drive at the bar",
+    "p2_cm": "power of the drive at the velocity of the centre of mass",
+    "distance": "distance of the bobs",
+}
+
+
+def check(scene: Scene) -> Layout:
+    """The layout of a scene that can go into a page.  Raises InputError for others."""
+    layout = lay_out(scene)
+    if is_pair(layout):
+        return layout
+    raise InputError("scene", f"cannot go into a live page: {_why_not(scene)}; {ELSEWHERE}")
+
+
+def _why_not(scene: Scene) -> str:
+    if scene.count != 2 or len(scene.surfaces) != 2:
+        return f"it has {scene.count} asperites, and live pages have one on one"
+    for effect in sorted(scene.effects - KNOWN):
+        return f"it has {effect} ({reason_for(scene, effect)})"
+    if len(scene.interactions) != 1:
+        return f"it has {len(scene.interactions)} interactions between two bobs, not one"
+    if scene.output.ledger != "asperites":
+        return f'output.ledger is "{scene.output.ledger}", not "asperites"'
+    return (
+        "live pages have forced, free and driven bars without a load, whose bars are at an angle "
+        "of 0 and do not turn, and centres of mass that start at rest in their surface"
+    )
+
+
+def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
+    """The page of a scene as JSON.  Raises InputError."""
+    layout = check(scene)
+    controls = controls_of(scene, given)
+    potential = layout.model.contacts[0].potential
+    found = _program(scene, layout) | _values(scene, layout, controls)
+    return found | {
+        "module": _bytes(module_of(potential)),
+        "title": controls.words.get("title") or scene.title or "A scene of tribo",
+        "introduction": controls.words.get("introduction", ""),
+        "questions": controls.words.get("questions", ""),
+        "toml": scene.to_toml(),
+    }
+
+
+def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
+    """How the program is called."""
+    accuracy = scene.numerics.accuracy
+    accuracy = accuracy if isinstance(accuracy, float) else ACCURACY
+    memory = np.zeros((step_rows.ROWS, 8))
+    coefficients: Any = METHODS[METHOD].coefficients
+    memory[: step_rows.LIMITS] = table(coefficients)
+    places = ("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED")
+    places += ("NEEDED", "AMPLITUDE", "PHASE1", "PHASE2")
+    names = {"asperite": OfAsperite._fields, "system": OfSystem._fields}
+    every = [*OfAsperite._fields, *OfSystem._fields]
+    known = {name: EVERY_QUANTITY[name] for name in every if name in EVERY_QUANTITY}
+    return {
+        "arrays": [
+            {"name": name, "shape": shape, "item": CLOCK.itemsize if name == "clocks" else 8}
+            for name, shape in ARRAYS.items()
+        ],
+        "memory": _floats(memory),
+        "samples": int(min(len(scene.times), MOST_SAMPLES)),
+        "level": program.level_of(accuracy),
+        "near": program.NEAR_FINE,
+        "most": MOST_STEPS,
+        "places": {name: getattr(program, name) for name in places},
+        "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
+        "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,
+        "kinds": {name: each.kind for name, each in known.items()},
+        "statuses": {code: MEANINGS[status] for code, status in STATUS_OF_CODE.items()},
+    }
+
+
+def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
+    """The numbers, and the keys and controls that set them."""
+    keys = []
+    for key in sorted(controls.keys, key=lambda each: -len(each.parts)):
+        lowest, closed = least(scene, key)
+        low = lowest if np.isfinite(lowest) else None
+        keys.append(key._asdict() | {"least": low, "open": not closed})
+    moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
+    return {
+        "inputs": inputs.INPUTS,
+        "numbers": _floats(numbers_of(layout)),
+        "potential": _arguments(layout.model.contacts[0].potential, [inputs.INPUTS]),
+        "keys": keys,
+        "choices": [choice._asdict() for choice in controls.choices],
+        "controls": [vars(control) for control in controls.shown],
+        "surfaces": [{"name": s.name, "facing": s.facing} for s in scene.surfaces],
+        "moving": (moving or [0])[0],
+        "duration": inputs.DURATION,
+        "observer": inputs.OBSERVER_X,
+    }
+
+
+def _arguments(potential: Any, place: list[int]) -> list[Any]:
+    """The potential's fields as arguments: places of its numbers, and arrays."""
+    found: list[Any] = []
+    for value in potential:
+        if isinstance(value, tuple):
+            found += _arguments(value, place)
+        elif isinstance(value, np.ndarray):
+            found.append({"values": _floats(value)})
+        else:
+            found.append(place[0])
+            place[0] += 1
+    return found
+
+
+def _bytes(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
+
+
+def _floats(values: np.ndarray) -> str:
+    return _bytes(np.ascontiguousarray(values, "<f8").tobytes())

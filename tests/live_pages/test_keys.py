@@ -1,0 +1,113 @@
+"""The keys of a page set what the same keys of --set set."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import InputError
+from tribo.live_pages.controls import controls_of
+from tribo.live_pages.inputs import INPUTS
+from tribo.live_pages.keys import keys_of, numbers_at
+from tribo.live_pages.source import check
+from tribo.model.parameters import value_of, with_values
+
+SCENE = tribo.paper.scene("A")
+CUT = replace(SCENE, interactions=(tribo.LennardJones(0.3, 1.0).with_cutoff(2.5),))
+
+
+@pytest.mark.parametrize("scene", [SCENE, CUT, tribo.paper.scene("E")])
+def test_each_key(scene):
+    """A value of a key, as a page sets it, gives the numbers of the scene with that value."""
+    before, keys = numbers_at(scene), keys_of(scene)
+    assert len(keys) > 25
+    for key in keys:
+        value = key.value + 0.0625 * (abs(key.value) or 1.0)
+        numbers = before.copy()
+        for part in key.parts:
+            numbers[part.place] = part.factor * value + part.constant
+        wanted = numbers_at(with_values(scene, {key.key: value}))
+        assert numbers == pytest.approx(wanted, rel=1e-14, abs=1e-15), key
+
+
+def test_every_number_has_a_key():
+    """But for those that say what kind a surface is, and the observer's velocity."""
+    reached = {part.place for key in keys_of(SCENE) for part in key.parts}
+    of_choices = {
+        place
+        for choice in controls_of(SCENE).choices
+        for each in choice.words.values()
+        for place, _ in each
+    }
+    left = set(range(numbers_at(SCENE).size)) - reached - of_choices
+    assert len(left) == 10 and max(left) < INPUTS  # facing, rest, height, ends; the observer
+
+
+def test_usual_controls():
+    keys = [control.key for control in controls_of(SCENE).shown]
+    assert keys[:3] == ["interaction.strength", "upper.bob.1", "upper.velocity"]
+    assert keys[-2:] == ["upper.drive", "duration"]
+    assert "lower.velocity" in [each.key for each in controls_of(tribo.paper.scene("E")).shown]
+
+
+def test_given_controls(tmp_path):
+    given = {"title": "Titel", "upper.velocity": {"range": [0.1, 1.0], "label": "Tempo"}}
+    controls = controls_of(SCENE, given)
+    (shown,) = controls.shown
+    assert (shown.low, shown.high, shown.label, shown.value) == (0.1, 1.0, "Tempo", 0.5)
+    assert controls.words == {"title": "Titel"}
+    file = tmp_path / "controls.toml"
+    file.write_text('title = "Titel"\n["upper.velocity"]\nrange = [0.1, 1.0]\nlabel = "Tempo"\n')
+    assert controls_of(SCENE, file) == controls
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ({"upper.speed": None}, "controls.upper.speed: has no control"),
+        ({"upper.velocity": [1.0, 1.0]}, "a range whose first number is the lower one"),
+        ({"upper.asperite.m1": [-1.0, 1.0]}, "must be positive"),
+        ({"upper.velocity": 3.0}, "must be a range"),
+        (3, "controls: must be a mapping"),
+    ],
+)
+def test_wrong_controls(given, problem):
+    with pytest.raises(InputError, match=problem):
+        controls_of(SCENE, given)
+
+
+def test_one_of_two_numbers():
+    """Keys as upper.bob.1 set one of two numbers, in --set and everywhere."""
+    moved = with_values(SCENE, {"upper.bob.1": 0.5, "upper.velocity.0": 0.25, "lower.bob.0": 1.0})
+    assert moved.surfaces[0].bob == (-10.0, 0.5) and moved.surfaces[0].velocity == (0.25, 0.0)
+    assert moved.surfaces[1].bob == (1.0, 0.0)
+    assert value_of(moved, "upper.bob.1") == 0.5
+    assert with_values(SCENE, {"*.bob.1": 0.5}).surfaces[1].bob == (0.0, 0.5)
+    both = {"upper.bob": (0.0, 0.0), "upper.bob.1": 1.0}
+    with pytest.raises(InputError, match=r"upper\.bob\.1: cannot go with upper\.bob"):
+        with_values(SCENE, both)
+    with pytest.raises(InputError, match="must be a number"):
+        with_values(SCENE, {"upper.bob.1": "high"})
+    grid = tribo.sweep(replace(SCENE, duration=1.0), {"upper.bob.1": [0.2, 0.4]}, keep=["upper.w1"])
+    assert grid.sizes["upper.bob.1"] == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"shape": (2, 1), "spacing": (3.0, 0.0)}, "it has 3 asperites"),
+        ({"langevin": tribo.Langevin(gamma=0.1)}, "it has langevin"),
+        ({"drive": tribo.Pulled(stiffness=1.0, speed=0.5)}, "it has pull"),
+        ({"asperite": tribo.Asperite(kappa=np.inf)}, "it has rigid asperites"),
+        ({"initial": tribo.Initial(phi=0.1)}, "live pages have forced, free and driven bars"),
+    ],
+)
+def test_what_cannot_go_in(change, reason):
+    """A sentence says why, and what to do."""
+    upper, lower = SCENE.surfaces
+    scene = replace(SCENE, surfaces=(replace(upper, **change), lower))
+    with pytest.raises(InputError) as caught:
+        check(scene)
+    assert reason in str(caught.value)
+    assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)

@@ -1,0 +1,127 @@
+"""The live page: what it holds, and what it does in a browser."""
+
+from dataclasses import replace
+
+import pytest
+
+import tribo
+from support.pages import ARGUMENTS, CHROMIUM, held
+from tribo.commands.cli import main
+from tribo.model.parameters import with_values
+
+# Most bytes of the page of case A.
+LARGEST = 300_000
+# Relative round-off of a run in the browser: its functions of numbers differ in the last bit.
+ROUND_OFF = 1e-11
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    path = tmp_path_factory.mktemp("live") / "a.html"
+    assert tribo.paper.scene("A").to_live_html(path) == path
+    return path
+
+
+def test_contents(page):
+    """One file, small, with the scene's own values; no address of anything else."""
+    data = held(page)
+    assert page.stat().st_size < LARGEST
+    assert data["title"] == "A: forced sliding, repulsive" and data["samples"] == 401
+    assert {key["key"]: key["value"] for key in data["keys"]}["upper.velocity"] == 0.5
+    text = page.read_text(encoding="utf-8")
+    assert "http://" not in text.replace("http://www.w3.org", "") and "https://" not in text
+    assert "default-src 'none'" in text and "<svg" in text
+
+
+def test_command(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    tribo.paper.scene("A").save("a.toml")
+    (tmp_path / "c.toml").write_text('title = "Wie schnell?"\n"upper.velocity" = [0.2, 1.0]\n')
+    assert main(["live", "a.toml", "--set", "upper.velocity=0.4", "--controls", "c.toml"]) == 0
+    assert capsys.readouterr().out == "a.html\n"
+    data = held(tmp_path / "a.html")
+    assert data["title"] == "Wie schnell?" and len(data["controls"]) == 1
+    assert data["controls"][0]["value"] == 0.4
+    row = replace(tribo.paper.scene("A").surfaces[0], shape=(2, 1), spacing=(3.0, 0.0))
+    scene = replace(tribo.paper.scene("A"), surfaces=(row, tribo.paper.scene("A").surfaces[1]))
+    scene.save("row.toml")
+    assert main(["live", "row.toml"]) == 2
+    assert "one on one" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+def test_in_a_browser(page):
+    """Its numbers are those of Python; its values stand in the address; nothing fails."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs tribo[browser]")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        tab = browser.new_page(viewport={"width": 1366, "height": 768})
+        problems, requests = [], []
+        tab.on("console", lambda message: problems.append(message.text))
+        tab.on("pageerror", lambda error: problems.append(str(error)))
+        tab.on("request", lambda request: requests.append(request.url))
+        tab.goto(page.as_uri() + "#upper.velocity=0.4")
+        tab.wait_for_function("window.tribo")
+        assert tab.evaluate("tribo.values['upper.velocity']") == 0.4
+        for values in ({}, {"upper.velocity": 0.5, "interaction.strength": -0.1}):
+            check_run(tab, {"upper.velocity": 0.4} | values)
+        tab.evaluate("tribo.set({'upper.velocity': 0.3})")
+        assert "upper.velocity=0.3" in tab.url
+        status = tab.locator("[data-part=status]")
+        assert "before the bobs have passed" in status.inner_text()
+        status.locator("button").click()
+        assert tab.evaluate("tribo.values.duration") == 100.0
+        assert "Work of friction" in status.inner_text()
+        tab.locator("[data-part=reset]").click()
+        assert tab.evaluate("tribo.values['upper.velocity']") == 0.5 and "#" not in tab.url
+        tab.locator("[data-key='upper.velocity']").focus()
+        tab.keyboard.press("Space")
+        tab.wait_for_timeout(400)
+        assert float(tab.locator("[data-part=time]").input_value()) > 0.0
+        wrong = "tribo.run({'upper.asperite.m1': -1})"
+        refused = f"(() => {{ try {{ {wrong} }} catch (e) {{ return e.message }} }})()"
+        assert tab.evaluate(refused) == "upper.asperite.m1 must be positive, got -1"
+        tab.evaluate("tribo.set({'upper.drive': 'free'})")
+        for name in ("Energy", "Numbers", "Many starts", "Files", "End value"):
+            tab.get_by_role("tab", name=name).click()
+            tab.wait_for_timeout(50)
+        check_accessible(tab)
+        check_stopped(browser, page)
+        browser.close()
+    assert problems == []
+    assert [url for url in requests if not url.startswith(("data:", "blob:"))] == [requests[0]]
+
+
+def check_stopped(browser, page):
+    """Where a policy forbids WebAssembly, a sentence and the stored picture stand in its place."""
+    text = page.read_text(encoding="utf-8").replace("'wasm-unsafe-eval' ", "")
+    forbidden = page.with_name("forbidden.html")
+    forbidden.write_text(text, encoding="utf-8")
+    tab = browser.new_page()
+    tab.goto(forbidden.as_uri())
+    tab.wait_for_selector("main svg")
+    assert "cannot simulate here" in tab.locator("[data-part=status]").inner_text()
+
+
+def check_run(tab, values):
+    """A run of the page and one of Python differ by round-off, and by less than both errors."""
+    found = tab.evaluate(
+        "(values) => { const r = tribo.run(values); return [r.end, r.errors, r.status] }", values
+    )
+    end, errors, status = found
+    assert status == "completed"
+    result = tribo.simulate(with_values(tribo.paper.scene("A"), values), accuracy=1e-10)
+    for surface in ("upper", "lower"):
+        for name in ("w1", "w1_ps", "w2", "theta", "delta_e_int", "x_bob", "wL", "W"):
+            want = result[surface][name].reshape(len(result.t), -1)[-1, 0]
+            allowed = errors[surface][name] + result.error_estimate[name] + ROUND_OFF
+            assert abs(end[surface][name] - want) <= allowed, (surface, name)
+
+
+def check_accessible(tab):
+    """No violation by axe."""
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="needs tribo[browser]"
+    )
+    violations = axe.Axe().run(tab).response["violations"]
+    assert [each["id"] for each in violations] == []
