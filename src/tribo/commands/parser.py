@@ -2,7 +2,6 @@
 
 import argparse
 import re
-import sys
 import warnings
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
@@ -15,10 +14,11 @@ from tribo.commands.atlas import run_atlas
 from tribo.commands.bundle import add_bundle
 from tribo.commands.doctor import run_doctor
 from tribo.commands.new import add_new
+from tribo.commands.paper import add_paper
 from tribo.commands.run import add_run
 from tribo.commands.sweep import run_sweep
 from tribo.commands.view import add_play, add_view
-from tribo.files import checked_target, strict_json
+from tribo.files import checked_target
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
@@ -40,6 +40,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the usage and the message; exit with status 2."""
+        if message.endswith("are required: COMMAND"):
+            message += "; start with: tribo new -o scene.toml (tribo --help lists all commands)"
         unknown = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if unknown is not None:
             word, known = unknown[1], re.findall(r"[\w-]+", unknown[2])
@@ -104,12 +106,7 @@ def _add_runs(add: Add) -> None:
     figure = "draw a histogram of the first name of --keep at the end (default: upper.W)"
     shared.add_output(ensemble, figure=figure)
 
-    paper = add("paper", "compare the paper's cases with its numbers", _paper)
-    cases = "case of the paper (default: all)"
-    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
-    shared.add_output(paper, "the comparison")
-    figures = "write the paper's figures to this folder"
-    paper.add_argument("--figures", type=Path, metavar="DIR", help=figures)
+    add_paper(add("paper", "compare the paper's cases with its numbers"))
 
     explain = add("explain", "say what a run will do and cost", _explain)
     shared.add_scene(explain)
@@ -184,32 +181,16 @@ def _ensemble(options: argparse.Namespace) -> int:
     return run_ensemble(options)
 
 
-def _paper(options: argparse.Namespace) -> int:
-    from tribo import paper
-
-    cases = [options.case] if options.case else list(paper.CASES)
-    tables = paper.compare(cases)
-    if options.json:
-        rows = {case: [row.as_json() for row in table] for case, table in tables.items()}
-        print(strict_json(rows))
-    else:
-        print(paper.report(tables))
-
-    def draw(folder: Path) -> None:
-        from tribo.paper import figures
-
-        for path in figures.draw(folder, cases):
-            print(path, file=sys.stderr)
-
-    shared.draw_to(options.figures, draw, "--figures")
-    return COMPLETED
-
-
 def _explain(options: argparse.Namespace) -> int:
     from tribo.explanation import explain
 
     explanation = explain(shared.load_with_values(options))
-    print(explanation.to_json() if options.json else explanation)
+    if options.json:
+        print(explanation.to_json())
+    else:
+        scene = options.scene
+        print(f"{explanation}\n")
+        print(f"Next:  tribo run {scene} --out {scene.with_suffix('.nc')}   simulates it")
     return COMPLETED
 
 

@@ -40,9 +40,22 @@ def _run(options: argparse.Namespace) -> int:
         result, same = _repeated(options)
     else:
         result, same = _simulated(options), True
-    print(result.to_json() if options.json else result)
+    print(result.to_json() if options.json else f"{result}\n\n{_next(options, result)}")
     shared.draw_to(options.figure, partial(_draw, result))
     return COMPLETED if result.status == "completed" and same else STOPPED
+
+
+def _next(options: argparse.Namespace, result: Result) -> str:
+    """What one may do after the run, as a line."""
+    scene = options.scene
+    if result.status != "completed":
+        return f"Next:  tribo explain {scene}   says what the run would take"
+    if options.out is not None:
+        return f"Next:  tribo view {options.out}   writes a page that plays the run"
+    if scene.suffix == ".nc":
+        return f"Next:  tribo plot {scene}   draws the run"
+    kept = scene.with_suffix(".nc")
+    return f"Next:  tribo run {scene} --out {kept}   keeps all series; tribo view {kept} plays them"
 
 
 def _draw(result: Result, path: Path) -> None:
