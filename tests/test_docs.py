@@ -14,7 +14,7 @@ import tribo
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("tutorials", "how-to", "explanation", "reference", "developers")
+FOLDERS = ("tutorials", "how-to", "explanation", "studies", "reference", "developers")
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "paper.md")),
     *sorted((ROOT / "docs").glob("*.md")),
@@ -71,10 +71,10 @@ def test_notebook(name, tmp_path, monkeypatch):
 
 CAPTION = re.compile(r"\A\*[^*].*\d.*\*\Z", re.DOTALL)
 FIGURE = re.compile(r"^```\{figure\}.*\n(?::.*\n)*([^`]*)^```", re.MULTILINE)
-GALLERY = ROOT / "docs" / "gallery" / "index.md"
+GALLERY = sorted((ROOT / "docs" / "gallery").glob("*.md"))
 
 
-@pytest.mark.parametrize("page", [*PAGES, GALLERY], ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", [*PAGES, *GALLERY], ids=lambda page: str(page.relative_to(ROOT)))
 def test_pictures_have_captions(page):
     """Each picture, or row of pictures, has a caption with a number: below it in italics."""
     text = page.read_text(encoding="utf-8")
