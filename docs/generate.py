@@ -74,7 +74,10 @@ def everything(folder: Path) -> None:
         return
     expected = {name: made.get(name, {}).get("seconds", UNKNOWN) for name in old}
     seconds = max(sum(expected.values()) / PROCESSES, *expected.values())
-    print(f"making {len(old)} of {len(now)} parts: about {max(1.0, seconds / 60.0):.0f} min", flush=True)
+    print(
+        f"making {len(old)} of {len(now)} parts: about {max(1.0, seconds / 60.0):.0f} min",
+        flush=True,
+    )
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(PROCESSES, context) as pool:
         order = sorted(old, key=expected.__getitem__, reverse=True)
@@ -119,7 +122,7 @@ def _make(name: str, folder: Path) -> float:
 
 
 class _Page:
-    """Runs the program of a page in a folder of its own, and keeps its pictures and its notebook."""
+    """Runs the program of a page in its own folder, and keeps its pictures and its notebook."""
 
     def __init__(self, page: Path) -> None:
         self._page = page

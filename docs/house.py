@@ -1,6 +1,6 @@
-"""The picture of the package, drawn from its imports: folders by height, each above what it imports.
+"""The picture of the package, drawn from its imports: each folder above what it imports.
 
-    python docs/house.py FILE.png
+python docs/house.py FILE.png
 """
 
 import ast

@@ -1,8 +1,8 @@
 """Tutorials as Jupyter notebooks, made from their pages when the documents are built.
 
 Python blocks become cells with the output that the page shows, scene files are written by
-``%%writefile``, and ``tribo`` commands run in a shell.  A picture that a cell draws is the output of
-this cell, so that a changed cell shows its own; other pictures are part of the text.
+``%%writefile``, and ``tribo`` commands run in a shell.  A picture that a cell draws is the output
+of this cell, so that a changed cell shows its own; other pictures are part of the text.
 
     python docs/notebooks.py        writes them beside their pages, where they can be opened
 """

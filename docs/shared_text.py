@@ -6,7 +6,10 @@ text stands in the sources once.  The build puts that text in the place of the p
 
 import inspect
 import re
+import sys
 from typing import NamedTuple
+
+import function_examples
 
 import tribo
 from tribo.model import rows, spectrum
@@ -97,15 +100,28 @@ def _target(name: str, owner: object) -> object:
     raise LookupError(f"{name} is not known")
 
 
+def public_name(function: object) -> str:
+    """The name by which users call a function: of the highest module that offers it."""
+    parts = function.__module__.split(".")
+    places = [".".join(parts[:count]) for count in range(1, len(parts) + 1)]
+    for place in places:
+        if getattr(sys.modules[place], function.__name__, None) is function:
+            return f"{place}.{function.__name__}"
+    raise LookupError(f"{function.__name__} is not in {parts}")
+
+
 def process(app, what, name, obj, options, lines):
     """Repeat shared text in a docstring that autodoc shows."""
     owner = None
     if what == "method":
         owner = getattr(tribo, name.split(".")[-2], None)
     lines[:] = repeated(lines, owner)
+    if what == "function":
+        lines += function_examples.lines(public_name(obj))
 
 
 def setup(app):
     """Work before napoleon, which turns sections into fields."""
+    app.setup_extension("sphinx.ext.autodoc")
     app.connect("autodoc-process-docstring", process, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

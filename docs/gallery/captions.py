@@ -207,9 +207,7 @@ FORMULAS = {
     },
     "heat_into_baths": {
         "gamma w_c exp(-w_c t)": r"$\gamma \omega_c\, e^{-\omega_c t}$",
-        "p' = -w_c p - gamma w_c v_bar": (
-            r"$p' = -\omega_c p - \gamma \omega_c v_{\mathrm{bar}}$"
-        ),
+        "p' = -w_c p - gamma w_c v_bar": (r"$p' = -\omega_c p - \gamma \omega_c v_{\mathrm{bar}}$"),
     },
     "diffusion": {
         "-A cos(2 pi x / a)": r"$-A \cos(2\pi x/a)$",

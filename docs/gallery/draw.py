@@ -29,8 +29,8 @@ WRITTEN = "<!-- written by docs/gallery/draw.py -->\n"
 HEADER = f"""\
 {WRITTEN}# Gallery
 
-Each picture leads to the page of an example of the folder `examples/`: its code, and the numbers that
-a test compares with a closed form or a published value.
+Each picture leads to the page of an example of the folder `examples/`: its code, and the numbers
+that a test compares with a closed form or a published value.
 """
 
 
