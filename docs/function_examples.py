@@ -129,7 +129,7 @@ Yukawa(strength=0.2, screening=0.5)
 >>> upper = tribo.Surface("upper", bob=(-1.0, 1.2), velocity=(0.5, 0.0), species="Ar")
 >>> lower = tribo.Surface("lower", facing="up", species="Ar")
 >>> pair = tribo.Scene([upper, lower], contact, duration=1.0)
->>> print(tribo.simulate(pair, accuracy=1e-4).status)
+>>> print(tribo.simulate(pair, method="verlet", step=0.05).status)
 completed
 """,
     "tribo.potentials.from_dimer": """
@@ -191,7 +191,7 @@ True
 >>> print(energy[1] < energy[0])
 True
 """,
-    "tribo.model.spectrum.normal_modes": """
+    "tribo.model.recurrence.normal_modes": """
 >>> from tribo.model.spectrum import normal_modes
 >>> frequencies, weights = normal_modes(np.array([0.1]), np.array([1.0]), 3.0, 1.0)
 >>> print(len(frequencies), f"{weights.sum():.3f}")
@@ -233,9 +233,9 @@ works.pdf
 >>> from scipy import stats
 >>> starts = {"upper.theta": stats.norm(0.0, 0.1)}
 >>> data = tribo.ensemble(
-...     scene, 32, starts, keep=["upper.w2"], at="samples", accuracy=1e-6
+...     scene, 32, starts, keep=["upper.W"], at="samples", accuracy=1e-6
 ... )
->>> ax = mean_band(data, "upper.w2")
+>>> ax = mean_band(data, "upper.W")
 """,
     "tribo.sweeps.figure.sweep_lines": """
 >>> from tribo.sweeps.figure import sweep_lines
@@ -258,7 +258,7 @@ True
 """,
     "tribo.paper.short_report": """
 >>> print(tribo.paper.short_report(tribo.paper.compare("D")).splitlines()[4])
-  D  free sliding, attractive                  -0.138  -0.137746     0.085   0.085312   8 of 8
+  D  free sliding, attractive                   -0.138  -0.137746     0.085   0.085312  8 of 8
 """,
     "tribo.paper.draw_overview": """
 >>> print(tribo.paper.draw_overview(tribo.paper.compare("D"), "d.png"))

@@ -1,6 +1,8 @@
 """Every code block of the pages runs, and prints the output that the page shows."""
 
 import ast
+import doctest
+import importlib
 import importlib.util
 import inspect
 import json
@@ -133,6 +135,38 @@ def test_docstrings_repeat_what_they_share(monkeypatch):
     for function in (tribo.simulate, tribo.ensemble, tribo.sweep, tribo.explain):
         text = shared_text.repeated(inspect.getdoc(function).splitlines())
         assert not any("As for :" in line for line in text), function.__name__
+
+
+function_examples = module_of_docs("function_examples")
+
+
+@pytest.mark.parametrize("name", function_examples.EXAMPLES)
+def test_example_of_a_function(name, tmp_path, monkeypatch):
+    """The example in the Python reference runs, and prints what it shows."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    program = function_examples.START + function_examples.EXAMPLES[name]
+    example = doctest.DocTestParser().get_doctest(program, {}, name, None, 0)
+    failures = []
+    doctest.DocTestRunner(verbose=False).run(example, out=failures.append)
+    assert not failures, "".join(failures)
+
+
+def test_every_function_has_an_example(monkeypatch):
+    """Each function of the Python reference, by the name with which users call it."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    shared_text = module_of_docs("shared_text")
+    text = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
+    names = set()
+    for directive, name in re.findall(r"^\.\. (\w+):: ([\w.]+)", text, re.MULTILINE):
+        if directive in ("currentmodule", "automodule"):
+            module = name
+        elif directive == "autofunction":
+            whole = name if name.startswith("tribo.") else f"{module}.{name}"
+            place, _, last = whole.rpartition(".")
+            function = getattr(importlib.import_module(place), last)
+            names.add(shared_text.public_name(function))
+    assert names == function_examples.EXAMPLES.keys()
 
 
 def test_picture_of_the_house(monkeypatch):

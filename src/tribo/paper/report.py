@@ -89,8 +89,8 @@ def short_report(tables: Mapping[str, Sequence[Row]]) -> str:
 
 def _ends(tables: Mapping[str, Sequence[Row]]) -> list[str]:
     """The title, and a table of the ends of the cases."""
-    heads = f"  {'at the end':<43}{'net work':^20} {'internal energy':^20}  numbers"
-    columns = f"  {'of case':<43}{2 * ' printed   computed  '} that agree"
+    heads = f"  {'at the end':<44}{'net work':^21}{'internal energy':^21}numbers"
+    columns = f"  {'of case':<44}{2 * ' printed   computed  '}that agree"
     return [TITLE, "", heads, columns, *(_end(case, rows) for case, rows in tables.items())]
 
 
