@@ -50,7 +50,7 @@ PAGES_WITH_PICTURES = [
 # Parts that are made at the same time.
 PROCESSES = 2
 # Seconds of a part that has not been made before, and of others until they have.
-UNKNOWN = 15.0
+UNKNOWN = 25.0
 
 
 class Part(NamedTuple):
