@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from shlex import quote
 from typing import NoReturn
 
 from tribo.commands import scene_options as shared
@@ -188,9 +189,9 @@ def _explain(options: argparse.Namespace) -> int:
     if options.json:
         print(explanation.to_json())
     else:
-        scene = options.scene
+        scene, kept = options.scene, options.scene.with_suffix(".nc")
         print(f"{explanation}\n")
-        print(f"Next:  tribo run {scene} --out {scene.with_suffix('.nc')}   simulates it")
+        print(f"Next:  tribo run {quote(str(scene))} --out {quote(str(kept))}   simulates it")
     return COMPLETED
 
 

@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from tribo.commands import scene_options as shared
@@ -47,14 +48,12 @@ def _run(options: argparse.Namespace) -> int:
 
 def _next(options: argparse.Namespace, result: Result) -> str:
     """What one may do after the run, as a line."""
-    scene = options.scene
+    given = options.scene
+    scene, kept = quote(str(given)), quote(str(options.out or given.with_suffix(".nc")))
+    if options.out is not None or given.suffix == ".nc":
+        return f"Next:  tribo view {kept}   writes a page that plays the run"
     if result.status != "completed":
         return f"Next:  tribo explain {scene}   says what the run would take"
-    if options.out is not None:
-        return f"Next:  tribo view {options.out}   writes a page that plays the run"
-    if scene.suffix == ".nc":
-        return f"Next:  tribo plot {scene}   draws the run"
-    kept = scene.with_suffix(".nc")
     return f"Next:  tribo run {scene} --out {kept}   keeps all series; tribo view {kept} plays them"
 
 
