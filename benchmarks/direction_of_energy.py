@@ -3,7 +3,7 @@
     python benchmarks/direction_of_energy.py --members 1000000
 
 The figures and their numbers are written to docs/measured/; with 10,000 members they take seconds.
-`benchmarks/weak_coupling.py` draws the others of docs/explanation/statistics.md.
+`benchmarks/weak_coupling.py` draws the others of docs/studies/direction_of_energy.md.
 """
 
 import argparse

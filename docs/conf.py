@@ -17,7 +17,8 @@ author = "The tribo developers"
 copyright = "2026, the tribo developers"
 release = version = tribo.__version__
 
-extensions = ["mathml", "myst_parser"]
+extensions = ["mathml", "phone_tables", "shared_text", "myst_parser"]
+extensions += ["sphinx_design", "sphinx_copybutton"]
 extensions += [f"sphinx.ext.{name}" for name in ("autodoc", "intersphinx", "napoleon")]
 html_math_renderer = "mathml"  # works without a network
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
@@ -40,6 +41,7 @@ html_title = "tribo"
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["pages.css"]
+copybutton_selector = "div[class*='highlight-']:not(.highlight-text):not(.highlight-none) pre"
 
 
 def setup(app):

@@ -1,19 +1,27 @@
 """What the pages take from the package: figures, the paper's table, and tables of names.
 
-All of it is generated again when a source of the package has changed, so the pages cannot be older
-than the code: figures that the pages' own code draws, the paper's numbers beside the computed ones,
-and tables of methods, effects, statuses and files.
+Each part is made again when a source of the package, or of the part itself, has changed, so the
+pages cannot be older than the code: figures that the pages' own code draws, the paper's numbers
+beside the computed ones, and tables of methods, effects, statuses and files.  Two parts are made at
+the same time; the longest begin first.
 """
 
 import ast
+import hashlib
+import json
 import logging
+import multiprocessing
 import re
 import shutil
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import fields
 from pathlib import Path
+from typing import NamedTuple
 
 import atlas_tables
+import house
 import measure_accuracy
 import measure_effects
 import notebooks
@@ -39,30 +47,112 @@ PAGES_WITH_PICTURES = [
 ]
 
 
+# Parts that are made at the same time.
+PROCESSES = 2
+# Seconds of a part that has not been made before, and of others until they have.
+UNKNOWN = 25.0
+
+
+class Part(NamedTuple):
+    """Files of the pages that are made together, and what they depend on beside the package."""
+
+    make: Callable[[Path], None]
+    sources: list[Path]
+
+
 def everything(folder: Path) -> None:
-    """Fill the folder, unless it was filled from the same sources and pages."""
-    stamp = folder / "stamp"
-    own = [*HERE.glob("*.py"), *HERE.glob("measured/*.json"), *PAGES_WITH_PICTURES]
-    now = package_stamp() + "".join(file.read_text(encoding="utf-8") for file in sorted(own))
-    if stamp.exists() and stamp.read_text(encoding="utf-8") == now:
-        return
-    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it logs every glyph of a PDF
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
+    """Fill the folder with what is missing or was made from other sources; print what is made."""
     documented_keys(HERE / "reference" / "scene_file.md")
     documented_names(HERE / "reference" / "api.md")
+    folder.mkdir(exist_ok=True)
+    stamps = folder / "stamps.json"
+    made = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
+    now = {name: _stamp(part) for name, part in parts().items()}
+    made = {name: entry for name, entry in made.items() if name in now}
+    old = [name for name, stamp in now.items() if made.get(name, {}).get("stamp") != stamp]
+    if not old:
+        return
+    expected = {name: made.get(name, {}).get("seconds", UNKNOWN) for name in old}
+    seconds = max(sum(expected.values()) / PROCESSES, *expected.values())
+    print(
+        f"making {len(old)} of {len(now)} parts: about {max(1.0, seconds / 60.0):.0f} min",
+        flush=True,
+    )
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(PROCESSES, context) as pool:
+        order = sorted(old, key=expected.__getitem__, reverse=True)
+        begun = {pool.submit(_make, name, folder): name for name in order}
+        for number, done in enumerate(as_completed(begun), start=1):
+            name = begun[done]
+            made[name] = {"stamp": now[name], "seconds": round(done.result(), 1)}
+            stamps.write_text(json.dumps(made, indent=1), encoding="utf-8")
+            print(f"[{number}/{len(old)}] {name}: {made[name]['seconds']} s", flush=True)
+
+
+def parts() -> dict[str, Part]:
+    """The parts by their names."""
+    own = [HERE / "generate.py", HERE / "page_code.py"]
+    found = {}
     for page in PAGES_WITH_PICTURES:
-        page_code.run(page, folder)
-    for page in notebooks.PAGES:
-        notebooks.write(page, folder)
-    report_cards(folder)
+        name = str(page.relative_to(HERE).with_suffix(""))
+        found[name] = Part(_Page(page), [*own, HERE / "notebooks.py", page])
+    measured = sorted(HERE.glob("measured/*.json"))
+    tables = [*own, *HERE.glob("atlas_tables.py"), *HERE.glob("measure_*.py"), *measured]
+    return found | {
+        "report cards": Part(report_cards, [*own, HERE / "slip.py"]),
+        "the paper": Part(_paper, own),
+        "tables": Part(_tables, tables),
+    }
+
+
+def _stamp(part: Part) -> str:
+    """Hash of the package and of the sources of a part."""
+    digest = hashlib.blake2b(package_stamp().encode(), digest_size=8)
+    for source in part.sources:
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _make(name: str, folder: Path) -> float:
+    """Make a part; returns the seconds that it took."""
+    began = time.perf_counter()
+    logging.getLogger("fontTools").setLevel(logging.WARNING)  # it logs every glyph of a PDF
+    parts()[name].make(folder)
+    return time.perf_counter() - began
+
+
+class _Page:
+    """Runs the program of a page in its own folder, and keeps its pictures and its notebook."""
+
+    def __init__(self, page: Path) -> None:
+        self._page = page
+
+    def __call__(self, folder: Path) -> None:
+        own = folder / "programs" / self._page.stem
+        own.mkdir(parents=True, exist_ok=True)
+        page_code.run(self._page, own)
+        for picture in own.iterdir():
+            if picture.suffix in (".png", ".pdf", ".html"):
+                shutil.copy(picture, folder / picture.name)
+        if self._page in notebooks.PAGES:
+            notebooks.write(self._page, folder)
+
+
+def _paper(folder: Path) -> None:
+    """The paper's figures and its tables."""
     paper_figures.draw(folder, paper.CASES)
-    atlas_tables.figure(folder / "atlas.png")
-    measure_effects.figure(folder / "effects.png")
     tables = paper.compare(paper.CASES)
     (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
+    paper.draw_overview(tables, folder / "paper.png")
+    (folder / "agreement.md").write_text(markdown(agreement(tables)), encoding="utf-8")
+
+
+def _tables(folder: Path) -> None:
+    """Tables of names, the picture of the imports, and pictures and tables of measurements."""
+    atlas_tables.figure(folder / "atlas.png")
+    measure_effects.figure(folder / "effects.png")
+    house.draw(folder / "house.png")
     for name, rows in {
-        "agreement": agreement(tables),
         "methods": table_of_methods(),
         "effects": table_of_effects(),
         "statuses": table_of_statuses(),
@@ -76,7 +166,6 @@ def everything(folder: Path) -> None:
         "atlas_stability": atlas_tables.stability(),
     }.items():
         (folder / f"{name}.md").write_text(markdown(rows), encoding="utf-8")
-    stamp.write_text(now, encoding="utf-8")
 
 
 def report_cards(folder: Path) -> None:

@@ -1,8 +1,8 @@
 """Tutorials as Jupyter notebooks, made from their pages when the documents are built.
 
 Python blocks become cells with the output that the page shows, scene files are written by
-``%%writefile``, and ``tribo`` commands run in a shell.  Pictures are part of the notebook, and
-answers are folded.
+``%%writefile``, and ``tribo`` commands run in a shell.  A picture that a cell draws is the output
+of this cell, so that a changed cell shows its own; other pictures are part of the text.
 
     python docs/notebooks.py        writes them beside their pages, where they can be opened
 """
@@ -19,7 +19,7 @@ import page_code
 HERE = Path(__file__).parent
 PAGES = [
     HERE / "tutorials" / f"{name}.md"
-    for name in ("from_the_paper", "friction_law", "new_potential")
+    for name in ("from_the_paper", "energy_direction", "friction_law", "new_potential", "answers")
 ]
 INCLUDE = re.compile(r"^```\{include\} /(\S+)\n```$", re.MULTILINE)
 DIRECTIVE = re.compile(r"^```\{.*?^```$\n?", re.MULTILINE | re.DOTALL)
@@ -27,7 +27,6 @@ IMAGE = re.compile(
     r"^```\{image\} \S*?([\w.-]+)\n.*?:alt: ([^\n]*)\n.*?^```$", re.MULTILINE | re.DOTALL
 )
 UNNAMED = re.compile(r"\[\]\(([\w./-]+\.md)(?:#[\w-]+)?\)")  # shown with the title of its page
-FOLD = re.compile(r"<details>\s*<summary>(.*?)</summary>|</details>", re.DOTALL)
 DOWNLOAD = re.compile(r"[^.]*\{download\}`[^`]*`\.")  # the sentence that offers the notebook
 TARGET = re.compile(r"\]\((?:\.\./)*[\w/-]+\.md(#[\w-]+)?\)")  # of links to other pages
 
@@ -42,42 +41,33 @@ class Notebook:
         self.cells: list[dict[str, Any]] = []
         self._page = page
         self._folder = folder
-        self._summary = ""  # of the answers that are folded
 
     def add_code(self, source: str) -> None:
-        """Add a cell of code, which is hidden among answers."""
-        hidden = {"jupyter": {"source_hidden": True, "outputs_hidden": True}}
-        metadata = hidden if self._summary else {}
-        empty: dict[str, Any] = {"metadata": metadata, "outputs": [], "execution_count": None}
+        """Add a cell of code."""
+        empty: dict[str, Any] = {"metadata": {}, "outputs": [], "execution_count": None}
         self.cells.append({"cell_type": "code", "source": source, **empty})
 
     def add_text(self, text: str) -> None:
-        """Add cells of text, each folded among answers."""
-        end = 0
-        for found in FOLD.finditer(text):
-            self._add_prose(text[end : found.start()])
-            end, self._summary = found.end(), found[1] or ""
-        self._add_prose(text[end:])
-
-    def _add_prose(self, text: str) -> None:
         """Add a cell without directives and without links to pages that are not there."""
         text = INCLUDE.sub(lambda found: (HERE / found[1]).read_text(encoding="utf-8"), text)
         text = DOWNLOAD.sub("", text)  # before pictures, on whose long lines it takes minutes
         text = DIRECTIVE.sub("", IMAGE.sub(self._picture, text))
         prose = TARGET.sub("]", UNNAMED.sub(self._title, text)).strip()
         prose = re.sub(r"(?<!!)\[([^\]\[]+)\](?!\()", r"\1", prose)
-        if not prose:
-            return
-        if self._summary:
-            prose = f"<details><summary>{self._summary}</summary>\n\n{prose}\n\n</details>"
-        self.cells.append({"cell_type": "markdown", "metadata": {}, "source": prose})
+        if prose:
+            self.cells.append({"cell_type": "markdown", "metadata": {}, "source": prose})
 
     def _picture(self, found: re.Match[str]) -> str:
-        """A picture as text; nothing where it was not drawn."""
+        """A picture as text, or nothing: where it was not drawn, or is the output of a cell."""
         file = self._folder / found[1]
         if not file.exists():
             return ""
         data = base64.b64encode(file.read_bytes()).decode("ascii")
+        for cell in self.cells:
+            if cell["cell_type"] == "code" and f'"{file.name}"' in cell["source"]:
+                shown = {"data": {"image/png": data}, "metadata": {}}
+                cell["outputs"].append({"output_type": "display_data", **shown})
+                return ""
         return f"![{found[2]}](data:image/png;base64,{data})"
 
     def _title(self, found: re.Match[str]) -> str:

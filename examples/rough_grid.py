@@ -1,4 +1,4 @@
-"""A rough grid carries its load on a few asperites, as Greenwood and Williamson predict.
+"""A rough grid carries its load on a few asperites, nearly as Greenwood and Williamson predict.
 
 A flat grid of 64 × 64 asperites moves down onto a rough grid, each asperite above one of the other
 grid.  Asperites in contact repel each other like elastic spheres of diameter D (Hertz).  For

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from importlib.metadata import entry_points
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,12 +100,12 @@ def strictly(text):
 
 
 def test_text(run):
-    """Without --json: one line on the run, one a surface, one a note."""
+    """Without --json: one line on the run, one a surface, and what one may do next."""
     status, out, err = run(SCENE)
     assert status == 0 and err == ""
     first, *rest = out.splitlines()
     assert first.startswith("A short pass: completed at t = 4; gauss-radau-15, ")
-    assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower", "note"]
+    assert [line.split(":")[0].strip() for line in rest] == ["upper", "lower", "", "Next"]
 
 
 def test_json(run):
@@ -192,10 +193,13 @@ def test_module():
     assert done.stdout == f"tribo {tribo.__version__}\n"
 
 
-def test_paper(capsys):
-    """The table of a case as text and as JSON."""
+def test_paper(capsys, tmp_path, monkeypatch):
+    """The table of a case as text and as JSON, which draws nothing."""
+    monkeypatch.chdir(tmp_path)
     assert main(["paper", "D"]) == 0
     out = capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["paper.png"]
+    Path("paper.png").write_text("mine")
     assert out.startswith('Numbers printed in J. David Brown, "Work Done by Sliding Friction"')
     assert "\nD  free sliding, attractive: 8 of 8 printed numbers agree\n" in out
     assert "\n8 of 8 printed numbers agree. All numbers that the paper prints for the end" in out
@@ -207,6 +211,34 @@ def test_paper(capsys):
         assert keys <= set(row) <= keys | {"error"}
         assert isinstance(row["agrees"], bool) and isinstance(row["computed"], float)
         assert isinstance(row["printed"], str)
+    assert Path("paper.png").read_text() == "mine"
+
+
+def test_paper_keeps_a_picture(capsys, tmp_path, monkeypatch):
+    """A picture of the same name is kept, unless --figure names it."""
+    monkeypatch.chdir(tmp_path)
+    Path("paper.png").write_text("mine")
+    assert main(["paper", "D"]) == 0
+    assert "\npaper.png exists and is kept; --figure FILE draws " in capsys.readouterr().out
+    assert Path("paper.png").read_text() == "mine"
+    assert main(["paper", "D", "--figure", "paper.png"]) == 0
+    assert Path("paper.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["paper", "D", "--figure", "no/such.png"]) == 2
+
+
+def test_what_to_do_next(capsys, tmp_path, monkeypatch):
+    """The texts of commands end with a next command, which exists; JSON does not."""
+    monkeypatch.chdir(tmp_path)
+    tribo.paper.scene("D").save("d.toml")
+    for command in ("run d.toml", "run d.toml --out d.nc", "explain d.toml", "doctor"):
+        assert main(command.split()) == 0
+        *_, blank, last = capsys.readouterr().out.splitlines()
+        assert not blank and last.startswith("Next:  tribo ")
+    assert main(["run", "d.toml", "--json"]) == 0
+    assert "Next" not in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main([])
+    assert "start with: tribo new -o scene.toml" in capsys.readouterr().err.splitlines()[-1]
 
 
 @pytest.mark.parametrize("arguments", ["", "jump", "run", "run a.toml --fast", "paper F"])

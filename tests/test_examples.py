@@ -168,12 +168,20 @@ def test_length(name):
 
 
 def test_gallery(monkeypatch):
-    """The page has every example, its explanation, its numbers and its picture."""
+    """The pages have every example, its explanation, its numbers and its picture."""
     monkeypatch.syspath_prepend(GALLERY)
     spec = importlib.util.spec_from_file_location("draw", GALLERY / "draw.py")
     draw = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(draw)
     numbers = json.loads(draw.NUMBERS.read_text(encoding="utf-8"))
     assert sorted(numbers) == EXAMPLES
-    assert draw.PAGE.read_text(encoding="utf-8") == draw.page(numbers)
+    pages = draw.pages(numbers)
+    assert sorted({*pages} - {"index"}) == EXAMPLES
+    for name, text in pages.items():
+        assert (GALLERY / f"{name}.md").read_text(encoding="utf-8") == text, f"{name}: draw.py"
+    for name, shown in numbers.items():
+        for value, (reference, _) in zip(shown.values(), draw.REFERENCES[name], strict=True):
+            if reference:
+                expected = float(reference.split()[0])
+                assert value == pytest.approx(expected, rel=0.15, abs=2e-3), name
     assert [path.stem for path in sorted(GALLERY.glob("*.png"))] == EXAMPLES

@@ -394,7 +394,8 @@ def test_command(tmp_path, capsys):
     assert table["predicted"]["seconds"] > 0.0 and table["predicted"]["memory_bytes"] > 0
     assert table["compiled"] is True  # by the tests before, or the explanation before
     assert main(["explain", str(path)]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    *lines, after = capsys.readouterr().out.splitlines()
+    assert after.startswith(f"Next:  tribo run {path} ")
     assert len(lines) <= 40 and max(map(len, lines)) <= 100
     assert "Degrees of freedom: 6 (6 swings)." in lines
     assert "Threads: 1, since a step is too short to be shared." in lines

@@ -122,10 +122,10 @@ def test_conclusion():
     chosen = {1e-3: "rkn8", 1e-6: "verlet"}
     found = WorkPrecision(rows, Reference("dop853", 1e-14, 1.0), {"rkn8": 1.0}, chosen)
     assert str(found).splitlines()[-4:] == [
-        "error 1e-03: rkn8 at level 0.001 is the cheapest, 30 evaluations, 0.003 s; one digit more "
-        "takes 1.33 times as many; tribo chooses it too",
-        "error 1e-06: rkn8 at level 1e-06 is the cheapest, 60 evaluations, 0.006 s; one digit more "
-        "takes 1.17 times as many; tribo chooses verlet",
+        "error 1e-03: rkn8 with tolerance 0.001 is the cheapest, 30 evaluations, 0.003 s; one "
+        "digit more takes 1.33 times as many; tribo chooses it too",
+        "error 1e-06: rkn8 with tolerance 1e-06 is the cheapest, 60 evaluations, 0.006 s; one "
+        "digit more takes 1.17 times as many; tribo chooses verlet",
         "error 1e-09: no run reached it",
         "error 1e-12: no run reached it",
     ]

@@ -1,4 +1,4 @@
-"""The themes of the gallery, and for each example the function to show and its caption.
+"""The themes of the gallery, and for each example its function, caption, formulas and references.
 
 A caption can be read without the text and ends with the number to remember; {0} is the first number
 of the example.
@@ -148,4 +148,110 @@ CAPTIONS = {
         "while 64 bobs slide over 64 others that repel them by this potential, and the change of "
         "the total energy (dashed). The work at the end is {0:.4f}.",
     ),
+}
+
+# Name -> the formulas of its docstring, as written there and as LaTeX.
+FORMULAS = {
+    "stick_slip": {
+        "-A cos(2 pi x / a)": r"$-A \cos(2\pi x/a)$",
+        "1/K = 1/k + length^2/kappa": r"$1/K = 1/k + \ell^2/\kappa$",
+        "eta = 4 pi^2 A / (K a^2) > 1": r"$\eta = 4\pi^2 A/(K a^2) > 1$",
+        "eta < 1": r"$\eta < 1$",
+        "eta > 1": r"$\eta > 1$",
+    },
+    "depinning": {
+        "-A cos(2 pi x / a)": r"$-A \cos(2\pi x/a)$",
+        "F_c = 2 pi A / a": r"$F_c = 2\pi A/a$",
+        "    v = sqrt(F^2 - F_c^2) / gamma .": r"$$ v = \sqrt{F^2 - F_c^2} / \gamma . $$",
+    },
+    "structural_lubricity": {
+        "    F_N = F_1 |sin(pi N s / a) / sin(pi s / a)| .": (
+            r"$$ F_N = F_1 \left| \frac{\sin(\pi N s/a)}{\sin(\pi s/a)} \right| . $$"
+        ),
+        "F_N is N F_1": "$F_N$ is $N F_1$",
+        "s/a - 1 of 1/N": "$s/a - 1$ of $1/N$",
+    },
+    "commensurate_rows": {
+        "F_1 |sin(pi N g) / (N sin(pi g))|": r"$F_1\, |\sin(\pi N g) / (N \sin(\pi g))|$",
+        "friction F_1 of": "friction $F_1$ of",
+    },
+    "aubry_transition": {
+        "-A cos(2 pi x / a)": r"$-A \cos(2\pi x/a)$",
+        "    K = 4 pi^2 A / (k a^2) = 0.971635": r"$$ K = 4\pi^2 A / (k a^2) = 0.971635 $$",
+        "g = (sqrt(5) - 1) / 2": r"$g = (\sqrt 5 - 1)/2$",
+        "-det(H)/4": r"$-\det(H)/4$",
+    },
+    "friction_against_load": {
+        "sin(alpha) = a / (2 d)": r"$\sin\alpha = a/(2d)$",
+        "slope alpha with": r"slope $\alpha$ with",
+        "    F = N tan(alpha) ,": r"$$ F = N \tan\alpha , $$",
+    },
+    "friction_against_speed": {"(2 pi A / a)": r"($2\pi A/a$)"},
+    "washboard_resonance": {
+        "-A cos(q x)": r"$-A \cos(q x)$",
+        "w = q v": r"$\omega = q v$",
+        "    F = (A q)^2 / (2 v) Re Y ,   Y = 1 / (g - i (w I - kappa / w)) ,": (
+            r"$$ F = \frac{(A q)^2}{2 v} \operatorname{Re} Y , \qquad "
+            r"Y = \frac{1}{g - i(\omega I - \kappa/\omega)} , $$"
+        ),
+        "w^2 = kappa / I": r"$\omega^2 = \kappa/I$",
+        "stiffness kappa": r"stiffness $\kappa$",
+    },
+    "free_block": {
+        "-A cos(q x)": r"$-A \cos(q x)$",
+        "    F = (A q)^2 / (2 V) Re Y(q V) ,   Y(w) = 1 / (-i w M + sum_n K_n(w)) ,": (
+            r"$$ F = \frac{(A q)^2}{2 V} \operatorname{Re} Y(q V) , \qquad "
+            r"Y(\omega) = \frac{1}{-i \omega M + \sum_n K_n(\omega)} , $$"
+        ),
+        "K_n is": "$K_n$ is",
+    },
+    "heat_into_baths": {
+        "gamma w_c exp(-w_c t)": r"$\gamma \omega_c\, e^{-\omega_c t}$",
+        "p' = -w_c p - gamma w_c v_bar": (r"$p' = -\omega_c p - \gamma \omega_c v_{\mathrm{bar}}$"),
+    },
+    "diffusion": {
+        "-A cos(2 pi x / a)": r"$-A \cos(2\pi x/a)$",
+        "    D = T / (gamma I_0(A / T)^2) ,": r"$$ D = \frac{T}{\gamma\, I_0(A/T)^2} , $$",
+        "I_0 is": "$I_0$ is",
+    },
+    "rough_grid": {
+        "    share in contact = integral over z > d of phi(z) ,\n"
+        "    load per asperite = (5 A / 2 D) integral over z > d of ((z - d) / D)^(3/2) phi(z) .": (
+            r"$$ \text{share in contact} = \int_d^\infty \phi(z)\, dz , \qquad "
+            r"\text{load per asperite} = \frac{5 A}{2 D} \int_d^\infty "
+            r"\Bigl( \frac{z - d}{D} \Bigr)^{3/2} \phi(z)\, dz . $$"
+        ),
+        "density phi": r"density $\phi$",
+    },
+    "squeezed_layers": {
+        "    U = A cos(2 pi r / s) exp(-r / l) ,": r"$$ U = A \cos(2\pi r/s)\, e^{-r/l} , $$",
+        "2 pi r_k / s = 2 atan(2 pi l / s) - pi / 2 + 2 pi k": (
+            r"$2\pi r_k/s = 2 \arctan(2\pi l/s) - \pi/2 + 2\pi k$"
+        ),
+        "    F_k = (2 pi A / s) exp(-r_k / l) ,": r"$$ F_k = (2\pi A/s)\, e^{-r_k/l} , $$",
+        "exp(s / l) times": r"$e^{s/l}$ times",
+    },
+}
+
+# Name -> for each number of the example, the number to compare with and the unit.
+REFERENCES = {
+    "two_frames": (("0.520 (paper)", "energy"), ("0", "energy"), ("", "energy")),
+    "time_reversal": (("0.520 (paper)", "energy"), ("0", "energy"), ("0", "rad")),
+    "stick_slip": (("0 (slow pull)", "energy"), ("1", "ratio")),
+    "depinning": (("0", "F_c / gamma"), ("0.75", "F_c / gamma")),
+    "thermal_friction": (("", "A / a"),) * 6,
+    "friction_against_speed": (("1", "ratio"),) * 4,
+    "structural_lubricity": (("1", "F of a row that fits"), ("0.6368", "F of a row that fits")),
+    "commensurate_rows": (("1", "ratio"), ("0.6753", "ratio")),
+    "aubry_transition": (("0.971635 (Greene)", "ratio"),),
+    "friction_against_load": (("0.2582", "ratio"), ("0.2582", "ratio")),
+    "washboard_resonance": (("1", "ratio"),),
+    "free_block": (("0.1353 (next row)", "velocity"), ("", "velocity")),
+    "heat_into_baths": (("", "time"), ("0", "first energy"), ("", "time"), ("0", "first energy")),
+    "diffusion": (("0.9694", "ratio"), ("0.6239", "ratio"), ("0.1924", "ratio"), ("", "ratio")),
+    "rough_grid": (("1", "ratio"), ("", "ratio")),
+    "rough_surface": (("", "ratio"), ("0", "ratio")),
+    "load_and_energy": (("1 (Amontons)", "ratio"), ("0", "ratio")),
+    "squeezed_layers": (("1", "ratio"),) * 3,
+    "postcard": (("", "energy"), ("0", "energy"), ("", "energy"), ("", ""), ("9", "")),
 }

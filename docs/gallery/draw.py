@@ -1,9 +1,11 @@
-"""Run all examples, and write the gallery: its pictures, its numbers and its page.
+"""Run all examples, and write the gallery: its pictures, its numbers and its pages.
 
     python docs/gallery/draw.py              all examples: about two minutes
     python docs/gallery/draw.py stick_slip   some of them
 
-A test compares the numbers and the page with the examples.
+    python docs/gallery/draw.py --pages      none: the pages alone
+
+A test compares the numbers and the pages with the examples.
 """
 
 import importlib.util
@@ -12,26 +14,23 @@ import sys
 import tempfile
 from pathlib import Path
 
-from captions import CAPTIONS, THEMES
+from captions import CAPTIONS, FORMULAS, REFERENCES, THEMES
 from PIL import Image
 
 FOLDER = Path(__file__).resolve().parent
 EXAMPLES = FOLDER.parents[1] / "examples"
 NUMBERS = FOLDER / "numbers.json"
-PAGE = FOLDER / "index.md"
 
 # Pixels of the page for each inch of a figure, so that text has one size in all pictures; a file
 # has twice as many.  With a palette of this many colours it has 25 to 100 kB.
 SCALE, COLOURS = 118, 256
 
-HEADER = """\
-<!-- written by docs/gallery/draw.py -->
-# Gallery
+WRITTEN = "<!-- written by docs/gallery/draw.py -->\n"
+HEADER = f"""\
+{WRITTEN}# Gallery
 
-This page shows each example of the folder `examples/`: its picture, the function that sets up the
-scene, and the numbers that a test compares with a closed form or a published value. Points are
-simulations and lines are closed forms, unless a legend or a caption says otherwise. The command
-`python examples/NAME.py` draws a picture again.
+Each picture leads to the page of an example of the folder `examples/`: its code, and the numbers
+that a test compares with a closed form or a published value.
 """
 
 
@@ -62,39 +61,74 @@ def run(name):
     return {key: float(value) for key, value in numbers.items()}
 
 
-def page(numbers):
-    """The text of the page: each example with its picture, its code and its numbers."""
+def pages(numbers):
+    """The pages by their names: thumbnails, and a page for each example."""
     parts = [HEADER]
     for theme, members in THEMES.items():
-        parts.append(f"\n## {theme}\n")
-        parts += [_section(name, numbers[name]) for name in members]
-    return "".join(parts)
+        cards = "".join(map(_card, members))
+        parts.append(f"\n## {theme}\n\n::::{{grid}} 2 2 3 3\n:gutter: 2\n{cards}::::\n")
+    listed = "\n".join(names())
+    parts.append(f"\n:::{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{listed}\n:::\n")
+    return {"index": "".join(parts)} | {name: _page(name, numbers[name]) for name in names()}
 
 
-def _section(name, numbers):
-    """The part of the page about an example."""
+def _card(name):
+    """A thumbnail that leads to the page of an example."""
+    title, _ = _words(name)
+    return (
+        f"\n:::{{grid-item-card}}\n:link: {name}\n:link-type: doc\n:img-top: {name}.png\n"
+        f":img-alt: {title}\n\n{title}\n:::\n"
+    )
+
+
+def _words(name):
+    """The title of an example, and its text with formulas."""
     title, _, about = module(name).__doc__.strip().partition("\n\n")
-    title = " ".join(title.split()).removesuffix(".")
-    rows = "\n".join(f"| {key} | {value:.4g} |" for key, value in numbers.items())
+    for ascii_formula, latex in FORMULAS.get(name, {}).items():
+        if ascii_formula not in about:
+            raise ValueError(f"{name}: the text has no {ascii_formula!r}")
+        about = about.replace(ascii_formula, latex)
+    return " ".join(title.split()).removesuffix("."), about
+
+
+def _page(name, numbers):
+    """The page of an example."""
+    title, about = _words(name)
+    references = REFERENCES[name]
+    rows = "\n".join(
+        f"| {key} | {value:.4g} | {expected} | {unit} |"
+        for (key, value), (expected, unit) in zip(numbers.items(), references, strict=True)
+    )
     function, caption = CAPTIONS[name]
     with Image.open(FOLDER / f"{name}.png") as image:
         width = image.width // 2
+    index = "```{index} !stick-slip, !Prandtl-Tomlinson\n```\n\n" if name == "stick_slip" else ""
+    source = f"../../examples/{name}.py"
     return (
-        f"\n### {title}\n\n```{{figure}} {name}.png\n:width: {width}px\n:alt: {title}\n\n"
+        f"{WRITTEN}# {title}\n\n{index}"
+        f"```{{figure}} {name}.png\n:width: {width}px\n:alt: {title}\n\n"
         f"{caption.format(*numbers.values())}\n```\n\n"
-        f"```{{literalinclude}} ../../examples/{name}.py\n:language: python\n"
-        f":pyobject: {function}\n```\n\n{about}\n\n"
-        f"| `examples/{name}.py` | |\n| --- | --- |\n{rows}\n"
+        "Points are simulations and lines are closed forms, unless the legend or the caption says "
+        f"otherwise.\n\n{about}\n\n"
+        f"| number | tribo | reference | unit |\n| --- | --- | --- | --- |\n{rows}\n\n"
+        f"A test compares the numbers with the references. This function sets up the scene:\n\n"
+        f"```{{literalinclude}} {source}\n:language: python\n:pyobject: {function}\n"
+        ":class: wrap\n```\n\n"
+        f":::{{dropdown}} The whole program\n`python examples/{name}.py` draws the picture "
+        f"({{download}}`download <{source}>`).\n\n"
+        f"```{{literalinclude}} {source}\n:language: python\n:class: wrap\n```\n:::\n"
     )
 
 
 def main(chosen):
-    """Run the chosen examples, and write the page."""
+    """Run the chosen examples, and write the pages."""
     numbers = json.loads(NUMBERS.read_text(encoding="utf-8")) if NUMBERS.exists() else {}
-    numbers |= {name: run(name) for name in chosen or names()}
+    if chosen != ["--pages"]:
+        numbers |= {name: run(name) for name in chosen or names()}
     numbers = {name: numbers[name] for name in sorted(names())}
     NUMBERS.write_text(json.dumps(numbers, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(page(numbers), encoding="utf-8")
+    for name, text in pages(numbers).items():
+        (FOLDER / f"{name}.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

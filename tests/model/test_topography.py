@@ -116,7 +116,9 @@ def test_files_that_cannot_be_read(tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"topography: .*nothing\.x3p cannot be read \(no such"):
         heights(tmp_path / "nothing.x3p")
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    with pytest.raises(InputError, match=r"topography: needs .*: pip install SurfaceTopography$"):
+    with pytest.raises(
+        InputError, match=r"topography: needs .* install '.\[topography\]' in the checkout$"
+    ):
         heights(FILE)
     with pytest.raises(InputError, match=r"^surface\[0\]\.heights\.topography: needs Surface"):
         tribo.load_scene(EXAMPLE)

@@ -100,9 +100,9 @@ def test_report(tables):
         agree = sum(row.agrees for row in rows)
         title = f"{case}  {paper.CASES[case]}: {agree} of {len(rows)} printed numbers agree"
         assert title in lines
-    assert sum("DIFFERS" in line for line in lines) == 103 - sum(
-        row.agrees for rows in tables.values() for row in rows
-    )
+    differing = [row for rows in tables.values() for row in rows if not row.agrees]
+    words = [f"  {row.difference} " in text for row in differing]
+    assert len(differing) == 103 - AGREE and all(words)
     assert sum(line.startswith("          agrees at 14.9997 or 23.2003;") for line in lines) == 1
 
 
@@ -120,7 +120,7 @@ def test_summary_gives_the_reasons(tables):
     differing = [row for rows in tables.values() for row in rows if not row.agrees]
     causes = {cause: sum(row.cause == cause for row in differing) for cause in Cause}
     assert causes == {Cause.TIME: 25, Cause.STEP: 1, Cause.EVENT: 1, Cause.UNKNOWN: 0}
-    paragraph = " ".join(paper.report(tables).split("\n\n")[1].split())
+    paragraph = " ".join(paper.report(tables).split("\n\n")[2].split())
     assert paragraph.startswith(
         "76 of 103 printed numbers agree. Why 27 differ, by at most 1.5 %: 25 agree at "
     )
@@ -128,3 +128,26 @@ def test_summary_gives_the_reasons(tables):
     assert paragraph.endswith("and so do its conclusions about work and pseudowork.")
     wrong = [replace(row, agrees=False) if row.t == "end" else row for row in tables["D"]]
     assert "conclusions" not in paper.report({"D": wrong})
+
+
+def test_ends_come_first(tables):
+    """The short report has a line for each case, with printed and computed ends, and a sentence."""
+    text = paper.short_report(tables)
+    lines = text.splitlines()
+    cases = [line.split() for line in lines if line[2:5] in {f"{case}  " for case in "ABCDE"}]
+    assert [line[0] for line in cases] == list("ABCDE")
+    assert all(line[-3] == line[-1] for line in cases)  # "4 of 4"
+    assert cases[0][4:8] == ["0.520", "0.519665", "0.520", "0.519665"]
+    assert cases[2][4:8] == ["-0.531", "-0.530520", "0.377", "0.377157"]
+    assert f"{AGREE} of all 103 printed numbers agree" in text and len(lines) <= 12
+    assert max(map(len, lines)) <= 100
+    assert paper.report(tables).startswith("\n".join(lines[:8]))
+
+
+def test_differences_in_words(tables):
+    """A shift of time is that to the time of the note: case C's angle at 25.9 is that at 25.87."""
+    rows = {(row.t, row.quantity): row for row in tables["C"]}
+    assert rows["25.9", "theta"].difference == "0.03 earlier"
+    assert rows["", "time of the minimum of w1"].difference == "0.1507 later"
+    (step,) = [row for row in tables["A"] if row.cause is Cause.STEP]
+    assert step.difference == "step 0.005"

@@ -11,10 +11,11 @@ from tribo.analysis.deep_core import core_notes
 from tribo.layout.layout import lay_out
 
 
-def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
-    """The notes on a pass over a surface with a drive."""
+def notes(lower_drive, velocity=(0.0, 0.0), count=2, **numerics):
+    """The notes on a pass over a surface of one asperite or two, with a drive."""
     upper = Surface("upper", bob=(-3.0, 0.0), velocity=(0.5, 0.0))
-    lower = Surface("lower", facing="up", drive=lower_drive, velocity=velocity)
+    row = {"shape": (count, 1), "spacing": (9.0, 0.0)}  # the second one is out of the way
+    lower = Surface("lower", facing="up", drive=lower_drive, velocity=velocity, **row)
     scene = Scene((upper, lower), Coulomb(0.2), 12.0)
     return tribo.simulate(scene, **numerics).notes
 
@@ -23,8 +24,14 @@ def notes(lower_drive, velocity=(0.0, 0.0), **numerics):
 def test_a_forced_surface_at_rest_that_receives_work_is_noted(numerics):
     """With an estimate of errors and with a given step."""
     (note,) = notes(Forced(), **numerics)
-    assert note.startswith('the drive holds the centre of mass of "lower" at rest, and does 0.')
-    assert note.endswith('drive = "bars" holds the bars instead')
+    assert note.startswith('the force that holds the centre of mass of "lower" also does work, 0.')
+    assert note.endswith('because its bars move; with drive = "bars" it does none')
+
+
+def test_a_single_encounter_has_no_note():
+    """One asperite on one, as in the paper's cases: the works are the result."""
+    assert notes(Forced(), count=1, accuracy=1e-6) == ()
+    assert tribo.simulate(tribo.paper.scene("A")).notes == ()
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,8 @@ def test_a_case_of_the_paper(case, tmp_path, capsys):
 
 def test_doctor(capsys, monkeypatch, tmp_path):
     assert main(["doctor"]) == 0
-    said = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    lines = filter(None, capsys.readouterr().out.splitlines())
+    said = dict(line.split(maxsplit=1) for line in lines)
     assert {"python", "tribo", "numba", "cores", "cache", "known"} <= said.keys()
     assert "agrees with 0.519665" in said["known"]
     assert said["writing"].startswith("new code goes to /")

@@ -45,6 +45,8 @@ def run_doctor(options: argparse.Namespace) -> int:
         f"{cost.compile_seconds:.2g} s to compile or load; "
         f"its work {work:.6f} {agrees} {KNOWN_WORK}"
     )
+    after = "tribo new -o scene.toml   writes a scene to start from; tribo run scene.toml runs it"
+    print(f"\nNext:  {after if healthy else 'pip install . --force-reinstall   in the checkout'}")
     return COMPLETED if healthy else STOPPED
 
 
@@ -55,7 +57,7 @@ def versions() -> dict[str, str]:
         try:
             found[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "is missing: pip install tribo again"
+            found[name] = "is missing: pip install . again in the checkout"
     own = {"python": platform.python_version(), "tribo": __version__}
     return own | found | {"system": f"{platform.system()} {platform.machine()}"}
 
@@ -64,9 +66,7 @@ def _machine() -> dict[str, str]:
     """Cores that this process may use, and compiled code on disk or beside the sources."""
     root = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parents[1])
     folder = cache_folder(adaptive_steps)
-    written = (
-        "cannot be written: each start compiles again; set NUMBA_CACHE_DIR to a folder of yours"
-    )
+    written = "cannot be written: each start compiles again; set NUMBA_CACHE_DIR to another folder"
     if folder is not None:
         written = f"new code goes to {folder}"
     folders = sorted({file.parent for file in root.rglob("*.nbc")})

@@ -2,11 +2,11 @@
 
 import argparse
 import re
-import sys
 import warnings
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from shlex import quote
 from typing import NoReturn
 
 from tribo.commands import scene_options as shared
@@ -14,10 +14,11 @@ from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
 from tribo.commands.live import add_live
 from tribo.commands.new import add_new
+from tribo.commands.paper import add_paper
 from tribo.commands.run import add_run
 from tribo.commands.sweep import run_sweep
 from tribo.commands.view import add_play, add_view
-from tribo.files import checked_target, strict_json
+from tribo.files import checked_target
 from tribo.interrupts import COMPLETED, STOPPED
 from tribo.validation import TriboWarning
 
@@ -39,6 +40,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the usage and the message; exit with status 2."""
+        if message.endswith("are required: COMMAND"):
+            message += "; start with: tribo new -o scene.toml (tribo --help lists all commands)"
         unknown = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if unknown is not None:
             word = unknown[1]
@@ -105,12 +108,7 @@ def _add_runs(add: Add) -> None:
     figure = "draw a histogram of the first name of --keep at the end (default: upper.W)"
     shared.add_output(ensemble, figure=figure)
 
-    paper = add("paper", "compare the paper's cases with its numbers", _paper)
-    cases = "case of the paper (default: all)"
-    paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
-    shared.add_output(paper, "the comparison")
-    figures = "write the paper's figures to this folder"
-    paper.add_argument("--figures", type=Path, metavar="DIR", help=figures)
+    add_paper(add("paper", "compare the paper's cases with its numbers"))
 
     explain = add("explain", "say what a run will do and cost", _explain)
     shared.add_scene(explain)
@@ -209,33 +207,16 @@ def _doctor(options: argparse.Namespace) -> int:
     return run_doctor(options)
 
 
-def _paper(options: argparse.Namespace) -> int:
-    """Compare the paper's cases with its printed values, and draw its figures on request."""
-    from tribo import paper
-
-    cases = [options.case] if options.case else list(paper.CASES)
-    tables = paper.compare(cases)
-    if options.json:
-        rows = {case: [row.as_json() for row in table] for case, table in tables.items()}
-        print(strict_json(rows))
-    else:
-        print(paper.report(tables))
-
-    def draw(folder: Path) -> None:
-        from tribo.paper import figures
-
-        for path in figures.draw(folder, cases):
-            print(path, file=sys.stderr)
-
-    shared.draw_to(options.figures, draw, "--figures")
-    return COMPLETED
-
-
 def _explain(options: argparse.Namespace) -> int:
     from tribo.explanation import explain
 
     explanation = explain(shared.load_with_values(options))
-    print(explanation.to_json() if options.json else explanation)
+    if options.json:
+        print(explanation.to_json())
+    else:
+        scene, kept = options.scene, options.scene.with_suffix(".nc")
+        print(f"{explanation}\n")
+        print(f"Next:  tribo run {quote(str(scene))} --out {quote(str(kept))}   simulates it")
     return COMPLETED
 
 

@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from tribo.commands import scene_options as shared
@@ -43,9 +44,20 @@ def _run(options: argparse.Namespace) -> int:
     else:
         result = _simulated(options)
         same = True
-    print(result.to_json() if options.json else result)
+    print(result.to_json() if options.json else f"{result}\n\n{_next(options, result)}")
     shared.draw_to(options.figure, partial(_draw, result))
     return COMPLETED if result.status == "completed" and same else STOPPED
+
+
+def _next(options: argparse.Namespace, result: Result) -> str:
+    """What one may do after the run, as a line."""
+    given = options.scene
+    scene, kept = quote(str(given)), quote(str(options.out or given.with_suffix(".nc")))
+    if options.out is not None or given.suffix == ".nc":
+        return f"Next:  tribo view {kept}   writes a page that plays the run"
+    if result.status != "completed":
+        return f"Next:  tribo explain {scene}   says what the run would take"
+    return f"Next:  tribo run {scene} --out {kept}   keeps all series; tribo view {kept} plays them"
 
 
 def _draw(result: Result, path: Path) -> None:

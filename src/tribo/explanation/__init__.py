@@ -160,7 +160,7 @@ class Explanation:
         kinds = ", ".join(f"{n} {kind}" for kind, n in self.coordinates.items() if n)
         place = "neighbour lists, about" if contact.by_list else "all pairs of bobs,"
         names = ", ".join(contact.scalar)
-        how = f"one after another (scalar) for {names}" if names else "eight at once (lanes)"
+        how = f"one after another (scalar) for {names}" if names else "eight at once"
         computed = f"{place} {contact.pairs:,}; forces are computed {how}"
         live = (
             f"{count - contact.inactive:,} of {count:,} asperites at the start. The others are out "

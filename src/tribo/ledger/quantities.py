@@ -178,7 +178,7 @@ BLOCK_QUANTITIES = {
         role=TOTAL,
     ),
     "friction_work": _energy(
-        "work against the contact force at the surface's velocity",
+        "minus the initial velocity times the impulse of the contact forces",
         Linear(SurfaceSeries.friction),
         role=PART,
     ),

@@ -241,7 +241,7 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
         )
     except ImportError:
         raise InputError(
-            "topography", "needs SurfaceTopography; install it: pip install SurfaceTopography"
+            "topography", "needs SurfaceTopography: pip install '.[topography]' in the checkout"
         ) from None
     settings: dict[str, Any] = {}
     if size is not None:

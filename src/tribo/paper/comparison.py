@@ -18,7 +18,7 @@ from tribo.paper.published_values import agrees, published, unit
 # Steps at which the paper's method is compared with its numbers [time].
 STEPS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 # Fields of a row that only the closing paragraph needs; the keys of the JSON are a contract.
-NOT_IN_JSON = ("cause", "unlike_its_own")
+NOT_IN_JSON = ("cause", "difference", "unlike_its_own")
 
 
 class Cause(StrEnum):
@@ -52,6 +52,8 @@ class Row:
         Remarks, and where they disagree an explanation.
     cause : Cause or None
         Why they disagree; None where they agree.
+    difference : str
+        The cause in two words, as "0.03 earlier" or "step 0.005"; empty where they agree.
     unlike_its_own : bool
         Whether it differs from what the paper's own positions and angles at its times give.
     """
@@ -65,6 +67,7 @@ class Row:
     agrees: bool
     note: str = ""
     cause: Cause | None = None
+    difference: str = ""
     unlike_its_own: bool = False
 
     def as_json(self) -> dict[str, object]:
@@ -114,9 +117,10 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         also = f" (and at {_ranges(others)})" if others else ""
         notes.append(f"end time not printed; at t = {END[run.case]:g}{also} all end values agree")
     cause = None
+    difference = ""
     own = None
     if not agreeing:
-        cause, explanations = _explanations(run, quantity, times, computed, printed)
+        cause, difference, explanations = _explanations(run, quantity, times, computed, printed)
         own = _from_positions(run, row, printed_rows)
         notes += explanations + ([] if own is None else [f"the paper's positions give {own:.4f}"])
     same = (r["printed"] for r in printed_rows if (r["t"], r["quantity"]) == (row["t"], quantity))
@@ -124,7 +128,7 @@ def _value_row(run: Run, row: dict[str, str], printed_rows: list[dict[str, str]]
         if abs(float(other) - float(printed)) > 0.5 * max(unit(other), unit(printed)) * (1 + 1e-9):
             notes.append(f"the paper also prints {other} for it")
     found = computed, run.error(quantity), agreeing, "; ".join(notes)
-    return Row(*_printed(row), *found, cause, unlike_its_own=own is not None)
+    return Row(*_printed(row), *found, cause, difference, unlike_its_own=own is not None)
 
 
 def _from_positions(
@@ -169,25 +173,35 @@ def _shifts() -> Iterator[float]:
 
 def _explanations(
     run: Run, quantity: str, times: tuple[float, ...], computed: float, printed: str
-) -> tuple[Cause, list[str]]:
+) -> tuple[Cause, str, list[str]]:
     """Why a printed number differs: a time before rounding, or the error of the method."""
     found = []
+    shifts = []
     for k, t in enumerate(times):
         near = [round(t + shift, 4) for shift in _shifts() if t + shift <= LAST]
         moved = run.at(quantity, np.array(near)) - float(run.at(quantity, t))
         sign = 1.0 if k == len(times) - 1 else -1.0
         changed = computed + sign * moved
         hit = next((n for n, c in zip(near, changed, strict=True) if agrees(c, printed)), None)
-        found += [] if hit is None else [f"{hit:.10g}"]
+        if hit is not None:
+            found.append(f"{hit:.10g}")
+            shifts.append(hit - t)
     step = next((h for h in STEPS if agrees(_by_midpoint(run, quantity, times, h), printed)), None)
     notes = [f"agrees at {' or '.join(found)}"] if found else []
     if step is not None:
         notes.append(f"agrees with the paper's method at a step of {step:g}")
     if found:
-        return Cause.TIME, notes
+        shift = min(shifts, key=abs)
+        return Cause.TIME, _moved(shift), notes
     if step is not None:
-        return Cause.STEP, notes
-    return Cause.UNKNOWN, ["neither another time nor the paper's method gives this number"]
+        return Cause.STEP, f"step {step:g}", notes
+    notes = ["neither another time nor the paper's method gives this number"]
+    return Cause.UNKNOWN, "unexplained", notes
+
+
+def _moved(shift: float) -> str:
+    """A difference of times in words, as "0.03 earlier"."""
+    return f"{abs(shift):.4g} {'later' if shift > 0.0 else 'earlier'}"
 
 
 def _by_midpoint(run: Run, quantity: str, times: tuple[float, ...], step: float) -> float:
@@ -200,17 +214,16 @@ def _event_row(run: Run, row: dict[str, str]) -> Row:
     """The row of the printed time of an event, such as the extremum of a quantity."""
     printed = row["printed"]
     computed = run.event(row["quantity"], float(printed))
-    agreeing = agrees(computed, printed)
-    note = ""
-    if not agreeing:
-        quantity = row["quantity"].rpartition(" ")[2]
-        gap = abs(float(run.at(quantity, float(printed)) - run.at(quantity, computed)))
-        scale = run.error(quantity)
-        note = (
-            f"at the printed time {quantity} differs by {gap:.4f} (error {scale:.0e}) from its "
-            "extremum, which forces along y separate from the time the bobs pass"
-        )
-    return Row(*_printed(row), computed, 1e-8, agreeing, note, None if agreeing else Cause.EVENT)
+    if agrees(computed, printed):
+        return Row(*_printed(row), computed, 1e-8, True)
+    quantity = row["quantity"].rpartition(" ")[2]
+    gap = abs(float(run.at(quantity, float(printed)) - run.at(quantity, computed)))
+    note = (
+        f"at the printed time {quantity} differs by {gap:.4f} (error {run.error(quantity):.0e}) "
+        "from its extremum, which forces along y separate from the time the bobs pass"
+    )
+    difference = _moved(computed - float(printed))
+    return Row(*_printed(row), computed, 1e-8, False, note, Cause.EVENT, difference)
 
 
 def _sign_row(run: Run, row: dict[str, str]) -> Row:

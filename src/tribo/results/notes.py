@@ -122,10 +122,15 @@ def passage_notes(layout: Layout, run: Integration) -> Iterator[str]:
 
 
 def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
-    """What the drive does of every forced surface at rest, if its bars swing and it does work."""
+    """What the drive does of every forced surface at rest, if its bars swing and it does work.
+
+    A single encounter, as in the cases of the paper, measures no friction: its works are the
+    result, and a note on them would read as a fault.
+    """
     surfaces = layout.scene.surfaces
     at_rest = [s.name for s in surfaces if s.drive.cancels_x and s.velocity == (0.0, 0.0)]
-    if layout.model.ledger is None or not at_rest:
+    single = all(s.count == 1 for s in surfaces)
+    if layout.model.ledger is None or single or not at_rest:
         return
     ledger = assemble(layout, samples.ends())
     works = {s.name: float(np.add.reduce(ledger.of(s.name)["w2"][-1])) for s in surfaces}
@@ -133,9 +138,9 @@ def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     for name in at_rest:
         if abs(works[name]) > NOTED_WORK * abs(others) > 0.0:
             yield (
-                f'the drive holds the centre of mass of "{name}" at rest, and does '
-                f"{works[name]:.3g} of work on its swinging bars (other drives: {others:.3g}); "
-                'drive = "bars" holds the bars instead'
+                f'the force that holds the centre of mass of "{name}" also does work, '
+                f"{works[name]:.3g} (other drives: {others:.3g}), because its bars move; with "
+                'drive = "bars" it does none'
             )
 
 

@@ -10,7 +10,8 @@ try:
     import anywidget
     import traitlets
 except ImportError:
-    raise InputError("widget", 'needs anywidget: pip install "tribo[notebook]"') from None
+    problem = 'needs anywidget: pip install ".[notebook]" in the checkout'
+    raise InputError("widget", problem) from None
 
 
 class Player(anywidget.AnyWidget):  # type: ignore[misc]

@@ -129,7 +129,7 @@ class Cheapest:
         choice = ""
         if row is None:
             return f"error {self.goal:.0e}: no run reached it"
-        kind = "level" if methods.METHODS[row.method].adaptive else "step"
+        kind = "tolerance" if methods.METHODS[row.method].adaptive else "step"
         digit = "was not reached"
         if self.digit_more is not None:
             free = self.digit_more == 1.0
@@ -140,7 +140,7 @@ class Cheapest:
             seconds = "" if chosen is None else f", {chosen.seconds:.2g} s"
             choice = f"; tribo chooses {self.automatic}{seconds}"
         return (
-            f"error {self.goal:.0e}: {row.method} at {kind} {row.setting:.2g} is the cheapest, "
+            f"error {self.goal:.0e}: {row.method} with {kind} {row.setting:.2g} is the cheapest, "
             f"{row.force_evaluations} evaluations, {row.seconds:.2g} s; one digit more {digit}"
             f"{choice}"
         )
