@@ -28,6 +28,11 @@ from tribo.validation import InputError
 METHOD, ACCURACY = "gauss-radau-15", 1e-8
 # Samples of a run in a page, at most, and steps before it is given up.
 MOST_SAMPLES, MOST_STEPS = 1001, 20_000
+# Options of the program that the page's script reads and writes.
+PLACES = (
+    *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
+    *("AMPLITUDE", "PHASE1", "PHASE2"),
+)
 # Meanings of what only live pages show.
 MEANINGS_HERE = {
     "p1": "power of the contact force at the bob",
@@ -83,8 +88,6 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
     memory = np.zeros((step_rows.ROWS, 8))
     coefficients: Any = METHODS[METHOD].coefficients
     memory[: step_rows.LIMITS] = table(coefficients)
-    places = ("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED")
-    places += ("NEEDED", "AMPLITUDE", "PHASE1", "PHASE2")
     names = {"asperite": OfAsperite._fields, "system": OfSystem._fields}
     every = [*OfAsperite._fields, *OfSystem._fields]
     known = {name: EVERY_QUANTITY[name] for name in every if name in EVERY_QUANTITY}
@@ -98,7 +101,7 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
         "level": program.level_of(accuracy),
         "near": program.NEAR_FINE,
         "most": MOST_STEPS,
-        "places": {name: getattr(program, name) for name in places},
+        "places": {name: getattr(program, name) for name in PLACES},
         "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
         "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,
         "kinds": {name: each.kind for name, each in known.items()},
