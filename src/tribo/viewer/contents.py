@@ -35,9 +35,9 @@ SINGLE = (1e-36, 1e38)
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
-# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# Part of the bobs' distance at the start from which on an encounter is over: 0.19 in case B of the
 # paper.
-APART = 0.25
+APART = 0.15
 # What a page of a periodic scene does not show.
 PERIODIC = (
     "The scene is periodic. Places are not wrapped and images are not drawn: asperites that have "
