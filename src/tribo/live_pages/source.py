@@ -23,6 +23,7 @@ from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table
 from tribo.validation import InputError
+from tribo.viewer.contents import subject
 
 # The method of a pair's loop, and the accuracy of a page whose scene names none.
 METHOD, ACCURACY = "gauss-radau-15", 1e-8
@@ -116,7 +117,6 @@ def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
         lowest, closed = least(scene, key)
         low = lowest if np.isfinite(lowest) else None
         keys.append(key._asdict() | {"least": low, "open": not closed})
-    moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
     return {
         "inputs": inputs.INPUTS,
         "numbers": _floats(numbers_of(layout)),
@@ -125,7 +125,7 @@ def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
         "choices": [choice._asdict() for choice in controls.choices],
         "controls": [vars(control) for control in controls.shown],
         "surfaces": [{"name": s.name, "facing": s.facing} for s in scene.surfaces],
-        "moving": (moving or [0])[0],
+        "subject": subject(scene),
         "duration": inputs.DURATION,
         "observer": inputs.OBSERVER_X,
     }

@@ -12,7 +12,7 @@ import numpy as np
 
 from tribo.analysis.contact_probe import ContactProbe
 from tribo.ledger.quantities import EVERY_QUANTITY, Table
-from tribo.model.drives import Forced
+from tribo.model.drives import Forced, Free
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
@@ -82,13 +82,20 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     }
 
 
+def subject(scene: Scene) -> int:
+    """The index of the surface that sentences are about: one that slides freely, or that moves."""
+    free = [k for k, surface in enumerate(scene.surfaces) if isinstance(surface.drive, Free)]
+    moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
+    return (free + moving + [0])[0]
+
+
 def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
-    """How work and pseudowork of friction on the first moving surface differ; empty without these.
+    """How work and pseudowork of friction on its `subject` differ; empty without these.
 
     Their difference is the integral of the contact forces along the motion of the bobs relative to
     the centres of mass.  Where a bob ends says nothing about it: it also swings without a force.
     """
-    moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
+    moving = scene.surfaces[subject(scene)]
     works = of_surfaces[moving.name]
     if "w1" not in works or "w1_ps" not in works:
         return ""
