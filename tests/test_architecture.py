@@ -147,6 +147,7 @@ def test_undocumented_names_of_numba_are_in_one_file():
         *(
             "numba.extending",
             "llvmlite.ir",
+            "llvmlite.binding",
             "numba.njit",
             "numba.jit",
             "numba.cfunc",

@@ -63,7 +63,7 @@ def test_in_a_browser(page):
         tab.goto(page.as_uri() + "#upper.velocity=0.4")
         tab.wait_for_function("window.tribo")
         assert tab.evaluate("tribo.values['upper.velocity']") == 0.4
-        for values in ({}, {"upper.velocity": 0.5, "interaction.strength": -0.1}):
+        for values in ({}, {"upper.velocity": 0.5, "interaction.strength": 0.1}):
             check_run(tab, {"upper.velocity": 0.4} | values)
         tab.evaluate("tribo.set({'upper.velocity': 0.3})")
         assert "upper.velocity=0.3" in tab.url

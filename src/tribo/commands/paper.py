@@ -16,7 +16,7 @@ NEXT = """\
 Next:  tribo paper --all       all printed numbers, each with the computed one and its error
        tribo new A -o a.toml   the paper's case A as a scene file; likewise B to E
        tribo run a.toml        simulates it
-       tribo live a.toml -o a.html   a page in which you change its values and see what follows"""
+       tribo live a.toml       writes a page in which you change its values and see what follows"""
 
 
 def add_paper(paper: argparse.ArgumentParser) -> None:

@@ -96,7 +96,7 @@ def _shape(value: Any) -> str:
 
 def _compiled_apart(potential: Any) -> bytes:
     """The module, compiled by another process."""
-    given = dumps((sys.path, potential))
+    given: bytes = dumps((sys.path, potential))  # type: ignore[no-untyped-call]
     command = [sys.executable, "-c", "from tribo.live_pages.compile import main; main()"]
     paths = os.pathsep.join(str(each) for each in sys.path if each)
     environment = os.environ | GENERIC | {"PYTHONPATH": paths}

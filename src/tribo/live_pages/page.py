@@ -64,7 +64,7 @@ def document(scene: Scene, controls: object = None) -> str:
     """The live page of a scene as text; see :func:`to_live_html`."""
     source = source_of(scene, controls)
     source["script"] = "\n".join(map(live_part, WORKER))
-    picture = source["picture"] = _picture(scene, source["moving"])
+    picture = source["picture"] = _picture(scene, source["subject"])
     return PAGE.format(
         policy=POLICY,
         title=escape(source["title"]),
@@ -129,10 +129,10 @@ def live(scene: Scene, controls: object = None) -> LivePage:
     return LivePage(document(scene, controls))
 
 
-def _picture(scene: Scene, moving: int) -> str:
+def _picture(scene: Scene, surface: int) -> str:
     """Works of the run of the scene's own values, for browsers that cannot simulate."""
     result = simulate(scene, progress=False)
-    table: Any = result[scene.surfaces[moving].name]
+    table: Any = result[scene.surfaces[surface].name]
     series = {name: np.asarray(table[name])[:, 0] for name in DRAWN}
     low = min(0.0, *(float(np.min(each)) for each in series.values()))
     high = max(0.0, *(float(np.max(each)) for each in series.values()))

@@ -30,9 +30,9 @@ SAFETY, ROUNDING = 3.0, 256.0 * 2.0**-52
 NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
 LEVEL_OF_ACCURACY = 0.1 * 100.0 * 2.0 / 3.0
 X_BOB, VX_CM = (OfAsperite._fields.index(name) for name in ("x_bob", "vx_cm"))
-# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# Part of the bobs' distance at the start from which on an encounter is over: 0.19 in case B of the
 # paper.
-APART = 0.25
+APART = 0.15
 # Samples of the run that measures scales, at most; and those of the coarser run: every fourth, so
 # that it has steps of its own.
 PILOT_SAMPLES, EVERY = 65, 4

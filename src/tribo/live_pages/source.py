@@ -23,11 +23,17 @@ from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table
 from tribo.validation import InputError
+from tribo.viewer.contents import subject
 
 # The method of a pair's loop, and the accuracy of a page whose scene names none.
 METHOD, ACCURACY = "gauss-radau-15", 1e-8
 # Samples of a run in a page, at most, and steps before it is given up.
 MOST_SAMPLES, MOST_STEPS = 1001, 20_000
+# Options of the program that the page's script reads and writes.
+PLACES = (
+    *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
+    *("AMPLITUDE", "PHASE1", "PHASE2"),
+)
 # Meanings of what only live pages show.
 MEANINGS_HERE = {
     "p1": "power of the contact force at the bob",
@@ -83,8 +89,6 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
     memory = np.zeros((step_rows.ROWS, 8))
     coefficients: Any = METHODS[METHOD].coefficients
     memory[: step_rows.LIMITS] = table(coefficients)
-    places = ("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED")
-    places += ("NEEDED", "AMPLITUDE", "PHASE1", "PHASE2")
     names = {"asperite": OfAsperite._fields, "system": OfSystem._fields}
     every = [*OfAsperite._fields, *OfSystem._fields]
     known = {name: EVERY_QUANTITY[name] for name in every if name in EVERY_QUANTITY}
@@ -98,7 +102,7 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
         "level": program.level_of(accuracy),
         "near": program.NEAR_FINE,
         "most": MOST_STEPS,
-        "places": {name: getattr(program, name) for name in places},
+        "places": {name: getattr(program, name) for name in PLACES},
         "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
         "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,
         "kinds": {name: each.kind for name, each in known.items()},
@@ -113,7 +117,6 @@ def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
         lowest, closed = least(scene, key)
         low = lowest if np.isfinite(lowest) else None
         keys.append(key._asdict() | {"least": low, "open": not closed})
-    moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
     return {
         "inputs": inputs.INPUTS,
         "numbers": _floats(numbers_of(layout)),
@@ -122,7 +125,7 @@ def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
         "choices": [choice._asdict() for choice in controls.choices],
         "controls": [vars(control) for control in controls.shown],
         "surfaces": [{"name": s.name, "facing": s.facing} for s in scene.surfaces],
-        "moving": (moving or [0])[0],
+        "subject": subject(scene),
         "duration": inputs.DURATION,
         "observer": inputs.OBSERVER_X,
     }

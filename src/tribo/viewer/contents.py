@@ -34,9 +34,9 @@ SINGLE = (1e-36, 1e38)
 ACCURACY = {None: "errors not estimated", True: "accuracy met", False: "accuracy not met"}
 # Works that differ by less than this part of their size are called equal.
 EQUAL = 1e-6
-# Part of the bobs' distance at the start from which on an encounter is over: 0.3 in case B of the
+# Part of the bobs' distance at the start from which on an encounter is over: 0.19 in case B of the
 # paper.
-APART = 0.25
+APART = 0.15
 # What a page of a periodic scene does not show.
 PERIODIC = (
     "The scene is periodic. Places are not wrapped and images are not drawn: asperites that have "
@@ -82,13 +82,22 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
     }
 
 
+def subject(scene: Scene) -> int:
+    """The index of the surface that sentences are about: one that slides freely, or that moves."""
+    drives = [surface.drive for surface in scene.surfaces]
+    held = [drive.cancels_x or drive.holds_bars or drive.drives_along_x for drive in drives]
+    free = [k for k, is_held in enumerate(held) if not is_held]
+    moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
+    return (free + moving + [0])[0]
+
+
 def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
-    """How work and pseudowork of friction on the first moving surface differ; empty without these.
+    """How work and pseudowork of friction on its `subject` differ; empty without these.
 
     Their difference is the integral of the contact forces along the motion of the bobs relative to
     the centres of mass.  Where a bob ends says nothing about it: it also swings without a force.
     """
-    moving = next((s for s in scene.surfaces if s.velocity[0] != 0.0), scene.surfaces[0])
+    moving = scene.surfaces[subject(scene)]
     works = of_surfaces[moving.name]
     if "w1" not in works or "w1_ps" not in works:
         return ""

@@ -151,7 +151,7 @@ async function startPage(element, source) {
     } else {
       const w1 = run.tables.map((table) => table.w1[table.w1.length - 1]);
       const ps = run.tables.map((table) => table.w1_ps[table.w1_ps.length - 1]);
-      const which = source.moving;
+      const which = source.subject;
       status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${worst.toExponential(0)}. Run to t = ${shownShort(run.last)}.`;
     }
   }
@@ -358,7 +358,7 @@ async function startPage(element, source) {
     part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
   }));
   for (const { key, label } of source.controls) if (!state.choices.has(key)) part("endKey").add(new Option(label, key));
-  part("endQuantity").value = `${source.surfaces[source.moving].name}.w1`;
+  part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
   part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
 
   // The result of a short run; with `lengthen` it lasts until the bobs have passed.
@@ -397,7 +397,7 @@ async function startPage(element, source) {
   // Energies and powers.
   const scale = { energy: 0, power: 0 };
   source.surfaces.forEach(({ name }, index) => part("powerSurface").add(new Option(name, index)));
-  part("powerSurface").value = source.moving;
+  part("powerSurface").value = source.subject;
   part("powerSurface").addEventListener("change", () => panels.forEach((panel) => panel(true)));
   panels.push((isNew) => {
     if (!isOpen("energyPanel")) return;
@@ -450,7 +450,7 @@ async function startPage(element, source) {
   });
 
   function showStarts() {
-    const which = source.moving;
+    const which = source.subject;
     const mean = works.reduce((a, b) => a + b, 0) / (works.length || 1);
     const spread = Math.sqrt(works.reduce((a, b) => a + (b - mean) ** 2, 0) / Math.max(1, works.length - 1));
     part("startsSentence").textContent = works.length
@@ -491,7 +491,7 @@ async function startPage(element, source) {
   panels.push((isNew) => {
     if (!isNew || !isOpen("filesPanel")) return;
     const lines = Object.entries(state.changes()).map(([key, value]) => `    "${key}": ${JSON.stringify(value)},\n`).join("");
-    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.moving].name}"].w1[-1, 0])\n`;
+    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
     part("link").href = window.location.href;
   });
 
@@ -556,7 +556,7 @@ async function startPage(element, source) {
     offer();
     update();
   });
-  part("group").value = group = source.surfaces[source.moving].name;
+  part("group").value = group = source.surfaces[source.subject].name;
   offer();
   part("play").addEventListener("click", () => setPlaying(!playing));
   part("time").addEventListener("input", () => {

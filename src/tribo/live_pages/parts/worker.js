@@ -13,7 +13,7 @@ function workerMain() {
   self.onmessage = async ({ data: { source, numbers, amplitude, lengthen, batch } }) => {
     const program = makeProgram(await startMachine(source), source, 2);
     const options = { level: 10 * source.level, amplitude };
-    const row = (source.moving * source.names.asperite.length + source.names.asperite.indexOf("w1")) * 2;
+    const row = (source.subject * source.names.asperite.length + source.names.asperite.indexOf("w1")) * 2;
     for (;;) {
       const found = [];
       while (found.length < batch) {
