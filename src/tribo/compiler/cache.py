@@ -15,7 +15,7 @@ from typing import Any
 
 import numba
 
-from tribo.compiler.numba_private import caching, dumps, runtime
+from tribo.compiler.numba_private import caching, dumps, rtsys
 from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
@@ -36,7 +36,7 @@ class KernelCache(caching.FunctionCache):
         scipy.linalg, which takes as long as `import numba`.  Machine code calls functions of numba
         that manage memory and no others of these.
         """
-        runtime.initialize(target)
+        rtsys.initialize(target)
         return self._load_overload(signature, target)
 
     def _save_overload(self, signature: Any, data: Any) -> None:

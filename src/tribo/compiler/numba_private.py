@@ -95,5 +95,5 @@ if NATIVE:
     from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
     from numba.core.lowering import Lower as Lower
     from numba.core.registry import cpu_target
-    from numba.core.runtime import rtsys as runtime  # noqa: F401
+    from numba.core.runtime import rtsys as rtsys  # type: ignore[attr-defined]
     from numba.core.serialize import dumps as dumps
