@@ -186,7 +186,7 @@ class Result(RunResult):
         return path
 
     def widget(self) -> Any:
-        """The page as an ``anywidget.AnyWidget`` of a notebook; it needs ``tribo[notebook]``."""
+        """The page as an ``anywidget.AnyWidget`` of a notebook (extra ``notebook``)."""
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
 
