@@ -118,7 +118,7 @@ def test_plugins_are_found_on_disk(tmp_path, capsys):
 
 
 def test_a_plugin_of_a_result_of_version_0_2(tmp_path, capsys, monkeypatch):
-    """Its stamp depends on the folder: the file is compared where it lies, and refused if edited."""
+    """Its stamp depends on the folder, so it is compared where the file lies; edited, refused."""
     own, scene, out = (tmp_path / name for name in ("own.py", "scene.toml", "run.nc"))
     own.write_text(PLUGIN)
     # Two asperites on one, whose loop is compiled for no potential.

@@ -79,9 +79,7 @@ class NoTurn(NamedTuple):
         return 0.0, -self.strength * nu, 0.0, self.strength * twist
 
 
-def beside(
-    contact: tribo.Potential | None = tribo.Coulomb(0.4), fields: tuple = (), **upper: object
-) -> tribo.Scene:
+def beside(strength: float | None = 0.4, fields: tuple = (), **upper: object) -> tribo.Scene:
     """Two asperites that pass another one, with a part of the scene."""
     own = {"drive": tribo.Free(), "initial": tribo.Initial(omega=0.3, theta=0.1)} | upper
     shape = {"shape": (2, 1), "spacing": (1.0, 0.0)}
@@ -90,7 +88,8 @@ def beside(
         tribo.Surface("lower", facing="up", drive="bars"),
     )
     output = tribo.Output(samples=5)
-    return tribo.Scene(surfaces, contact or (), 4.0, fields=fields, output=output)
+    contact = () if strength is None else tribo.Coulomb(strength)
+    return tribo.Scene(surfaces, contact, 4.0, fields=fields, output=output)
 
 
 def field(potential: object, **how: object) -> dict[str, object]:
@@ -119,10 +118,10 @@ ZERO = {
         LOADED,
     ),
     "push": ({"drive": tribo.Pushed(force=(0.0, 0.0), load=0.0)}, LOADED),
-    "rate of a push": ({"drive": tribo.Pushed(force=(0.0, 0.0), rate=(0.0, 0.0), load=0.0)}, LOADED),
+    "rate of a push": ({"drive": tribo.Pushed(rate=(0.0, 0.0), load=0.0)}, LOADED),
     "torsion": ({"asperite": tribo.Asperite(kappa=0.0)}, SOFT),
-    "strength": ({"contact": tribo.Coulomb(0.0)}, {"contact": None}),
-    "charge": ({"asperite": tribo.Asperite(charge=0.0)}, {"contact": None}),
+    "strength": ({"strength": 0.0}, {"strength": None}),
+    "charge": ({"asperite": tribo.Asperite(charge=0.0)}, {"strength": None}),
 }
 
 
