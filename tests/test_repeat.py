@@ -1,5 +1,6 @@
 """`tribo run FILE.nc` repeats a run from its file, bit for bit, or says what differs."""
 
+import hashlib
 import json
 
 import numpy as np
@@ -116,6 +117,27 @@ def test_plugins_are_found_on_disk(tmp_path, capsys):
     own.unlink()
     assert main(["run", str(out)]) == 2
     assert "own.py" in capsys.readouterr().err
+
+
+def test_a_plugin_of_a_result_of_version_0_2(tmp_path, capsys, monkeypatch):
+    """Its stamp depends on the folder, so it is compared where the file lies; edited, refused."""
+    own, scene, out = (tmp_path / name for name in ("own.py", "scene.toml", "run.nc"))
+    own.write_text(PLUGIN)
+    # Two asperites on one, whose loop is compiled for no potential.
+    scene.write_text(SCENE.replace('"upper",', '"upper", shape = [2, 1], spacing = [3.0, 0.0],'))
+    module = "tribo_plugin_" + _hash(f"{own}{PLUGIN}")
+    stamps = {"interaction[0].potential": _hash(f"{module}.Own{PLUGIN}")}
+    monkeypatch.setattr("tribo.results.result_file.plugin_stamps", lambda scene: stamps)
+    tribo.simulate(tribo.load_scene(scene), method="verlet", step=0.1).save(out)
+    assert main(["run", str(out)]) == 0
+    assert "repeated, bit for bit" in capsys.readouterr().err
+    own.write_text(PLUGIN.replace("/ r", "/ r**2"))
+    assert main(["run", str(out)]) == 2
+    assert "own.py:Own, or a value that it reads, has changed since" in capsys.readouterr().err
+
+
+def _hash(text):
+    return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
 @pytest.mark.parametrize("option", ["--set=duration=1", "--accuracy=1e-3", "--samples=3"])

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo.potentials import from_points
 
 T = 0.1
 MASS = 3.0
+# Tips of a row, whose bobs do not act on one another.
+TIPS = 64
 
 
 class Trap(NamedTuple):
@@ -94,6 +97,47 @@ def approaching():
     return tribo.Scene([upper, ROW], potential, 345.0, output=tribo.Output(samples=70))
 
 
+class Quartic(NamedTuple):
+    """A field that stiffens with the distance from its centre."""
+
+    strength: float
+
+    def energy_at(self, x, y):
+        return 0.25 * self.strength * (x * x + y * y) ** 2
+
+
+def many(field=None, interaction=(), others=(), bath=None):
+    """Rigid tips in the same forces, each with noise of its own; z has no influence."""
+    tips = tribo.Surface(
+        "tip",
+        bob=(1.0, 0.0),
+        shape=(1, TIPS),
+        spacing=(0.0, 1e-6),
+        asperite=tribo.Asperite(kappa=np.inf),
+        drive=tribo.Free(load=0.0),
+        bath=bath,
+        langevin=tribo.Langevin(2.0, T),
+        initial=tribo.Initial(temperature=T),
+    )
+    fields = [tribo.Field(field, on=["tip"])] if field else []
+    output = tribo.Output(samples=2001, ledger="none")
+    return tribo.Scene([tips, *others], interaction, 1000.0, fields=fields, output=output)
+
+
+def bound_by_a_table():
+    """Each tip is bound to the same bob, which stands, in two dimensions."""
+    r = np.linspace(0.5, 3.0, 800)
+    decay = np.exp(-3.0 * (r - 1.0))
+    table = from_points(r, 2.0 * (decay**2 - 2.0 * decay)).with_cutoff(3.0)
+    rigid = tribo.Asperite(kappa=np.inf)
+    standing = tribo.Surface("standing", facing="up", drive="bars", asperite=rigid)
+    return table, many(interaction=table, others=[standing])
+
+
+def mean_over_tips(result, values):
+    return tribo.time_average(result.t, values.mean(axis=1))
+
+
 def step_of(result):
     return result.t[-1] / result.cost.steps
 
@@ -108,6 +152,45 @@ def test_a_trap_of_ones_own_has_its_temperature(stiffness):
     for average in (kinetic, stored):
         assert abs(average.mean - 1.0) <= 0.01 + average.half_width
     assert result.notes == ()
+
+
+def beside_a_bath():
+    stiffness = 12.0
+    bath = tribo.Bath(masses=(0.5, 0.2), frequencies=(1.0, 6.0), temperature=T)
+    result = tribo.simulate(many(Trap(stiffness), bath=bath))
+    force = stiffness * result["tip"].x_bob
+    return result, ("x",), force**2, np.full_like(force, stiffness)
+
+
+def in_a_table():
+    table, scene = bound_by_a_table()
+    result = tribo.simulate(scene)
+    r = np.hypot(result["tip"].x_bob, result["tip"].y_bob)
+    assert 1.2 < r.max() < 2.5  # far from harmonic, and no tip escapes
+    force, step = table.force(r), 1e-5
+    slope = (table.force(r + step) - table.force(r - step)) / (2.0 * step)
+    return result, ("x", "y"), force**2, -slope - force / r
+
+
+def in_a_field_of_ones_own():
+    strength = 40.0
+    result = tribo.simulate(many(Quartic(strength)))
+    squared = result["tip"].x_bob ** 2 + result["tip"].y_bob ** 2
+    return result, ("x", "y"), strength**2 * squared**3, 4.0 * strength * squared
+
+
+@pytest.mark.parametrize("place", [beside_a_bath, in_a_table, in_a_field_of_ones_own])
+def test_kinetic_and_configurational_temperatures(place):
+    """The latter is <|grad U|^2> / <laplacian U>; both are those of the reservoir within 1 %."""
+    result, axes, squared_gradient, laplacian = place()
+    assert result.status == "completed" and result.notes == ()
+    for axis in axes:
+        kinetic = mean_over_tips(result, MASS * result["tip"][f"v{axis}_cm"] ** 2 / T)
+        assert abs(kinetic.mean - 1.0) <= 0.01 + kinetic.half_width
+    whole = T * laplacian.mean()
+    excess = mean_over_tips(result, (squared_gradient - T * laplacian) / whole)
+    assert kinetic.half_width < 0.03 and excess.half_width < 0.03
+    assert abs(excess.mean) <= 0.01 + excess.half_width
 
 
 def test_a_trap_that_the_bound_resolves_keeps_the_bound():

@@ -16,7 +16,7 @@ from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.plugins import classes
 from tribo.plugins.sources import sent, to_send
-from tribo.plugins.stamps import is_same, stamp_of
+from tribo.plugins.stamps import is_same, is_unchanged, stamp_of
 from tribo.plugins.unloaded import Code, Unloaded, code
 from tribo.validation import InputError, short_repr
 
@@ -145,9 +145,9 @@ def renamed(table: Any, rename: Callable[[str], str]) -> Any:
 def _unchanged(table: dict[str, Any], before: Mapping[str, Unloaded]) -> Scene:
     """The scene of a table with its code.  Raises InputError if that is not the code `before`."""
     scene = scene_from(table)
-    now = plugin_stamps(scene)
+    now = dict(plugins_of(scene))
     for place, item in before.items():
-        if not is_same(item.stamp, now.get(place)):
+        if not is_unchanged(item.stamp, now[place]):
             problem = f"{item.name}, or a value that it reads, has changed since the result was"
             raise InputError(place, f"{problem} computed; load its scene file")
     return scene

@@ -169,20 +169,21 @@ def is_importable(cls: type) -> bool:
     return cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__
 
 
-def source_stamp(plugins: list[NamedTuple]) -> str | None:
+def source_stamp(plugins: list[NamedTuple], by_place: bool = False) -> str | None:
     """16 hex digits of a hash of the sources for each plug-in's class that is not this package's.
 
     None if one has no source that a later process could compare: it was typed in, is of a script,
-    or was made by a function.
+    or was made by a function.  `by_place` gives the stamp of version 0.2, in which the same file
+    has another stamp in each folder.
     """
-    stamps = [_stamp_of(plugin) for plugin in plugins]
+    stamps = [_stamp_of(plugin, by_place) for plugin in plugins]
     return None if None in stamps else "".join(map(str, stamps))
 
 
-def _stamp_of(plugin: NamedTuple) -> str | None:
+def _stamp_of(plugin: NamedTuple, by_place: bool) -> str | None:
     """A digest of the source of a plug-in's class and of its parts; None if one is unknown."""
     cls = type(plugin)
-    inner = source_stamp([item for item in plugin if hasattr(item, "_fields")])
+    inner = source_stamp([item for item in plugin if hasattr(item, "_fields")], by_place)
     if is_own(cls) or inner is None:
         return inner
     sources: dict[str, bytes] = {}
@@ -192,9 +193,11 @@ def _stamp_of(plugin: NamedTuple) -> str | None:
         return None
     # The name of a module that was loaded from a file contains a hash of its folder, and the file
     # may have been moved since.
-    module = "" if cls.__module__ in _LOADED else f"{cls.__module__}."
+    without_place = cls.__module__ in _LOADED and not by_place
+    module = "" if without_place else f"{cls.__module__}."
     digest = hashlib.blake2b(f"{module}{cls.__qualname__}".encode(), digest_size=8)
-    for source in sorted(sources.values()):
+    ordered = [sources[name] for name in sorted(sources)] if by_place else sorted(sources.values())
+    for source in ordered:
         digest.update(source)
     return inner + digest.hexdigest()
 

@@ -63,6 +63,12 @@ def is_same(before: str | None, now: str | None) -> bool:
     return before == now
 
 
+def is_unchanged(before: str | None, plugin: NamedTuple) -> bool:
+    """Whether the code of a plug-in may be that of a stamp, which may be of version 0.2."""
+    now = stamp_of(plugin)
+    return is_same(before, now) or before == source_stamp([plugin], by_place=True)
+
+
 def _values_of(plugin: NamedTuple) -> list[str]:
     """Hashes of values, and of the sources of functions of installed packages."""
     found = [each for item in plugin if hasattr(item, "_fields") for each in _values_of(item)]
