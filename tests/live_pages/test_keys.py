@@ -111,3 +111,11 @@ def test_what_cannot_go_in(change, reason):
         check(scene)
     assert reason in str(caught.value)
     assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)
+
+
+def test_tables_cannot_go_in():
+    """Nor can potentials with a part that is one."""
+    table = tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 6.0, 1e-6)
+    for potential in (table, tribo.Coulomb(0.2) + table):
+        with pytest.raises(InputError, match="its potential is a table of points"):
+            check(replace(SCENE, interactions=(potential,)))

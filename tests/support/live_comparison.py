@@ -45,7 +45,6 @@ POTENTIALS = {
     "Buckingham": tribo.potentials.Buckingham(80.0, 0.25, 0.1),
     "Gaussian": tribo.potentials.Gaussian(0.5, 1.2),
     "Hertz": tribo.potentials.Hertz(2.0, 1.5),
-    "Table": tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 6.0, 1e-6),
     "Sum": tribo.Coulomb(0.2) + 0.5 * tribo.Morse(0.3, 1.5, 1.0),
     "Switched": tribo.Morse(0.3, 1.5, 1.0).with_cutoff(4.0),
     "ForceShifted": tribo.LennardJones(0.3, 0.8).with_cutoff(3.0, "force-shift"),

@@ -94,19 +94,11 @@ def measured(bodies, record, series, count, before):
 
 
 @kernel
-def reciprocal(tolerance, factor):
-    """What ALLOWED has of an account of which a work is `factor` times its value."""
-    return abs(factor) / tolerance
-
-
-@kernel
 def set_limits(bodies, bar_lengths, scales, duration, level, memory):
     """Write the limits of a level into the loop's memory."""
     one, other = bodies
-    energy, impulse = (
-        level * scales.energy,
-        level * min(scales.impulse, scales.energy / scales.velocity),
-    )
+    energy = level * scales.energy
+    impulse = level * min(scales.impulse, scales.energy / scales.velocity)
     for m in range(rows.LIMITS, rows.STATE):
         for i in range(LANES):
             memory[m, i] = 0.0

@@ -655,7 +655,11 @@ async function startPage(element, source) {
       part("status").textContent = error.message;
     }
   });
-  new ResizeObserver(update).observe(element);
+  new ResizeObserver(() => {
+    update();
+    // A page that embeds this one in a frame may fit the frame to it.
+    if (window.parent !== window) window.parent.postMessage({ triboHeight: document.documentElement.scrollHeight }, "*");
+  }).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
   openTab(0);

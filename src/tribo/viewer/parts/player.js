@@ -47,6 +47,7 @@ function mount(element, source) {
   element.innerHTML = BODY;
   const part = (name) => element.querySelector(`[data-part=${name}]`);
   const values = Object.fromEntries(source.sliders.map(({ key, value }) => [key, value]));
+  const first = { ...values };
   const force = { size: 0 }; // of the arrows in both drawings
   const drawScene = makeDrawing(part("scene"), force);
   const drawKept = makeDrawing(part("keptScene"), force);
@@ -170,7 +171,8 @@ function mount(element, source) {
     t = former === null ? run.first : Math.min(t, end());
     part("time").min = run.first;
     part("time").max = end();
-    part("title").textContent = run.title;
+    const isChanged = Object.keys(first).some((key) => those[key] !== first[key]);
+    part("title").textContent = run.title + (isChanged ? ", with other values" : "");
     part("summary").textContent = `${run.status} at t = ${shownNumber(run.last)}, ${run.method}, ${run.accuracy}`;
     part("sentence").textContent = run.sentence;
     part("error").hidden = true;
