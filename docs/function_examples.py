@@ -56,6 +56,19 @@ True
     "tribo.play": """
 >>> player = tribo.play(scene, {"upper.velocity": (0.3, 2.0)})  # doctest: +SKIP
 """,
+    "tribo.live": """
+>>> page = tribo.live(scene)  # doctest: +SKIP
+""",
+    "tribo.to_live_html": """
+>>> print(tribo.to_live_html(scene, "live.html"))  # doctest: +SKIP
+live.html
+""",
+    "tribo.add_method": """
+>>> tribo.add_method("three-halves", order=2, weights=[1.0])
+>>> result = tribo.simulate(scene, method="three-halves", step=0.05)
+>>> print(result.status)
+completed
+""",
     "tribo.load_result": """
 >>> path = tribo.simulate(scene).save("a.nc")
 >>> print(f"{tribo.load_result('a.nc')['upper'].w[-1, 0]:.3f}")

@@ -69,7 +69,8 @@ def test_quantities_of_a_surface_and_of_the_system():
     """Of the series that they use."""
     result = tribo.simulate(scene(5), accuracy=1e-6)
     upper = result["upper"]
-    assert np.array_equal(upper["torsion"], 0.5 * np.sum(upper.theta**2, axis=1))
+    kappa = result.scene.surfaces[0].asperite.kappa
+    assert np.array_equal(upper["torsion"], 0.5 * np.sum(kappa * upper.theta**2, axis=1))
     wholes = sum(result.ledger.blocks[name]["W"] for name in ("upper", "lower"))
     system = result.ledger.system
     assert np.allclose(system["sum_of_three"], system["contact_energy"] + wholes)

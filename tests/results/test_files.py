@@ -172,7 +172,7 @@ def test_a_damaged_file_that_hangs_its_reader(tmp_path):
 
 def bundled(path):
     options = argparse.Namespace(files=[path], out=path.with_suffix(".zip"))
-    return bundle._bundle(options)
+    return bundle.run_bundle(options)
 
 
 def test_damage_is_found_before_a_library_reads(tmp_path, monkeypatch):

@@ -57,7 +57,7 @@ def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
     present = {
         "pendulums: bobs are fixed to their bars": not surface.asperite.is_rigid,
         "bars that turn": surface.bars == "free",
-        "the user's own forces on the ends of bars": surface.end_forces is not None,
+        "the user's own forces on the ends of bars": surface.plugin_at_ends is not None,
         name: not drive.has_fixes,
         "the unequal masses of a rigid body, whose forces are shared equally": (
             drive.moves_as_one and bool(np.ptp(surface.each["mass"]) > 0.0)

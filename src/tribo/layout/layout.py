@@ -316,7 +316,7 @@ def lay_out(scene: Scene) -> Layout:
         for surface, own in zip(scene.surfaces, bobs, strict=True)
     ]
     places = slots.places(mine, theirs, np.arange(shared), orders)
-    ends = plugin_forces(scene, origin, lambda surface: surface.end_forces)
+    ends = plugin_forces(scene, origin, lambda surface: surface.plugin_at_ends)
     model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
         contacts=found,
         inner=True if any(contact.within for contact in found) else None,

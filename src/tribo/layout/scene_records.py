@@ -89,7 +89,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     record["torsionals"] = surface.bath.inertias.size
     record["facing"] = surface.facing_sign
     record["fixed"] = surface.asperite.is_rigid
-    record["user_ends"] = surface.end_forces is not None
+    record["user_ends"] = surface.plugin_at_ends is not None
     record["vx"] = surface.velocity[0] - first.velocity[0]
     record["vy"] = surface.velocity[1] - first.velocity[1]
     drive = surface.drive

@@ -22,7 +22,6 @@ from tribo.model.effects import reason_for
 from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table
-from tribo.potentials import Table
 from tribo.validation import InputError
 from tribo.viewer.contents import subject
 
@@ -48,15 +47,16 @@ MEANINGS_HERE = {
 def check(scene: Scene) -> Layout:
     """The layout of a scene that can go into a page.  Raises InputError for others."""
     layout = lay_out(scene)
-    if is_pair(layout) and not _has_table(scene.interactions[0].potential):
+    if is_pair(layout) and not _has_arrays(scene.interactions[0].potential):
         return layout
     raise InputError("scene", f"cannot go into a live page: {_why_not(scene)}; {ELSEWHERE}")
 
 
-def _has_table(potential: Any) -> bool:
-    """Whether a potential or a part of it is a table: LLVM makes no WebAssembly of its code."""
+def _has_arrays(potential: Any) -> bool:
+    """Whether a potential or a part of it has arrays: LLVM makes no WebAssembly of its code."""
     parts = [value for value in potential if hasattr(value, "_fields")]
-    return isinstance(potential, Table) or any(map(_has_table, parts))
+    arrays = [value for value in potential if isinstance(value, np.ndarray)]
+    return bool(arrays) or any(map(_has_arrays, parts))
 
 
 def _why_not(scene: Scene) -> str:
@@ -68,7 +68,7 @@ def _why_not(scene: Scene) -> str:
         return f"it has {len(scene.interactions)} interactions between two bobs, not one"
     if scene.output.ledger != "asperites":
         return f'output.ledger is "{scene.output.ledger}", not "asperites"'
-    if _has_table(scene.interactions[0].potential):
+    if _has_arrays(scene.interactions[0].potential):
         return "its potential is a table of points, and live pages have formulas"
     return (
         "live pages have forced, free and driven bars without a load, whose bars are at an angle "

@@ -166,7 +166,7 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.OWN_DRIVE: ("no drive is a plug-in", _drives(Effect.OWN_DRIVE)),
     Effect.OWN_ENDS: (
         "no bars have a plug-in",
-        _surfaces("bars", lambda s: s.end_forces and type(s.end_forces).__name__),
+        _surfaces("bars", lambda s: s.plugin_at_ends and type(s.plugin_at_ends).__name__),
     ),
     Effect.SPRINGS: (
         "no surface has springs",

@@ -79,7 +79,7 @@ def plugins_of(scene: Scene) -> list[tuple[str, Any]]:
     ]
     places += [(f"field[{i}].kind", item.potential) for i, item in enumerate(scene.fields)]
     for i, surface in enumerate(scene.surfaces):
-        for part, plugin in (("drive", surface.drive.plugin), ("bars", surface.end_forces)):
+        for part, plugin in (("drive", surface.drive.plugin), ("bars", surface.plugin_at_ends)):
             if plugin is not None:
                 places.append((f"surface[{i}].{part}", plugin))
     return [item for item in places if isinstance(item[1], (tuple, Unloaded))]

@@ -303,7 +303,8 @@ class Scene(ComparedByValue):
         fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
         lattice = lattice or self.has_contact_within(surface)
-        return fields or lattice or bool(surface.reservoir("bar")) or surface.end_forces is not None
+        at_ends = surface.plugin_at_ends is not None
+        return fields or lattice or bool(surface.reservoir("bar")) or at_ends
 
     def slides_along_x(self, surface: Surface) -> bool:
         """Whether the x of the surface's centres of mass are degrees of freedom.

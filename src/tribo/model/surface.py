@@ -157,7 +157,7 @@ class Surface(ComparedByValue):
         """Refuse forces on bars that driven bars have no use for."""
         if not self.drive.holds_bars:
             return
-        if self.end_forces is not None:
+        if self.plugin_at_ends is not None:
             raise InputError("bars", 'cannot be forces of the user\'s own where drive = "bars"')
         if self.reservoir("bar") is not None:
             raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
@@ -180,7 +180,7 @@ class Surface(ComparedByValue):
         return self.drive.moves_as_one and self.count > 1
 
     @property
-    def end_forces(self) -> NamedTuple | None:
+    def plugin_at_ends(self) -> NamedTuple | None:
         """The plug-in with the user's forces on the ends of the bars, if there is one."""
         return self.bars.force if isinstance(self.bars, Ends) else None
 
