@@ -58,7 +58,10 @@ class Series(Mapping[str, np.ndarray]):
         compute: Callable[[str], np.ndarray],
         kept: tuple[str, ...] = (),
     ) -> None:
-        self._names, self._compute, self._kept = names, compute, kept
+        """Make series of these `names`, of which `compute` returns one."""
+        self._names = names
+        self._compute = compute
+        self._kept = kept
         self._known: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -148,7 +151,8 @@ class Ledger:
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
-        each, whole = self.surfaces[surface], self.blocks[surface]
+        each = self.surfaces[surface]
+        whole = self.blocks[surface]
         names = dict.fromkeys((*each, *whole))
         return Series(names, lambda name: (whole if name in whole else each)[name], self.kept)
 

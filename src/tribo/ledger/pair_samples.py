@@ -131,6 +131,7 @@ class PairSamples(Samples):
         return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
 
     def beside(self, *others: Samples) -> Samples:
+        """These samples and those of others, still as a record where all are of pairs."""
         parts = [each for each in (self, *others) if isinstance(each, PairSamples)]
         if not others or len(parts) <= len(others):
             return super().beside(*others)

@@ -50,15 +50,20 @@ class Role(NamedTuple):
 
 
 OWN_SCALE = Role()
-ANGLE, RATE, LENGTH = Role("angle"), Role("rate", ("rate",)), Role("length")
+ANGLE = Role("angle")
+RATE = Role("rate", ("rate",))
+LENGTH = Role("length")
 VELOCITY = Role("velocity")
 # A work or pseudowork, and a heat or change of energy, of an asperite.
-WORK, CHANGE = Role("energy", ("energy", "work")), Role("energy", ("energy",))
+WORK = Role("energy", ("energy", "work"))
+CHANGE = Role("energy", ("energy",))
 # An energy by which no others are measured: a swing's is no change.
 ENERGY = Role("energy")
 # The same of a surface or the system; work against friction is a part of other works, and the
 # energy of contacts has an arbitrary origin.
-TOTAL, PART, POTENTIAL = Role("total", ("total",)), Role("total"), Role("total", ("potential",))
+TOTAL = Role("total", ("total",))
+PART = Role("total")
+POTENTIAL = Role("total", ("potential",))
 
 
 @dataclass(frozen=True)
