@@ -42,7 +42,9 @@ def interleaved(
 
     Those that have `times_in_lanes` go on with steps of their own.
     """
-    scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
+    scene = layout.scene
+    old = layout.model
+    mine = np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
     shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
     surfaces = mine.copy()
@@ -68,7 +70,8 @@ def interleaved(
         members=room((theirs.columns,)),
         team=None,
     )
-    memory, numbers = np.empty(0), np.empty((LANES, 0), np.int64)
+    memory = np.empty(0)
+    numbers = np.empty((LANES, 0), np.int64)
     if own_numbers:
         eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
     model = model_of(scene, eight, times_in_lanes=times_in_lanes)
