@@ -140,7 +140,8 @@ def _served_by_one_plan(
         simulation = request.prepare(scene, recorded)
     except InputError:
         return [], None
-    plan, pair = simulation.plan, simulation.integrator.pair is not None
+    plan = simulation.plan
+    pair = simulation.integrator.pair is not None
     if plan.tuned is not None and not plan.tuned.met:
         return [], None
 
@@ -182,7 +183,8 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
     request = points.request
     try:
         simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
-        kept, variation = request.kept(simulation.scene, simulation.layout), points.variation
+        kept = request.kept(simulation.scene, simulation.layout)
+        variation = points.variation
         runs = planned(request, simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
