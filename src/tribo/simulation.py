@@ -128,7 +128,8 @@ class _Task(NamedTuple):
         for_members: bool = False,
     ) -> Simulation:
         """Compile and plan, with a bar for the runs; warn of bobs that start deep in a core."""
-        layout, method = self.layout, self.choice.method
+        layout = self.layout
+        method = self.choice.method
         count = threads_of(layout.model, method, self.threads).number
         integrator = Integrator(layout, method, progress, self.origin, journal, count)
         for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
@@ -175,7 +176,8 @@ def _task(
             choice = choose(layout, given.accuracy, given.method, given.step)
     else:
         if accuracy is None and step is None:
-            accuracy, step = given.accuracy, given.step
+            accuracy = given.accuracy
+            step = given.step
         choice = choose(layout, accuracy, given.method if method is None else method, step)
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
@@ -257,7 +259,8 @@ def simulate_prepared(
 
 def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
-    path, choice = netcdf_target("out", path), task.choice
+    path = netcdf_target("out", path)
+    choice = task.choice
     part = path.with_name(path.name + PART)
     start = digest_of(task.origin)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, start)
