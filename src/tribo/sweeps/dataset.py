@@ -133,11 +133,12 @@ class Table:
 
 def key_coordinates(grid: Grid) -> dict[str, Variable]:
     """The values of the keys."""
-    return {
-        key: ((axis.name,), np.array([row[k] for row in axis.rows]), {"long_name": key})
-        for axis in grid.axes
-        for k, key in enumerate(axis.keys)
-    }
+    found: dict[str, Variable] = {}
+    for axis in grid.axes:
+        for k, key in enumerate(axis.keys):
+            values = np.array([row[k] for row in axis.rows])
+            found[key] = (axis.name,), values, {"long_name": key}
+    return found
 
 
 def _means_and_half_widths(values: np.ndarray, status: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

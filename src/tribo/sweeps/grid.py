@@ -31,8 +31,10 @@ class Axis(NamedTuple):
 
 def values_at(axes: Sequence[Axis], places: Iterable[SupportsIndex]) -> dict[str, Value]:
     """The values at a place on each axis, by their keys."""
-    pairs = zip(axes, places, strict=True)
-    return {key: value for axis, place in pairs for key, value in axis.at(place).items()}
+    found: dict[str, Value] = {}
+    for axis, place in zip(axes, places, strict=True):
+        found |= axis.at(place)
+    return found
 
 
 class Grid:
