@@ -67,13 +67,12 @@ def _check_surfaces(scene: Scene, before: Scene) -> None:
 def _places(scene: Scene) -> dict[str, dict[str, object]]:
     """Surface -> its settings on which the meaning of its coordinates depends."""
     tables: list[Mapping[str, Any]] = plain_table(scene)["surface"]
-    return {
-        table["name"]: {
-            **{key: table.get(key) for key in PLACES},
-            "asperite.length": table["asperite"]["length"],
-        }
-        for table in tables
-    }
+    found = {}
+    for table in tables:
+        own = {key: table.get(key) for key in PLACES}
+        own["asperite.length"] = table["asperite"]["length"]
+        found[table["name"]] = own
+    return found
 
 
 def _check_bath(surface: Surface, before: Surface) -> None:

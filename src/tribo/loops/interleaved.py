@@ -51,15 +51,11 @@ def interleaved(
     surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
-    places = [
-        slots.places(
-            numbering,
-            theirs,
-            LANES * np.arange(shared) + lane,
-            [LANES * np.arange(surface.count) + lane for surface in scene.surfaces],
-        )
-        for lane in range(LANES)
-    ]
+    places = []
+    for lane in range(LANES):
+        of_all = LANES * np.arange(shared) + lane
+        of_surfaces = [LANES * np.arange(surface.count) + lane for surface in scene.surfaces]
+        places.append(slots.places(numbering, theirs, of_all, of_surfaces))
     columns = np.stack([each.columns for each in places], axis=1)
     asperites = np.asarray(layout.asperites)
     tables = model_tables(scene, asperites, theirs, columns, own_numbers)

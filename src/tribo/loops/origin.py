@@ -75,7 +75,8 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
         )
     old = plain_table(state.scene)
     new = plain_table(scene)
-    before, now = ({k: v for k, v in each.items() if k not in NO_PHYSICS} for each in (old, new))
+    before = {key: value for key, value in old.items() if key not in NO_PHYSICS}
+    now = {key: value for key, value in new.items() if key not in NO_PHYSICS}
     # Works go on only where the same ones are kept.
     same_ledger = state.scene.output.ledger == scene.output.ledger
     same_scene = first_difference(before, now) is None and same_ledger
