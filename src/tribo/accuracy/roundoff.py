@@ -202,11 +202,10 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     farthest = np.maximum.reduce(np.hypot(x, y) + a.l1 * turned, axis=1)
     contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, motion))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / shortest_wave)
-    places = {
-        f"{axis}_{end}": largest(magnitude + arm * turned)
-        for end, arm in (("bob", a.l1), ("bar", a.l2))
-        for axis, magnitude in (("x", x), ("y", y))
-    }
+    places = {}
+    for end, arm in (("bob", a.l1), ("bar", a.l2)):
+        places[f"x_{end}"] = largest(x + arm * turned)
+        places[f"y_{end}"] = largest(y + arm * turned)
     return places | {
         "delta_e_int": largest(internal),
         "swing_energy": largest(motion.swinging),

@@ -202,9 +202,8 @@ class Ledger:
         for full, values in series.items():
             surface, _, name = full.rpartition(".")
             (tables[surface][2 - values.ndim] if surface else system)[name] = values
-        each, whole = (
-            {name: known(both[k], kept) for name, both in tables.items()} for k in (0, 1)
-        )
+        each = {name: known(own, kept) for name, (own, _) in tables.items()}
+        whole = {name: known(own, kept) for name, (_, own) in tables.items()}
         return Ledger(t, each, whole, known(system, kept), kept)
 
     def at_end(self) -> Ledger:

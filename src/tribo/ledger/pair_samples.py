@@ -136,9 +136,8 @@ class PairSamples(Samples):
         if not others or len(parts) <= len(others):
             return super().beside(*others)
         runs = [each.runs for each in parts]
-        t, record = (
-            interleaved([getattr(each, name) for each in parts], runs) for name in ("t", "_record")
-        )
+        t = interleaved([each.t for each in parts], runs)
+        record = interleaved([each._record for each in parts], runs)
         first = np.concatenate([each._first for each in parts])
         return PairSamples(t, record, first, self._factors)
 

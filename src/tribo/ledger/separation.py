@@ -187,7 +187,10 @@ def parted(layout: Layout, samples: Samples) -> np.ndarray:
 
     t = samples.t[:: samples.runs]
     touches = touching(layout, samples, is_loaded).reshape(t.size, samples.runs, -1)
-    return np.array([any(_part(t, t[each]) for each in own.T) for own in touches.swapaxes(0, 1)])
+    found = []
+    for own in touches.swapaxes(0, 1):
+        found.append(any(_part(t, t[each]) for each in own.T))
+    return np.array(found)
 
 
 def _part(t: np.ndarray, met: np.ndarray) -> bool:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -74,10 +75,11 @@ def may_pump(layout: Layout) -> bool:
     parts = levers(scene)
     held = all(s.drive.cancels_x or s.drive.holds_bars for s in scene.surfaces)
     alike = np.ptp(parts) <= ALIKE * np.max(parts)
-    warm = any(
-        any((s.bath.temperature, s.initial.temperature, *(r.temperature for r in s.reservoirs)))
-        for s in scene.surfaces
-    )
+    temperatures = []
+    for surface in scene.surfaces:
+        temperatures += [surface.bath.temperature, surface.initial.temperature]
+        temperatures += [reservoir.temperature for reservoir in surface.reservoirs]
+    warm = any(temperatures)
     return bool(held and not alike and warm and layout.model.ledger)
 
 
@@ -86,7 +88,7 @@ def _works(layout: Layout, samples: Samples) -> np.ndarray:
     work = np.zeros(samples.t.size)
     friction = np.zeros(samples.t.size)
     integrals = Integrals(samples.s)
-    for span in (span for spans in layout.accounted_spans for span in spans):
+    for span in chain.from_iterable(layout.accounted_spans):
         accounts = integrals[span]
         work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
