@@ -122,10 +122,10 @@ def arguments_of(potential: Any, samples: int) -> tuple[Any, ...]:
     """Arguments of the program for so many samples."""
     count = {-1: samples, -2: samples + 1}
     kinds = {"clocks": CLOCK}
-    arrays = (
-        np.zeros([count.get(each, each) for each in shape], kinds.get(name, float))
-        for name, shape in ARRAYS.items()
-    )
+    arrays = []
+    for name, shape in ARRAYS.items():
+        sizes = [count.get(each, each) for each in shape]
+        arrays.append(np.zeros(sizes, kinds.get(name, float)))
     return (potential, *arrays)
 
 

@@ -213,11 +213,11 @@ def _choices(scene: Scene) -> list[Choice]:
         key = f"{surface.name}.drive"
         words = {}
         every = {word: _numbers(scene, key, word) for word in DRIVES}
-        places = [
-            place
-            for place in range(before.size)
-            if len({float(each[place]) for each in every.values() if each is not None}) > 1
-        ]
+        known = [each for each in every.values() if each is not None]
+        places = []
+        for place in range(before.size):
+            if len({float(each[place]) for each in known}) > 1:
+                places.append(place)
         for word, numbers in every.items():
             if numbers is not None:
                 words[word] = [(place, float(numbers[place])) for place in places]
