@@ -240,8 +240,7 @@ def simulate(
 
 def simulate_prepared(
     scene: Scene,
-    initial: Start,
-    estimate: bool,
+    changes: tuple[Start, bool],
     accuracy: Accuracy | None,
     method: str | None,
     step: float | None,
@@ -249,12 +248,13 @@ def simulate_prepared(
     resume: bool = False,
     threads: int | None = None,
 ) -> Result:
-    """As ``prepare(scene, accuracy, method, step).run(initial, estimate)``, with its bits.
+    """As ``prepare(scene, accuracy, method, step).run(*changes)``, with its bits.
 
-    `out` and `resume` are those of :func:`simulate`, whose errors and warnings it raises.
+    `changes` are the initial values and whether errors are estimated; `out` and `resume` are those
+    of :func:`simulate`, whose errors and warnings it raises.
     """
     task = _task(scene, accuracy, method, step, None, False, threads)
-    return with_warning(task._replace(changes=(initial, estimate)).to_end(None, out, resume))
+    return with_warning(task._replace(changes=changes).to_end(None, out, resume))
 
 
 def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
