@@ -56,9 +56,6 @@ EQUIVALENT = {
     "ledger/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
-    "layout/span.py: Span.consecutive: np.diff(slots) == 1 -> np.diff(slots) == 2": (
-        "series of slots that are not a range are copied, with the same values"
-    ),
     "ledger/totals.py: SurfaceSeries.pseudowork: slot >= 0 -> slot >= 1": (
         "the first slots are those of contact; no surface has slot 0"
     ),
