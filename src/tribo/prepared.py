@@ -64,6 +64,7 @@ class Simulation:
     """
 
     def __init__(self, plan: Plan, integrator: Integrator) -> None:
+        """Take over a plan, and find what all runs of it share, notes among them."""
         self.plan = plan
         self.layout = integrator.layout
         self.scene = self.layout.scene
@@ -195,10 +196,14 @@ class Simulation:
 
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate; where steps were chosen, they resolve its motion."""
-        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
-        setting, times = self.plan.setting, self.plan.times
+        layout = self.layout
+        seconds = self.compile_seconds
+        ratio = self._digit_ratio
+        setting = self.plan.setting
+        times = self.plan.times
         if not self._streams and self._single_setting is not None:
-            setting, times = self._single_setting, layout.times
+            setting = self._single_setting
+            times = layout.times
         tries = MOST_REPEATS if self.plan.automatic else 0
         run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes: tuple[str, ...] = ()
@@ -250,23 +255,29 @@ class Simulation:
         Its cost is that of the search, if this found it, or else of the runs.  Where the scene has
         more samples than these runs, one with the same setting from `y` is the result.
         """
-        fine, met = runs[-1], False
+        fine = runs[-1]
+        met = False
         notes: tuple[str, ...] = ()
         bounds: dict[str, float] = {}
         if fine.status == Status.COMPLETED and len(runs) > 1:
             errors = self._errors(runs[-3:], search)
-            bounds, scales, met = errors.bounds, errors.scales, errors.excess <= 1.0
+            bounds = errors.bounds
+            scales = errors.scales
+            met = errors.excess <= 1.0
             if not met:
                 notes = (*notes_on.approach_notes(self.layout, fine), self._missed(errors.excess))
             ledger = assemble(self.layout, fine.samples)
             open_budget = notes_on.budget_notes(self.layout, ledger, bounds)
             assert self.accuracy is not None
             weak = comparison.weak_notes(scales.work, scales.energy, self.accuracy) if met else []
-            met, notes = met and not open_budget, (*notes, *filter(None, weak), *open_budget)
+            met = met and not open_budget
+            notes = (*notes, *filter(None, weak), *open_budget)
         fine = up_to_passing(self.layout, fine)
         notes = (*self._sliding_notes(fine), *notes)
         known = met if len(runs) > 1 or fine.status != Status.COMPLETED else None
-        layout, seconds, ratio = self.layout, self.compile_seconds, self._digit_ratio
+        layout = self.layout
+        seconds = self.compile_seconds
+        ratio = self._digit_ratio
         spent = runs if search is None else [search]
         if self._streams and fine.status == Status.COMPLETED:
             run, streamed, _ = self._deliver(self.plan.setting, layout.times, y)
@@ -297,7 +308,8 @@ class Simulation:
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
-        layout, samples = self.layout, run.samples
+        layout = self.layout
+        samples = run.samples
         watched = Watched.of(layout, samples) if watched is None else watched
         return (
             *notes_on.drive_notes(layout, samples),
@@ -311,7 +323,8 @@ class Simulation:
     ) -> comparison.Errors:
         """Bounds on the last run's errors, which the search knows if it made the runs."""
         assert self.accuracy is not None and self.plan.tuned is not None
-        tuned, known = self.plan.tuned, None if search is None else search.errors
+        tuned = self.plan.tuned
+        known = None if search is None else search.errors
         if known is not None and known.amplification == tuned.amplification:
             return known
         return comparison.error_bounds(
@@ -348,10 +361,14 @@ class Simulation:
         setting: Setting | None = None,
     ) -> Result:
         """A result, with what all results of the simulation share."""
-        layout, method, keep = self.layout, self.method.name, self.scene.output.keep
+        layout = self.layout
+        method = self.method.name
+        keep = self.scene.output.keep
         if keep is not None:  # the result does not refer to samples
-            ledger, cost = assemble_ledger().only(keep), add_up_cost()
-            assemble_ledger, add_up_cost = partial(itself, ledger), partial(itself, cost)
+            ledger = assemble_ledger().only(keep)
+            cost = add_up_cost()
+            assemble_ledger = partial(itself, ledger)
+            add_up_cost = partial(itself, cost)
             names = {*ledger.names, *ledger.kept}  # and observables, as "upper.W"
             bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings

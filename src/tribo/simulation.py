@@ -128,7 +128,8 @@ class _Task(NamedTuple):
         for_members: bool = False,
     ) -> Simulation:
         """Compile and plan, with a bar for the runs; warn of bobs that start deep in a core."""
-        layout, method = self.layout, self.choice.method
+        layout = self.layout
+        method = self.choice.method
         count = threads_of(layout.model, method, self.threads).number
         integrator = Integrator(layout, method, progress, self.origin, journal, count)
         for note in core_notes(layout):  # in Python: energies of plug-ins have compiled by now
@@ -175,7 +176,8 @@ def _task(
             choice = choose(layout, given.accuracy, given.method, given.step)
     else:
         if accuracy is None and step is None:
-            accuracy, step = given.accuracy, given.step
+            accuracy = given.accuracy
+            step = given.step
         choice = choose(layout, accuracy, given.method if method is None else method, step)
     if isinstance(choice.accuracy, Mapping):
         check_observables(layout, choice.accuracy)
@@ -238,8 +240,7 @@ def simulate(
 
 def simulate_prepared(
     scene: Scene,
-    initial: Start,
-    estimate: bool,
+    changes: tuple[Start, bool],
     accuracy: Accuracy | None,
     method: str | None,
     step: float | None,
@@ -247,17 +248,19 @@ def simulate_prepared(
     resume: bool = False,
     threads: int | None = None,
 ) -> Result:
-    """As ``prepare(scene, accuracy, method, step).run(initial, estimate)``, with its bits.
+    """As ``prepare(scene, accuracy, method, step).run(*changes)``, with its bits.
 
-    `out` and `resume` are those of :func:`simulate`, whose errors and warnings it raises.
+    `changes` are the initial values and whether errors are estimated; `out` and `resume` are those
+    of :func:`simulate`, whose errors and warnings it raises.
     """
     task = _task(scene, accuracy, method, step, None, False, threads)
-    return with_warning(task._replace(changes=(initial, estimate)).to_end(None, out, resume))
+    return with_warning(task._replace(changes=changes).to_end(None, out, resume))
 
 
 def _run_to_file(path: Path, resume: bool, task: _Task, progress: Progress | None) -> Result:
     """Run with a journal beside a file, which the result replaces once it is complete."""
-    path, choice = netcdf_target("out", path), task.choice
+    path = netcdf_target("out", path)
+    choice = task.choice
     part = path.with_name(path.name + PART)
     start = digest_of(task.origin)
     settings = settings_of(choice.method.name, choice.accuracy, choice.step, start)

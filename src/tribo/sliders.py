@@ -91,7 +91,8 @@ def sliders_of(scene: Scene, given: Mapping[Any, Any]) -> list[Slider]:
 
 def _joined(scene: Scene, key: str, given: object) -> Slider:
     """A slider of several keys, whose values are rows with a value of each."""
-    keys, rows = key.split(","), dict[str, tuple[Any, ...]]()
+    keys = key.split(",")
+    rows = dict[str, tuple[Any, ...]]()
     if not is_list(given) or len(given) < 2:
         raise must_be(key, "a list of rows, as [0.5, 40], [0.25, 80]", given)
     for row in given:

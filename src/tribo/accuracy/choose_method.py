@@ -142,7 +142,8 @@ def cheapest(layout: Layout, accuracy: float) -> tuple[methods.Method, str]:
     best, *others = estimates(layout, accuracy)
     why = f"{best.method.name} should be the fastest at {accuracy:.0e}"
     if others:
-        ratio, name = others[0].seconds / best.seconds, others[0].method.name
+        ratio = others[0].seconds / best.seconds
+        name = others[0].method.name
         much = f"{ratio:.2g} times as long" if ratio >= LONGER else "hardly longer"
         why += f"; {name}, the next, should take {much}"
     return best.method, why

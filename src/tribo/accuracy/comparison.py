@@ -174,7 +174,9 @@ def estimate(
     in all runs, and of chance.  From a difference of `diverged` or an estimate of DIVERGED on, runs
     count as diverged.
     """
-    factor, tops, rounded = safety(rough), found.tops, found.terms
+    factor = safety(rough)
+    tops = found.tops
+    rounded = found.terms
     gaps = factor * found.gaps
     scale = scales.each(found.names)
     with np.errstate(invalid="ignore"):  # an infinite energy has no known error
@@ -220,7 +222,8 @@ def measure_amplification(
     scaled = [name for name in chosen if scales.of(name) > 0.0]
     grown = 0.0
     for change in (PERTURBATION, TINY_PERTURBATION):
-        start, asperites = layout.start.copy(), layout.asperites.size
+        start = layout.start.copy()
+        asperites = layout.asperites.size
         start[:asperites] += change
         start[layout.coordinates :][:asperites] += change * scales.rate
         other = attempt(setting, run.samples.t, start)
@@ -256,7 +259,8 @@ def growth(amplification: float) -> str:
 
 def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
     """A note for each run whose errors of works are relative to energies of the motion; else ""."""
-    work, energy = np.atleast_1d(work), np.atleast_1d(energy)
+    work = np.atleast_1d(work)
+    energy = np.atleast_1d(energy)
     asked = [scale_of(name) for name in observables(accuracy)]
     if asked and not {"energy", "total"} & set(asked):
         return [""] * work.size

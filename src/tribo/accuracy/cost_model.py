@@ -122,7 +122,8 @@ def evaluation_time(layout: Layout, method: Method) -> float:
 def pairs_of_bobs(layout: Layout) -> tuple[int, bool]:
     """The pairs of bobs that one evaluation visits, and whether some bobs are in lists."""
     counts = [surface.count for surface in layout.scene.surfaces]
-    visited, listed = 0.0, False
+    visited = 0.0
+    listed = False
     for contact in layout.model.contacts:
         for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
             among = counts[one] * (counts[one] - 1) // 2
@@ -149,10 +150,12 @@ def steps_towards(layout: Layout) -> float:
     in_place, box = in_box(layout, places)
     swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][:count])))
     parts = list(layout.parts.values())
-    times, rates = np.linspace(layout.beginning, layout.scene.duration, TIMES), [0.0]
+    times = np.linspace(layout.beginning, layout.scene.duration, TIMES)
+    rates = [0.0]
     for contact in (each for each in layout.model.contacts if each.within is None):
         for one, other in contact.pairs:
-            mine, theirs = parts[one], parts[other]
+            mine = parts[one]
+            theirs = parts[other]
             first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
             drift = layout.velocities[one] - layout.velocities[other]
             moved = places[first.astype(int)] + np.outer(times, [*drift, 0.0])[:, None]

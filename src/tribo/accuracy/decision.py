@@ -137,7 +137,8 @@ def _stalls(rounds: Sequence[Round]) -> int:
 
 def _is_out_of_reach(rounds: Sequence[Round], limits: Limits) -> bool:
     """Whether amplified rounding keeps finer settings from the request, or it is unknown."""
-    last, grown = rounds[-1], limits.amplification
+    last = rounds[-1]
+    grown = limits.amplification
     if grown is None:
         return True
     error = last.excess * limits.wanted

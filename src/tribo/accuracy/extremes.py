@@ -63,10 +63,14 @@ def _portions(
 def _extremes(
     layout: Layout, fine: Samples, shared: list[Samples], names: tuple[str, ...], steps: int
 ) -> Extremes:
-    count, samples = fine.t.size, fine.then(*shared)
+    """The extremes of samples of a run; `shared` are those of coarser runs at the same times."""
+    count = fine.t.size
+    samples = fine.then(*shared)
     group = AsperiteSeries(layout, samples, (layout.together,))
-    columns, (motion,) = series_table(layout, group, names), group.motions
-    run, coarse = columns.rows(slice(count)), columns.rows(slice(count, None))
+    columns = series_table(layout, group, names)
+    (motion,) = group.motions
+    run = columns.rows(slice(count))
+    coarse = columns.rows(slice(count, None))
     at_shared = run.rows(fine.t.searchsorted(samples.t[count:]))
     names = without_surfaces(run.names)
     rounding = dict.fromkeys(names, 0.0) | rounding_of_terms(layout, motion, steps)

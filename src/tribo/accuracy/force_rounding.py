@@ -52,16 +52,19 @@ class Errors(NamedTuple):
 def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[str, float]:
     """The effect of the rounding of springs, baths and twists, by quantity, in its own unit."""
     last = float(np.maximum.reduce(motion.t, axis=None))
-    stiffness, lost = _stiffness(layout), Lost(last - layout.beginning, steps)
+    stiffness = _stiffness(layout)
+    lost = Lost(last - layout.beginning, steps)
     if not (stiffness.any() or motion.phi.any() or lost.of(motion.swing, motion.omega).any()):
         return {}
-    e, a = _errors(layout, motion, stiffness, lost), motion.span.asperites
+    e = _errors(layout, motion, stiffness, lost)
+    a = motion.span.asperites
     place = e.stretch + a.l2 * e.swing
     internal = _of_square(a.inertia, motion.omega, e.omega) + _of_square(a.i2, motion.nu, e.nu)
     internal += _of_square(a.kappa, motion.swing - motion.phi, e.swing + e.phi)
     speed = np.hypot(*motion.velocity)
     kinetic = _of_square(a.mass, speed, e.speed)
-    whole, bulk = 0.0, 0.0
+    whole = 0.0
+    bulk = 0.0
     for index, part in enumerate(layout.parts.values()):
         stored = motion.samples.stored[:, index, [SPRINGS, BATH]].sum(axis=1)
         pull = np.sqrt(2.0 * stiffness[part] * largest(stored))
@@ -84,7 +87,8 @@ def rounding_of_forces(layout: Layout, motion: Motion, steps: int = 1) -> dict[s
 
 def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -> Errors:
     """Bounds on the errors of the motion; `stiffness` is that of all springs on each bar."""
-    a, duration = motion.span.asperites, lost.duration
+    a = motion.span.asperites
+    duration = lost.duration
     moves = a.pivot == 0.0  # driven bars are held where they are
     away = np.hypot(
         np.abs(motion.x) + a.l2 * np.abs(np.sin(motion.swing)),
@@ -105,7 +109,8 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
     bar = np.where(turns, 1.0 / a.i2, 0.0)
     torsional = _of_oscillators(layout, layout.model.torsional, "first_torsional", "torsionals")
     angular = twist * _impulse(a.kappa + torsional[a.surface], pendulum + bar, duration)
-    omega, nu = (a.l2 * impulse + angular) * pendulum, angular * bar
+    omega = (a.l2 * impulse + angular) * pendulum
+    nu = angular * bar
     torsion = np.where(turns & np.isfinite(a.kappa), a.kappa * bar, 0.0)
     nu = nu + lost.of(motion.nu, torsion * (motion.swing - motion.phi))
     period = _inverse_frequency(a.kappa * pendulum, duration)
@@ -121,13 +126,16 @@ def _errors(layout: Layout, motion: Motion, stiffness: np.ndarray, lost: Lost) -
 
 def _of_powers(layout: Layout, motion: Motion, e: Errors) -> dict[str, float]:
     """The error of works, by name, from that of the velocities that forces are multiplied by."""
-    a, forces = motion.span.asperites, Accounts(layout.accounted, motion.samples.s)
-    speed, rod = largest(e.speed), largest(e.speed + (a.l1 + a.l2) * e.omega)
+    a = motion.span.asperites
+    forces = Accounts(layout.accounted, motion.samples.s)
+    speed = largest(e.speed)
+    rod = largest(e.speed + (a.l1 + a.l2) * e.omega)
     found: dict[str, float] = {}
     for name in FORCES:
         impulse = largest(np.hypot(forces[name].jx, forces[name].jy))
         found |= {name: impulse * rod, f"{name}_ps": impulse * speed}
-    each, pseudo = sum(found.values()), sum(found[f"{name}_ps"] for name in FORCES)
+    each = sum(found.values())
+    pseudo = sum(found[f"{name}_ps"] for name in FORCES)
     whole = layout.scene.count * each
     found |= dict.fromkeys(("W", "W_ps", "applied_work", "friction_work"), whole)
     return found | {"w": each, "w_ps": pseudo, "heat": each}
@@ -152,7 +160,8 @@ def _of_square(factor: np.ndarray, values: np.ndarray, error: np.ndarray) -> np.
 @once_per_layout
 def _stiffness(layout: Layout) -> np.ndarray:
     """The stiffness of all springs on each bar, to other bars and to oscillators, (asperites,)."""
-    model, surface = layout.model, layout.asperites.surface
+    model = layout.model
+    surface = layout.asperites.surface
     found = np.zeros(surface.size)
     if model.springs is not None:
         columns = layout.places.columns

@@ -95,14 +95,19 @@ def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
 def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     """Scales of a run, in the frame of the surfaces' mean velocity; the first guess for zeros."""
     guess = first_guess(layout)
-    span, motion = layout.together, Motion(layout, layout.together, samples)
+    span = layout.together
+    motion = Motion(layout, layout.together, samples)
     relative = _relative_velocity(layout, span)
     vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
     bob = rod_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
     velocity = max(guess.velocity, float(np.max(np.hypot(*bob))))
-    torsion, internal = motion.swing - motion.phi, motion.energy
-    highest, change = largest(internal), largest(internal - internal[0])
-    spin, turn, twist = largest(motion.omega), largest(motion.nu), largest(torsion)
+    torsion = motion.swing - motion.phi
+    internal = motion.energy
+    highest = largest(internal)
+    change = largest(internal - internal[0])
+    spin = largest(motion.omega)
+    turn = largest(motion.nu)
+    twist = largest(torsion)
     weights = _account_weights(layout)
     top = np.max(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
@@ -146,7 +151,8 @@ def _account_weights(layout: Layout) -> np.ndarray:
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    (vx, vy), highest = _relative_velocity(layout, layout.accounted).T, 0.0
+    vx, vy = _relative_velocity(layout, layout.accounted).T
+    highest = 0.0
     for name, offsets in IMPULSES.items():
         for k in offsets[::2]:
             jx, jy = account_columns(layout.accounted, name, (k, k + 1), s)

@@ -22,7 +22,8 @@ class FineRuns:
     """Fine runs of some members, with which any number of other runs of these are compared."""
 
     def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
-        self._accuracy, self._complete = accuracy, runs.complete
+        self._accuracy = accuracy
+        self._complete = runs.complete
         layout, self._samples = _at_few_times(runs)
         self._layouts = {1: layout}  # for all members so many times
         self._scales: Scales | None = None
@@ -34,7 +35,8 @@ class FineRuns:
         not finite.  One table has the series of all runs side by side: to make it takes longer than
         to fill it.
         """
-        members, runs = self._samples.runs, 1 + len(others)
+        members = self._samples.runs
+        runs = 1 + len(others)
         samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
@@ -72,7 +74,9 @@ def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
 def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
     """The scales of the first runs of a group, as many as there are members."""
     tops = dict(zip(table.names, table.largest(members), strict=True))
-    (motion,), mean, runs = group.motions, mean_velocity(layout), group.samples.runs
+    (motion,) = group.motions
+    mean = mean_velocity(layout)
+    runs = group.samples.runs
     speed, internal, path = (
         largest_of_runs(each, runs)[:members]
         for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
@@ -97,7 +101,9 @@ def _in_units(
 
 def _at_few_times(runs: MemberRuns) -> tuple[Layout, Samples]:
     """The samples by which members are compared, as single runs are where they have many."""
-    layout, samples, members = runs.layout, runs.samples, runs.samples.runs
+    layout = runs.layout
+    samples = runs.samples
+    members = runs.samples.runs
     times = samples.t.size // members
     if times <= MOST_COMPARED:
         return layout, samples

@@ -75,8 +75,10 @@ class Plan:
 
 def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None = None) -> Plan:
     """The plan of a run, with settings that keep its accuracy.  Raises InputError."""
-    layout, accuracy = integrator.layout, choice.accuracy
-    name, times = choice.method.name, layout.times
+    layout = integrator.layout
+    accuracy = choice.accuracy
+    name = choice.method.name
+    times = layout.times
     if accuracy is None:
         assert choice.step is not None
         step = resolving_step(integrator, choice.step) if choice.automatic else choice.step
@@ -96,7 +98,8 @@ def plan_of_members(choice: Choice, integrator: Integrator) -> Plan | None:
     None where a search has to tell first whether the accuracy can be kept: the step is given, the
     accuracy is so small that rounding matters, or the pilot run stops.
     """
-    accuracy, layout = choice.accuracy, integrator.layout
+    accuracy = choice.accuracy
+    layout = integrator.layout
     if accuracy is None or strictest(accuracy) < TIGHT:
         return None
     stops = StopTimes.for_samples(_compared(layout))
@@ -129,15 +132,21 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
     Runs that are compared with no other need not differ in their steps, and stop at samples only.
     None if no try agrees, or if the finest run is long.
     """
-    layout, found = integrator.layout, plan.tuned
+    layout = integrator.layout
+    found = plan.tuned
     if plan.single is not None or found is None or not found.runs:
         return plan.single
     assert plan.accuracy is not None
-    finest, grown = found.runs[-1], found.amplification
+    finest = found.runs[-1]
+    grown = found.amplification
     if finest.status != Status.COMPLETED or work(layout, finest) > LONG_RUN:
         return None
     scales = tolerance_scales(layout, finest.samples)
-    best, fewest, level, factor, spent = None, np.inf, found.level, LOOSER, 0.0
+    best = None
+    fewest = np.inf
+    level = found.level
+    factor = LOOSER
+    spent = 0.0
     for _ in range(TRIES):
         if spent > LONG_RUN:
             break
@@ -151,8 +160,10 @@ def single_setting(plan: Plan, integrator: Integrator) -> Setting | None:
             errors = error_bounds(layout, finest, [run], grown, plan.accuracy)
             good = errors.excess <= LOOSE_EXCESS
         if not good:
-            level, factor = level / factor, factor**0.5
+            level = level / factor
+            factor = factor**0.5
         elif run.evaluations < fewest:
-            best, fewest = setting, run.evaluations
+            best = setting
+            fewest = run.evaluations
         level *= factor
     return best

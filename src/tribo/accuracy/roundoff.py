@@ -39,7 +39,8 @@ def _members(forces: tuple[str, ...], first: int) -> list[int]:
 
 def _sums() -> tuple[tuple[str, ...], np.ndarray]:
     """Names of sums of terms, and which terms each has (terms, sums)."""
-    every, (about, pseudo, *_) = tuple(FORCES), _members(("w_T",), 0)
+    every = tuple(FORCES)
+    about, pseudo, *_ = _members(("w_T",), 0)
     members = {name: _members((name,), 0) for name in FORCES}
     members |= {f"{name}_ps": _members((name,), 1) for name in FORCES}
     members |= {"w": _members(every, 0), "w_ps": _members(every, 1)}
@@ -61,7 +62,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     Each term has some roundings of its own, and those of the run's `steps`, which add up like a
     random walk.  The motion is that of a run and of those that it is compared with.
     """
-    samples, span = motion.samples, layout.accounted
+    samples = motion.samples
+    span = layout.accounted
     forces, names, members = _acting(layout)
     magnitudes = np.abs(samples.linear("terms", lambda s: _terms(s[span], forces)))
     # The magnitudes of the terms of all accounts, summed: (times, asperites, sums).
@@ -69,7 +71,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     sums = sums.reshape(*magnitudes.shape[:2], len(names))
     if layout.model.sums is not None:  # over lanes, of each surface
         whole = [sums[:, part].sum(axis=1) for part in layout.accounted_parts]
-        sums, parts = np.stack(whole, axis=1), [slice(k, k + 1) for k in range(len(whole))]
+        sums = np.stack(whole, axis=1)
+        parts = [slice(k, k + 1) for k in range(len(whole))]
     else:
         parts = list(layout.parts.values())
     highest = np.maximum.reduce(sums, axis=(0, 1))
@@ -85,7 +88,8 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
-    ends, motions = _of_ends(layout, motion, count), rounding_of_forces(layout, motion, steps)
+    ends = _of_ends(layout, motion, count)
+    motions = rounding_of_forces(layout, motion, steps)
     for roundings in (ends, motions, _of_cutoffs(layout)):
         for name, rounding in roundings.items():
             found[name] = found[name] + rounding if name in found else rounding
@@ -101,7 +105,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
     stiffness = _stiffness_of_ends(layout)
     if stiffness is None:
         return {}
-    a, twist = motion.span.asperites, np.abs(motion.swing - motion.phi)
+    a = motion.span.asperites
+    twist = np.abs(motion.swing - motion.phi)
     sin = np.abs(np.sin(twist))
     rounding = TERM_ROUNDINGS * EPSILON * (sin + np.abs(twist * np.cos(twist)))
     rounding += count * twist**2 * sin  # of the twist itself
@@ -126,7 +131,8 @@ def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
 @once_per_layout
 def _of_cutoffs(layout: Layout) -> dict[str, float]:
     """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
-    scene, found = layout.scene, {"total_energy_change": 0.0}
+    scene = layout.scene
+    found = {"total_energy_change": 0.0}
     charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
     for name, within in (("contact_energy", None), ("delta_E_int", True)):
         contacts = [contact for contact in layout.model.contacts if contact.within is within]
@@ -155,7 +161,8 @@ def _acting(layout: Layout) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarra
 
 def _terms(accounts: Accounts, forces: tuple[str, ...]) -> np.ndarray:
     """The terms of the accounts of some forces, (times, asperites, terms)."""
-    (vx, vy), (x, y) = accounts.span.velocity, accounts.span.reservoir
+    vx, vy = accounts.span.velocity
+    x, y = accounts.span.reservoir
     terms: list[Part] = []
     for name in forces:
         account = accounts[name]
@@ -168,18 +175,24 @@ def _terms(accounts: Accounts, forces: tuple[str, ...]) -> np.ndarray:
 
 def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     """The largest terms of energies, by quantity."""
-    a, velocity, samples = motion.span.asperites, motion.span.velocity, motion.samples
-    internal, moving = motion.energy, motion.moving
+    a = motion.span.asperites
+    velocity = motion.span.velocity
+    samples = motion.samples
+    internal = motion.energy
+    moving = motion.moving
     boost = a.mass * (np.abs(velocity[0] * motion.vx) + np.abs(velocity[1] * motion.vy))
     momentum = a.mass * np.hypot(motion.vx, motion.vy)
-    whole, within, bulk = np.zeros(samples.t.size), 0.0, 0.0
+    whole = np.zeros(samples.t.size)
+    within = 0.0
+    bulk = 0.0
     stored = np.add.reduce(np.abs(samples.stored[:, :, STORES]), axis=2)
     masses, shortest_wave = _masses_and_wave(layout)
     for index, part in enumerate(layout.parts.values()):
         energy = np.add.reduce((internal + moving)[:, part], axis=1) + stored[:, index]
         p = np.add.reduce(momentum[:, part], axis=1)
         kinetic = p * (np.hypot(*velocity[:, part.start]) + p / masses[index])
-        within, bulk = max(within, largest(energy)), max(bulk, largest(kinetic))
+        within = max(within, largest(energy))
+        bulk = max(bulk, largest(kinetic))
         whole = whole + energy + kinetic
     # The rounding of a position is relative to its terms, and an energy changes over the length of
     # its potential.  The rounding of an angle of many turns moves the ends of its arms.
@@ -189,11 +202,10 @@ def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
     farthest = np.maximum.reduce(np.hypot(x, y) + a.l1 * turned, axis=1)
     contact = np.abs(samples.contact) * (1.0 + farthest / _shortest_length(layout, motion))
     whole = whole + np.abs(samples.field) * (1.0 + farthest / shortest_wave)
-    places = {
-        f"{axis}_{end}": largest(magnitude + arm * turned)
-        for end, arm in (("bob", a.l1), ("bar", a.l2))
-        for axis, magnitude in (("x", x), ("y", y))
-    }
+    places = {}
+    for end, arm in (("bob", a.l1), ("bar", a.l2)):
+        places[f"x_{end}"] = largest(x + arm * turned)
+        places[f"y_{end}"] = largest(y + arm * turned)
     return places | {
         "delta_e_int": largest(internal),
         "swing_energy": largest(motion.swinging),
@@ -223,7 +235,8 @@ def _features(layout: Layout) -> list[float]:
 def _shortest_length(layout: Layout, motion: Motion) -> float:
     """The shortest length over which a contact's force changes; infinite without contacts."""
     lengths = list(_features(layout))
-    sample, parts = np.abs(motion.samples.contact).argmax(), list(layout.parts.values())
+    sample = np.abs(motion.samples.contact).argmax()
+    parts = list(layout.parts.values())
     x, y = (place[sample] for place in motion.bob)
     for contact in layout.model.contacts:
         for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):

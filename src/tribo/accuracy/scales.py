@@ -69,7 +69,8 @@ class Scales:
 
     def each(self, names: tuple[str, ...]) -> np.ndarray:
         """The scales of several quantities of one run, (names,)."""
-        shared, own = vars(self), self.own
+        shared = vars(self)
+        own = self.own
         return np.array([shared[scale] if scale else own[name] for name, scale in _units(names)])
 
     def relative(self, name: str, difference: float) -> float:
@@ -87,10 +88,14 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         for name, role in ROLES.items()
         if (role.measures or role.scale == quantities.OWN) and ledger.series(name)
     }
-    mean, speed, internal, path = mean_velocity(layout), 0.0, 0.0, 0.0
+    mean = mean_velocity(layout)
+    speed = 0.0
+    internal = 0.0
+    path = 0.0
     later = ledger.t[:, None] - ledger.t[0]
     for surface in layout.scene.surfaces:
-        table, a = ledger.surfaces[surface.name], layout.asperites[layout.parts[surface.name]]
+        table = ledger.surfaces[surface.name]
+        a = layout.asperites[layout.parts[surface.name]]
         swing = table["theta"] - surface.rest
         turning, bar, spring = internal_energies(
             a, table["omega"], table["nu"], swing - table["phi"]
@@ -111,7 +116,10 @@ def scales_of(
     """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
     body = _largest_body(layout)
     runs = np.size(speed)
-    inertia, mass, length, soft = body.inertia[:runs], body.mass[:runs], body.rod[:runs], body.soft
+    inertia = body.inertia[:runs]
+    mass = body.mass[:runs]
+    length = body.rod[:runs]
+    soft = body.soft
     highest = _highest(tops, ENERGIES)
     works = not tops.keys().isdisjoint(WORKS)
     work = _highest(tops, WORKS) if works else highest

@@ -64,7 +64,8 @@ def find_settings(
     announce: Announce | None = None,
 ) -> FoundSettings:
     """Settings of which a fine run keeps `accuracy`, or misses it least.  Raises InputError."""
-    search, method = _Search(SearchRuns(integrator, announce), accuracy, stops), integrator.method
+    search = _Search(SearchRuns(integrator, announce), accuracy, stops)
+    method = integrator.method
     level = max(FIRST * method.first_level * search.wanted, search.limits.finest)
     level = min(level, levels.coarsest_level(integrator.layout, method))
     following: float | Stop | None = search.run_pilot(level)
@@ -79,12 +80,18 @@ class _Search:
     """The runs of a search, in order, and what they show."""
 
     def __init__(self, count: SearchRuns, accuracy: comparison.Accuracy, stops: StopTimes) -> None:
-        self.layout, self.method, self.count, self.stops = count.layout, count.method, count, stops
-        self.accuracy, self.wanted = accuracy, comparison.strictest(accuracy)
+        """Begin without runs, and with a guess of the scales."""
+        self.layout = count.layout
+        self.method = count.method
+        self.count = count
+        self.stops = stops
+        self.accuracy = accuracy
+        self.wanted = comparison.strictest(accuracy)
         self.runs: list[Integration] = []
         self.scales = first_guess(self.layout)
         self.rounds: list[Round] = []
-        method, finest = self.method, levels.FLOOR / levels.fine_level(self.method)
+        method = self.method
+        finest = levels.FLOOR / levels.fine_level(self.method)
         self.limits = Limits(self.wanted, method.order, method.adaptive, finest)
         self.costly = False
 
@@ -104,7 +111,8 @@ class _Search:
         if pilot.status != Status.COMPLETED:
             return level
         self.count.plan(1 + COARSE_RUNS)
-        self.limits.reached, self.count.known = PILOT_LEVEL, (PILOT_LEVEL, pilot.evaluations)
+        self.limits.reached = PILOT_LEVEL
+        self.count.known = (PILOT_LEVEL, pilot.evaluations)
         longer = self.count.expected(levels.fine_level(self.method) * level) / pilot.evaluations
         if longer * levels.work(self.layout, pilot) < LONG_RUN:
             return level
@@ -133,7 +141,8 @@ class _Search:
 
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
-        finer, few = levels.fine_level(self.method) * level, 0.0
+        finer = levels.fine_level(self.method) * level
+        few = 0.0
         if not self.method.adaptive:
             few = self.layout.run_time / levels.equal_step(self.layout, self.method, finer)
         if few > self.count.most:
@@ -144,13 +153,15 @@ class _Search:
                 f"would take {self.method.name} {few:.0e} steps, more than {self.count.most:.0e}; "
                 "give a larger accuracy, a method that chooses its steps, or max_evaluations",
             )
-        coarse, fine = self.count.expected(level), self.count.expected(finer)
+        coarse = self.count.expected(level)
+        fine = self.count.expected(finer)
         self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * coarse + fine)
         return not self.costly
 
     def run_round(self, level: float) -> float | Stop | None:
         """A fine run, and two coarse ones at `level`: what follows; None if it was too costly."""
-        layout, method = self.layout, self.method
+        layout = self.layout
+        method = self.method
         if self.rounds:
             self.scales = tolerance_scales(layout, self.runs[-1].samples)
         finer = levels.fine_level(method) * level
@@ -165,7 +176,9 @@ class _Search:
         if self.costly:
             return None
         last = Round(level, _stop_of(run), steps=run.steps, work=levels.work(layout, run))
-        last.coarse, last.fine, last.runs = coarse, fine, [run]
+        last.coarse = coarse
+        last.fine = fine
+        last.runs = [run]
         self.rounds.append(last)
         self.runs.append(run)
         for times, rounded in ((self.stops.few, False), (self.stops.many, True)):
@@ -188,7 +201,9 @@ class _Search:
                 self._measure(last.coarse, last.runs[0])
                 last.estimate = last.excess = self._excess(last)
         if decision.is_too_long(self.rounds, self.limits):
-            self.limits.amplification, last.estimate, last.excess = None, np.inf, np.inf
+            self.limits.amplification = None
+            last.estimate = np.inf
+            last.excess = np.inf
         elif last.stopped is None and last.estimate > 1.0 and self.limits.amplification is None:
             self._measure(last.coarse, last.runs[0])
             last.excess = self._excess(last)
@@ -197,7 +212,8 @@ class _Search:
 
     def found(self) -> FoundSettings:
         """The settings and runs of the best round, whose fine run shares an interrupt."""
-        chosen, stopped = decision.best(self.rounds, self.limits), None
+        chosen = decision.best(self.rounds, self.limits)
+        stopped = None
         if decision.too_fine(self.rounds, self.limits) > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]

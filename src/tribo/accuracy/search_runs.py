@@ -77,15 +77,20 @@ class SearchRuns:
     """Runs the scene with one setting after another, and counts; see :data:`Announce`."""
 
     def __init__(self, integrator: Integrator, announce: Announce | None) -> None:
-        self.layout, self.method = integrator.layout, integrator.method
+        """Count from now on, and plan the runs that a search takes at least."""
+        self.layout = integrator.layout
+        self.method = integrator.method
         self.most = most_evaluations(self.layout.scene)
         self.spent = 0  # evaluations of all runs
         self.interrupted = False
         # Level and evaluations of the last run that completed.
         self.known: tuple[float, float] = (1.0, np.inf)
-        self._integrator, self._announce = integrator, announce
+        self._integrator = integrator
+        self._announce = announce
         self.began = time.perf_counter()
-        self._number, self._of = 0, 0  # of the last run, and of all that are planned
+        # Numbers of the last run, and of all that are planned.
+        self._number = 0
+        self._of = 0
         self._left: float | None = None  # seconds of those, until they are announced
         self.plan(self.method.adaptive + 1 + COARSE_RUNS)
 
@@ -143,8 +148,11 @@ class SearchRuns:
             self._left = self._seconds(level, last)
 
     def _seconds(self, level: float, last: Integration | None) -> float:
-        layout, method = self.layout, self.method
-        rate, finer = rate_of(layout, method), levels.fine_level(method) * level
+        """An estimate of the time that the runs of a round take, from that of earlier ones [s]."""
+        layout = self.layout
+        method = self.method
+        rate = rate_of(layout, method)
+        finer = levels.fine_level(method) * level
         before, evaluations = self.known
         coarse = (before / level) ** (1.0 / rate.slope) * evaluations
         each = 1e-9 * evaluation_time(layout, method)

@@ -82,10 +82,12 @@ def _energies_at(energy: Callable[..., Any], r: np.ndarray, charges: np.ndarray)
 def _other_energies(layout: Layout, bobs: Closest) -> float:
     """The largest energy of two asperites but for contact, over the length of a rod [energy]."""
     pair = np.asarray(layout.asperites)[list(bobs[1:])]
-    (vx, other_vx), (vy, other_vy) = pair["vx"].tolist(), pair["vy"].tolist()
+    vx, other_vx = pair["vx"].tolist()
+    vy, other_vy = pair["vy"].tolist()
     speed = math.hypot(vx - other_vx, vy - other_vy)
     rods = (pair["l1"] + pair["l2"]).tolist()
-    mass, kappa = max(pair["mass"].tolist()), max(pair["kappa"].tolist())
+    mass = max(pair["mass"].tolist())
+    kappa = max(pair["kappa"].tolist())
     energies = [0.5 * mass * speed**2, 0.5 * kappa]
     for k, rod in zip(pair["surface"].tolist(), rods, strict=True):
         surface = layout.scene.surfaces[k]

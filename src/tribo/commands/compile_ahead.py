@@ -47,7 +47,8 @@ def with_reservoir(scene: Scene, langevin: Langevin | None) -> Scene:
 
 def runs() -> dict[str, Callable[[], object]]:
     """A run of each kind of scene, by what it shows."""
-    pair, row = short("paper"), short("row")
+    pair = short("paper")
+    row = short("row")
     swings = {"upper.swing": SWINGS}
     found: dict[str, Callable[[], object]] = {}
     for potential in POTENTIALS:
@@ -56,7 +57,8 @@ def runs() -> dict[str, Callable[[], object]]:
     found["members of a pair"] = lambda: ensemble(pair, SWINGS.size, vary=swings)
     for kind in ("row", "rough", "bath", "pulled"):
         found[f"{kind}, for an accuracy"] = lambda kind=kind: simulate(short(kind))  # type: ignore[misc]
-    free, noisy = with_reservoir(row, None), with_reservoir(row, Langevin(0.5, 0.01))
+    free = with_reservoir(row, None)
+    noisy = with_reservoir(row, Langevin(0.5, 0.01))
     found["a row without reservoirs, for an accuracy"] = lambda: simulate(free)
     for potential in POTENTIALS:
         scene = replace(noisy, interactions=(Interaction(potential),))

@@ -20,6 +20,7 @@ Next:  tribo paper --all       all printed numbers, each with the computed one a
 
 
 def add_paper(paper: argparse.ArgumentParser) -> None:
+    """Add the arguments of `tribo paper`."""
     cases = "case of the paper, whose numbers are all printed (default: the ends of all cases)"
     paper.add_argument("case", nargs="?", choices=list("ABCDE"), help=cases)
     numbers = "print all numbers beside the computed ones, with errors and explanations"
@@ -32,6 +33,7 @@ def add_paper(paper: argparse.ArgumentParser) -> None:
 
 
 def _paper(options: argparse.Namespace) -> int:
+    """Print the comparison with the paper, and draw what is asked for."""
     from tribo import paper
 
     shared.check_figure(options.figure)

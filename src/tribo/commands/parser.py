@@ -208,13 +208,15 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _explain(options: argparse.Namespace) -> int:
+    """Print the explanation of a scene, and the command that simulates it."""
     from tribo.explanation import explain
 
     explanation = explain(shared.load_with_values(options))
     if options.json:
         print(explanation.to_json())
     else:
-        scene, kept = options.scene, options.scene.with_suffix(".nc")
+        scene = options.scene
+        kept = options.scene.with_suffix(".nc")
         print(f"{explanation}\n")
         print(f"Next:  tribo run {quote(str(scene))} --out {quote(str(kept))}   simulates it")
     return COMPLETED

@@ -35,7 +35,7 @@ def repeat(result: Result, plugins: bool = True, **others: Any) -> Result:
     initial = settings.get("initial", {})
     estimate = settings.get("estimate", True)
     if initial or not estimate:  # files of earlier versions do not contain them
-        return simulate_prepared(result.scene, initial, estimate, **others)
+        return simulate_prepared(result.scene, (initial, estimate), **others)
     return simulate(result.scene, **others)
 
 

@@ -52,7 +52,8 @@ def _run(options: argparse.Namespace) -> int:
 def _next(options: argparse.Namespace, result: Result) -> str:
     """What one may do after the run, as a line."""
     given = options.scene
-    scene, kept = quote(str(given)), quote(str(options.out or given.with_suffix(".nc")))
+    scene = quote(str(given))
+    kept = quote(str(options.out or given.with_suffix(".nc")))
     if options.out is not None or given.suffix == ".nc":
         return f"Next:  tribo view {kept}   writes a page that plays the run"
     if result.status != "completed":

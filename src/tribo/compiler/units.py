@@ -91,6 +91,7 @@ def _call_unit(typing_context, address, arguments):
     """Call a unit, which returns a float."""
 
     def build(context, builder, sig, args):
+        """The call of the address, with arrays as pointers and literals as their types."""
         values = cgutils.unpack_tuple(builder, args[1])
         passed = []
         for kind, value in zip(sig.args[1], values, strict=True):
@@ -154,13 +155,15 @@ def address_of(
 
 
 def _compiled(function: FunctionType, kinds: tuple[Any, ...], stamp: str | None) -> Any:
+    """The unit for some kinds of arguments, from disk where `stamp` tells its version."""
     sig = types.float64(*kinds)
     if not NATIVE:
         clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}_plain")
         return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
     clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
     options = {**NUMPY_ERRORS, **UNCOUNTED}
-    kinds, result = sig.args, sig.return_type
+    kinds = sig.args
+    result = sig.return_type
     unit: Any = CFunc(clone, (kinds, result), {}, options, pipeline_class=LoopCompiler)  # type: ignore[arg-type]
     if stamp is not None:
         remove_stale(function)

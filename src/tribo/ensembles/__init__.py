@@ -193,7 +193,8 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     """The data set of all members or of their statistics; after an interrupt, of those so far."""
     import xarray
 
-    kept, attributes = runs.policy.kept, kept_attributes(runs)
+    kept = runs.policy.kept
+    attributes = kept_attributes(runs)
     level = float(attributes.get("level", "nan"))
     store: MemberStore | StatisticsStore = (
         StatisticsStore(kept, target.frames, level)

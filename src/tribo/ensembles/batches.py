@@ -29,7 +29,8 @@ from tribo.validation import InputError
 CHUNK = 8192
 # Work of a call for members of larger scenes [force evaluations x asperites], one by one and in
 # lanes: some 0.05 s, to which the ledgers of all its members add a few milliseconds.
-CHUNK_WORK, CHUNK_WORK_IN_LANES = 1e6, 4e6
+CHUNK_WORK = 1e6
+CHUNK_WORK_IN_LANES = 4e6
 # Samples of all members of one call, at most: 20 MB.
 MOST_SAMPLES = 2**17
 # Numbers in the samples of all members of a call, at most: 16 MB.
@@ -46,7 +47,9 @@ class Policy(ABC):
     plan: Any = None  # what was found for all members, beside the settings of the simulation
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
-        self.simulation, self.kept, self.own_numbers = simulation, kept, own_numbers
+        self.simulation = simulation
+        self.kept = kept
+        self.own_numbers = own_numbers
 
     @abstractmethod
     def compute(self, members: Members) -> KeptValues:
@@ -54,13 +57,16 @@ class Policy(ABC):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the scene as text, with the sources from which plug-ins are loaded."""
-        scene, settings = as_sent(self.simulation.scene), self.simulation.settings
+        scene = as_sent(self.simulation.scene)
+        settings = self.simulation.settings
         given = type(self), scene, settings, self.kept, self.own_numbers
         return _restored, given, {"plan": self.plan}
 
     def begin(self, members: Members) -> MemberStarts:
         """Members before their runs, with the numbers in which they differ beside their starts."""
-        simulation, angles, numbers = self.simulation, values_at_start(members.values), None
+        simulation = self.simulation
+        angles = values_at_start(members.values)
+        numbers = None
         y = simulation.initial_state.of_members(angles, members.seeds)
         if self.own_numbers:
             numbers = member_numbers(simulation.layout, len(y), members.values)
@@ -72,7 +78,8 @@ class Policy(ABC):
 
     def run_alone(self, members: Members, found: KeptValues) -> KeptValues:
         """`found`, where UNKNOWN members are run: with the given step, or with their own search."""
-        simulation, kept = self.simulation, self.kept
+        simulation = self.simulation
+        kept = self.kept
         for index in np.flatnonzero(found["status"] == UNKNOWN).tolist():
             scene = members.scene(index, simulation.scene, with_start=True)
             found["level"][index] = found["error"][index] = np.nan
@@ -112,13 +119,15 @@ class SingleRuns(Policy):
         return found
 
     def _run(self, members: Members, index: int) -> Result:
+        """The result of a member, planned again where its scene differs in more than the start."""
         simulation = self.simulation
         if not members.values and members.seeds[index] == simulation.scene.seed:
             return simulation.compute_first()
         if self.own_numbers or is_random(simulation.scene):
             scene = members.scene(index, simulation.scene)
             simulation = from_settings(scene, simulation.settings)
-            step, method = simulation.plan.setting, simulation.method
+            step = simulation.plan.setting
+            method = simulation.method
             if simulation.plan.tuned is None and isinstance(step, float) and method.splits:
                 check_resolved(simulation.layout, method, step)
         # The errors of sums are those of some members, which are run again.
@@ -141,7 +150,8 @@ def chunk_of(simulation: Simulation, evaluations: float | None) -> int:
 
 def kept_series(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
     """The kept quantities, (members, [times,] [asperites])."""
-    ledger, found = assemble(runs.layout, runs.samples), {}
+    ledger = assemble(runs.layout, runs.samples)
+    found = {}
     for name in kept.names:
         series = kept.of_asperites(ledger.series(name)[0])
         each = series.reshape(-1, runs.samples.runs, *series.shape[1:])
@@ -175,7 +185,8 @@ class StepRuns(Policy):
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
         super().__init__(simulation, kept, own_numbers)
-        layout, self._batch = simulation.layout, simulation.integrator.batch(bool(own_numbers))
+        layout = simulation.layout
+        self._batch = simulation.integrator.batch(bool(own_numbers))
         assert isinstance(simulation.plan.setting, float)
         self._step = simulation.plan.setting
         self.chunk = chunk_of(simulation, layout.scene.duration / self._step + layout.times.size)
@@ -201,7 +212,8 @@ class StepRuns(Policy):
 
     def _run(self, starts: MemberStarts) -> MemberRuns:
         """Run some members with the step of the plan."""
-        simulation, own = self.simulation, starts.numbers
+        simulation = self.simulation
+        own = starts.numbers
         if own is not None and simulation.method.splits:  # refuse a step too long for some member
             check_damped_step(longest_damped_step(simulation.layout, own), self._step)
             check_resolved(simulation.layout, simulation.method, self._step, own)

@@ -36,7 +36,8 @@ from tribo.prepared import Simulation
 # The first members, by which the setting is chosen; all are checked: few of a million.
 SAMPLE = 64
 # Members of the pilot: 2 % of the runs of 200,000 members of a pair, and fewer of larger scenes.
-PILOT, PILOT_OF_LARGE = 4096, 512
+PILOT = 4096
+PILOT_OF_LARGE = 512
 # Finest level that is tried in larger scenes, relative to the accuracy.  Pairs can afford FLOOR.
 FINEST_OF_LARGE = 1e-4
 # One member in so many is checked beside them, whatever its evaluations: 2 % of the time.
@@ -110,6 +111,7 @@ class CheckedRuns(Policy):
     plan: CheckedPlan
 
     def __init__(self, simulation: Simulation, kept: Kept, own_numbers: Sequence[str]) -> None:
+        """Compile the ways to run members that this scene has, and the loop for checks."""
         super().__init__(simulation, kept, own_numbers)
         assert simulation.accuracy is not None
         asked = simulation.accuracy
@@ -179,7 +181,8 @@ class CheckedRuns(Policy):
         self, found: KeptValues, now: np.ndarray, runs: MemberRuns, starts: MemberStarts
     ) -> None:
         """Check members with some places, and deliver those that miss from finer runs."""
-        coarse, level = runs.of_members(now), self.plan.level
+        coarse = runs.of_members(now)
+        level = self.plan.level
         for _ in range(REFINEMENTS + 1):
             level = self.finer(level)
             fine = self.fine(self._check(level, starts.of_members(now)))
@@ -199,14 +202,17 @@ class CheckedRuns(Policy):
             coarse = self.run(finer, starts.of_members(now))
             for name, values in kept_series(self.kept, coarse).items():
                 found[name][now] = values
-            found["level"][now], found["steps"][now] = level, coarse.counts[:, STEPS]
+            found["level"][now] = level
+            found["steps"][now] = coarse.counts[:, STEPS]
             found["force_evaluations"][now] = coarse.counts[:, EVALUATIONS]
         found["status"][now] = UNKNOWN
 
 
 def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
     """The ways to run members, by method."""
-    pair, method, layout = simulation.integrator.pair, simulation.method, simulation.layout
+    pair = simulation.integrator.pair
+    method = simulation.method
+    layout = simulation.layout
     batch = simulation.integrator.batch(own_numbers)
     steppers = {method.name: Stepper(batch, NEAR_ALONE, 1.0)}
     if pair is not None and has_lanes(pair) and layout.times.size == 2:
@@ -240,7 +246,8 @@ def _cheapest(
     levels = np.maximum(LEVELS * runs.strictest, runs.finest)
     exact = CheckedPlan(runs.exact, float(levels[-1]), -1, scales)
     fine = runs.run(exact, starts)
-    reference, complete = runs.fine(fine), fine.complete
+    reference = runs.fine(fine)
+    complete = fine.complete
     # A bisection for each method, all of them side by side.
     searches = [
         _Bisection(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()
@@ -280,7 +287,8 @@ class _Bisection:
     def narrow(self, kept: bool, evaluations: float) -> None:
         """Take in whether the level in the middle keeps the accuracy, and what its runs took."""
         if kept:
-            self.good, self.cost = self.middle, self.stepper.cost * evaluations
+            self.good = self.middle
+            self.cost = self.stepper.cost * evaluations
         else:
             self.too_loose = self.middle
 
@@ -310,13 +318,17 @@ def _with_most_evaluations(
     evaluations = counts[:, EVALUATIONS]
     complete = np.flatnonzero(counts[:, CODE] == COMPLETED)
     order = complete[np.argsort(-evaluations[complete], kind="stable")]
-    stop, size, missed = 0, BATCH, np.array([], int)
+    stop = 0
+    size = BATCH
+    missed = np.array([], int)
     while stop < order.size:
-        batch, stop = order[stop : stop + size], stop + size
+        batch = order[stop : stop + size]
+        stop += size
         bad = batch[~(errors(batch, runs.exact) <= KEPT)]
         if not bad.size:
             break
-        size, missed = 2 * size, np.append(missed, bad)
+        size = 2 * size
+        missed = np.append(missed, bad)
     most = int(evaluations[order[stop]]) if stop < order.size else -1
     if missed.size:
         most = min(most, int(evaluations[missed].min()) - 1)

@@ -25,7 +25,8 @@ FEWEST = 4
 FIRST_STARTS = 4
 # Members with numbers of their own by which the step is bounded at once, and the most of members
 # that are run one by one: their scenes take some milliseconds each.
-BOUNDED, BOUNDED_ALONE = 4096, 256
+BOUNDED = 4096
+BOUNDED_ALONE = 256
 
 
 def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy:
@@ -61,7 +62,8 @@ def _with_step(policy: Policy, step: float) -> Policy:
 
 def _bound(policy: Policy, variation: Variation, count: int) -> float:
     """The longest step by the frequencies that the members' numbers state."""
-    layout, found = policy.simulation.layout, np.inf
+    layout = policy.simulation.layout
+    found = np.inf
     for first in range(0, count, BOUNDED):
         members = variation.members(np.arange(first, min(count, first + BOUNDED)))
         numbers = member_numbers(layout, members.numbers.size, members.values)
@@ -71,7 +73,8 @@ def _bound(policy: Policy, variation: Variation, count: int) -> float:
 
 def _of_scenes(policy: Policy, members: Members) -> float:
     """The same of members that are run one by one, by their scenes."""
-    base, found = policy.simulation.scene, np.inf
+    base = policy.simulation.scene
+    found = np.inf
     for index in range(members.numbers.size):
         found = min(found, bounded_step(lay_out(members.scene(index, base))))
     return float(found)
@@ -79,7 +82,8 @@ def _of_scenes(policy: Policy, members: Members) -> float:
 
 def _of_starts(policy: Policy, members: Members) -> float:
     """The shortest of the steps that resolve what members meet first."""
-    simulation, found = policy.simulation, np.inf
+    simulation = policy.simulation
+    found = np.inf
     for index in range(members.numbers.size):
         scene = members.scene(index, simulation.scene, with_start=True)
         layout = lay_out(scene)

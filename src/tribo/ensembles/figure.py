@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 MEMBER_COLOUR, INTERVAL_COLOUR = CYCLE[:2]
 # Opacity of one member's line: OPACITY / members, but at least FAINTEST.
-OPACITY, FAINTEST = 10.0, 0.25
+OPACITY = 10.0
+FAINTEST = 0.25
 # Members drawn at most: with more their lines would cover the figure.
 MOST_MEMBERS = 100
 

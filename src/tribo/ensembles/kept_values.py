@@ -24,7 +24,8 @@ MISSED = "AccuracyMissed"
 # The status of a member that still needs a run with a search for its own settings.
 UNKNOWN = ""
 # The status of a point of a sweep that cannot be run, and of one that an interrupt left out.
-REFUSED, NOT_RUN = "Refused", "not run"
+REFUSED = "Refused"
+NOT_RUN = "not run"
 # Works and heats of each asperite whose sums over a surface are kept.
 WORKS = ("w1", "w2", "wL", "wR", "w_int", "w_field", "w_T", "heat", "heat_swing")
 # Quantities of asperites, whose sums over a surface are kept.
@@ -32,15 +33,19 @@ SUMMED = quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES
 # What is added to the name of an average over time for the half-width of its 95 % interval.
 INTERVAL = "_time_half_width"
 # The quantity beside which the share of time without contact is kept, where contact has a range.
-FRICTION, SHARE = "friction_force", "time_without_contact"
+FRICTION = "friction_force"
+SHARE = "time_without_contact"
 # What is added to the name of a quantity for the bounds on its errors.
 ERROR = "_error"
 # Counts beside those of statuses: run again, in need of it, and with works lost in rounding.
-CHECKED, REFINED, WEAK = "checked", "refined", "weak"
+CHECKED = "checked"
+REFINED = "refined"
+WEAK = "weak"
 # A count of members that have an average over time, but no interval of it.
 WITHOUT_INTERVAL = "without interval"
 # Beside them: the sum of excesses, and the number of its terms.
-EXCESS, EXCESSES = "excess", "excesses"
+EXCESS = "excess"
+EXCESSES = "excesses"
 # And members with runs of their own in which the step heats.
 HEATED = "heated"
 # Ends of runs whose step is too long: other members completed with it, perhaps by chance.
@@ -105,7 +110,8 @@ class Kept:
     @classmethod
     def sums(cls, layout: Layout) -> Self:
         """The series of all surfaces as wholes and of the system, and sums over asperites."""
-        scene, times = layout.scene, layout.times.size
+        scene = layout.scene
+        times = layout.times.size
         names = total_names(scene)
         if not exceeds_memory(layout, times):
             names += sum_names(scene)
@@ -217,7 +223,8 @@ class Kept:
         for name in self.names:
             found[name][index] = values.get(name, np.nan)
             if self.with_errors:
-                bounds, (surface, _, kind) = result.error_estimate, name.rpartition(".")
+                bounds = result.error_estimate
+                surface, _, kind = name.rpartition(".")
                 bound = bounds.get(name, bounds.get(kind)) if known else None
                 terms = self.counts.get(surface, 1) if kind in SUMMED else 1
                 found[f"{name}{ERROR}"][index] = np.nan if bound is None else bound * terms
@@ -234,7 +241,8 @@ class Kept:
                 continue
             elif averaged.rpartition(".")[2] in quantities.AVERAGED:
                 average = force_average(result, averaged)
-                found[averaged], found[f"{averaged}{INTERVAL}"] = average.mean, average.half_width
+                found[averaged] = average.mean
+                found[f"{averaged}{INTERVAL}"] = average.half_width
             elif name.endswith(f".{SHARE}"):
                 found[name] = result.time_without_contact(name.rpartition(".")[0])
             else:
@@ -244,7 +252,8 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    summed, found = quantities.SUMMED_QUANTITIES, _reported(scene)
+    summed = quantities.SUMMED_QUANTITIES
+    found = _reported(scene)
     names = [f"{name}.{n}" for name, each in found for n in each.blocks if n not in summed]
     return [*names, *dict.fromkeys(n for _, each in found for n in each.system)]
 
@@ -300,7 +309,8 @@ def _names_of(reports: Mapping[str, quantities.Reported]) -> list[str]:
 
 def _check_averaged(scene: Scene) -> None:
     """Refuse averages over time of less than two samples, beside a first one without a value."""
-    least, run_in = 3, scene.output.run_in
+    least = 3
+    run_in = scene.output.run_in
     times = int(np.count_nonzero(scene.times >= run_in))
     if times < least:
         later = f" from t = {run_in:g} on" if run_in > 0.0 else ""

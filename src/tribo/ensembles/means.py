@@ -39,7 +39,9 @@ def mean_dataset(
     runs: Runs, target: Target, half_width: dict[str, float] | None, most: int
 ) -> xarray.Dataset:
     """The means of `most` members, or of as many as a half-width takes.  Raises InputError."""
-    store, first_stage, needed = MemberStore(target.frames), None, 0.0
+    store = MemberStore(target.frames)
+    first_stage = None
+    needed = 0.0
     first = most if half_width is None else max(store.done, min(FIRST_STAGE, most))
     found, interrupted = _up_to(runs, store, first)
     if half_width is not None:
@@ -80,7 +82,8 @@ def _up_to(runs: Runs, store: MemberStore, count: int) -> tuple[kept_values.Kept
 
 def _again(runs: Runs, numbers: np.ndarray) -> kept_values.KeptValues | None:
     """Members with half the step, or with error estimates of single runs; None if interrupted."""
-    policy, simulation = runs.policy, runs.policy.simulation
+    policy = runs.policy
+    simulation = runs.policy.simulation
     try:
         if simulation.accuracy is None:
             half = from_settings(simulation.scene, simulation.settings.at_half_step())
@@ -168,11 +171,13 @@ class _Means:
         off = self.found[name][self.numbers] - self.check[name]
         if self.runs.policy.simulation.accuracy is not None:
             bounds = np.abs(off).max(axis=1) + self.check[f"{name}{kept_values.ERROR}"]
-            known, of = bounds[np.isfinite(bounds)], "bound on the error of a member's: "
+            known = bounds[np.isfinite(bounds)]
+            of = "bound on the error of a member's: "
             return {kept_values.ERROR: (known.max(), of)} if known.size else {}
         if self._checked < 2:
             return {}
-        bias, of = interval(off[kept_values.completed(self.check)]), "bias of the step in: "
+        bias = interval(off[kept_values.completed(self.check)])
+        of = "bias of the step in: "
         return {"_bias": (bias.mean, of), "_bias_half_width": (bias.half_width, HALF_WIDTH + of)}
 
     @property
@@ -189,9 +194,13 @@ class _Means:
         return kept_values.doubtful(Counter(self.found["status"].tolist()))
 
     def notes(self) -> Iterator[str]:
-        simulation, status = self.runs.policy.simulation, self.found["status"]
-        complete, note = kept_values.completed(self.found), self.found["note"]
-        number, total = int(np.count_nonzero(complete)), complete.size
+        """What a reader of the means has to know: members left out, half-widths, bias."""
+        simulation = self.runs.policy.simulation
+        status = self.found["status"]
+        complete = kept_values.completed(self.found)
+        note = self.found["note"]
+        number = int(np.count_nonzero(complete))
+        total = complete.size
         step = simulation.plan.setting if simulation.accuracy is None else None
         assert step is None or isinstance(step, float)
         of_first = [line for line in str(note[0]).splitlines() if PART not in line]

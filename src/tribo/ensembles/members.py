@@ -96,7 +96,8 @@ class DistributionDraw:
         self.keys: tuple[str, ...] = (key,)
         self.dimensions = 1 if key.endswith(f".{VELOCITY}") else size  # numbers of a member
         self.block = max(1, BLOCK // size)  # members that are drawn at once
-        self._source, self._size = source, size
+        self._source = source
+        self._size = size
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
         """Random values; the distribution may draw all numbers of a member at once."""
@@ -117,7 +118,8 @@ class DistributionDraw:
 class SeedDraw:
     """Seeds of the members' scenes."""
 
-    name, block = "", BLOCK
+    name = ""
+    block = BLOCK
 
     def random(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
         raw = rng.bit_generator.random_raw(BLOCK)  # type: ignore[attr-defined]
@@ -130,7 +132,8 @@ Draw = DistributionDraw | JointStart
 
 def draws_of(scene: Scene, vary: Mapping[str, Source]) -> dict[str, Draw]:
     """What of `vary` is drawn, by its key there.  Raises InputError."""
-    joint, draws = joint_starts(scene, vary), dict[str, Draw]()
+    joint = joint_starts(scene, vary)
+    draws = dict[str, Draw]()
     for key, source in vary.items():
         if isinstance(source, SwingStates):
             draws[key] = joint[key]
@@ -157,7 +160,10 @@ class Variation:
         seeds: np.ndarray | None = None,
         swept: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        self.vary, self.seed, self._seeds = vary, seed, seeds
+        """Check what is varied, beside what is `swept`.  Raises InputError."""
+        self.vary = vary
+        self.seed = seed
+        self._seeds = seeds
         self._velocity_y = {f"{s.name}.{VELOCITY}": s.velocity[1] for s in scene.surfaces}
         swept = swept or {}
         with inside("vary"):
@@ -208,7 +214,8 @@ class Variation:
 
     def drawn(self, numbers: np.ndarray) -> Members:
         """The members with rows of swing states as they are drawn, under the names of these."""
-        mine, back = numbers, np.arange(numbers.size)
+        mine = numbers
+        back = np.arange(numbers.size)
         rows: dict[str, np.ndarray] = {}
         if self._swept and self._seeds is not None:
             points, each = np.divmod(numbers, self._seeds.size)
@@ -289,7 +296,8 @@ def sources_of(
         )
     found = {key: source for key, source in found.items() if key not in draws}
     # A copy, so that the sampler draws the same points in a later call.
-    points, first = copy.deepcopy(sampler).random(members), 0
+    points = copy.deepcopy(sampler).random(members)
+    first = 0
     for draw in draws.values():
         found |= draw.at_points(points[:, first : first + draw.dimensions])
         first += draw.dimensions

@@ -23,7 +23,8 @@ from tribo.simulation import prepare, prepare_members
 from tribo.validation import InputError
 
 # When quantities are kept.
-END, SAMPLES = "end", "samples"
+END = "end"
+SAMPLES = "samples"
 
 
 class Request(NamedTuple):
@@ -39,9 +40,12 @@ class Request(NamedTuple):
 
     def recorded(self, scene: Scene) -> Scene:
         """The scene with its numerics, and with the times and series that the quantities need."""
-        given, accuracy, step = scene.numerics, self.accuracy, self.step
+        given = scene.numerics
+        accuracy = self.accuracy
+        step = self.step
         if accuracy is None and step is None:
-            accuracy, step = given.accuracy, given.step
+            accuracy = given.accuracy
+            step = given.step
         numerics = replace(
             given,
             accuracy=dict(accuracy) if isinstance(accuracy, Mapping) else accuracy,
@@ -74,7 +78,8 @@ class Request(NamedTuple):
 
     def search(self, simulation: Simulation) -> Simulation:
         """The same simulation with the settings of a search.  Raises InputError as above."""
-        scene, plan = simulation.scene, simulation.plan
+        scene = simulation.scene
+        plan = simulation.plan
         return self._checked(prepare(scene, plan.accuracy, plan.method, progress=False, threads=1))
 
     def _checked(self, simulation: Simulation) -> Simulation:

@@ -75,7 +75,8 @@ class Runs(NamedTuple):
 
     def chunks(self, numbers: range | np.ndarray) -> Iterator[KeptValues]:
         """What is kept of members with some numbers, which ascend, in order, chunk by chunk."""
-        policy, how = self.policy, self.how
+        policy = self.policy
+        how = self.how
         firsts = range(0, len(numbers), policy.chunk)
         # Values are drawn in this thread: distributions need not be safe in others.
         chunks = (self.variation.members(np.asarray(numbers[k : k + policy.chunk])) for k in firsts)
@@ -110,7 +111,8 @@ def planned(
     """
     searched = simulation.plan.pilot is None
     if not searched and not in_batches(simulation, variation.own_numbers):
-        simulation, searched = request.search(simulation), True
+        simulation = request.search(simulation)
+        searched = True
     policy = policy_of(simulation, kept, variation.own_numbers)
     if simulation.plan.automatic:
         policy = with_common_step(policy, variation, count)
@@ -137,7 +139,8 @@ def policy_of(
 
 def in_batches(simulation: Simulation, own_numbers: Sequence[str]) -> bool:
     """Whether members are run in batches: in lanes, also those with some numbers of their own."""
-    layout, pair = simulation.layout, simulation.integrator.pair
+    layout = simulation.layout
+    pair = simulation.integrator.pair
     if layout.scene.output.series or exceeds_memory(layout, layout.times.size):
         return False  # forces and energies as series, and their averages, are of single runs
     if own_numbers and not can_differ(layout, own_numbers, pair is not None):

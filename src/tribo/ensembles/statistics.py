@@ -64,16 +64,19 @@ class Moments:
         off = values - mean
         products = np.matmul(np.moveaxis(off, 0, 2), np.moveaxis(off, 0, 1))
         if like is None:
-            spread, centre = np.std(values, axis=0), np.where(np.isfinite(mean), mean, 0.0)
+            spread = np.std(values, axis=0)
+            centre = np.where(np.isfinite(mean), mean, 0.0)
             unit = np.where(spread > 0.0, spread, np.where(centre, np.abs(centre), 1.0))
         else:
-            centre, unit = like.centre, like.unit
+            centre = like.centre
+            unit = like.unit
         known = np.isfinite(values)
         places = FINE * np.arcsinh(np.where(known, values - centre, 0.0) / unit)
         bins = np.floor(places).astype(np.int64) + BINS // 2
         columns = BINS * np.arange(mean.size).reshape(mean.shape)
         keys, counts = np.unique((bins + columns)[known], return_counts=True)
-        lowest, highest = values.min(axis=0), values.max(axis=0)
+        lowest = values.min(axis=0)
+        highest = values.max(axis=0)
         count = np.array(len(values))
         return cls(count, mean, lowest, highest, products, centre, unit, keys, counts)
 
@@ -107,7 +110,8 @@ class Moments:
 
     def edges(self, bins: np.ndarray, column: int) -> np.ndarray:
         """Lower edges of bins of one time and column, from its index among all."""
-        centre, unit = self.centre.flat[column], self.unit.flat[column]
+        centre = self.centre.flat[column]
+        unit = self.unit.flat[column]
         return centre + unit * np.sinh((bins - BINS // 2) / FINE)
 
     def bins_of(self, column: int) -> tuple[np.ndarray, np.ndarray]:
@@ -131,7 +135,8 @@ class Moments:
             found[:, column] = low + np.clip(inside, 0.0, 1.0) * (high - low)
         shape = (PROBABILITIES.size, *self.mean.shape)
         found = np.clip(found.reshape(shape), self.lowest, self.highest)
-        found[0], found[-1] = self.lowest, self.highest
+        found[0] = self.lowest
+        found[-1] = self.highest
         return found
 
 
@@ -165,10 +170,12 @@ def variables_of(kept: Kept, moments: Moments) -> dict[str, Variable]:
         "half_width": (half_width, "half-width of the 95 % interval of the mean of: "),
         "variance": (variance, "variance of: "),
     }
-    quantiles, first = moments.quantiles(), 0
+    quantiles = moments.quantiles()
+    first = 0
     for name, shape in kept.shapes.items():
         columns = slice(first, first + kept.columns(name))
-        first, dimensions = columns.stop, kept.dimensions(name)
+        first = columns.stop
+        dimensions = kept.dimensions(name)
         for kind, (values, of) in of_columns.items():
             about = kept.about(name, of)
             if kind == "variance":

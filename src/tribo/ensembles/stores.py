@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 # The attribute that says what a file is of.
 IDENTITY = "identity"
 # A frame of members, by the number of the first, and that of all sums.
-CHUNK, SUMS = "members", "sums"
+CHUNK = "members"
+SUMS = "sums"
 # Bytes of covariances, above which statistics are refused; two such sums are in memory together.
 MOST_BYTES = 2**29
 # Members that are merged at once, at least: the merge of one costs as much as that of some 1000.
@@ -47,8 +48,10 @@ class Store(ABC):
     """
 
     def __init__(self, frames: Frames | None, common_level: float = np.nan) -> None:
-        self._frames, self._common_level = frames, common_level
-        self.done, self.tally = 0, Tally()
+        self._frames = frames
+        self._common_level = common_level
+        self.done = 0
+        self.tally = Tally()
         self._waiting: list[Any] = []  # what was taken in, and is not in frames or sums yet
         for _, arrays in () if frames is None else frames.read():
             self._take_back(arrays)
@@ -110,6 +113,7 @@ class StatisticsStore(Store):
     """Accumulates statistics, no members.  Raises InputError if covariances are too many."""
 
     def __init__(self, kept: Kept, frames: Frames | None, common_level: float = np.nan) -> None:
+        """Refuse covariances that memory would not hold, and begin with what the frames have."""
         self._kept = kept
         self._merged: Moments | None = None
         columns = sum(map(kept.columns, kept.names))
@@ -122,7 +126,9 @@ class StatisticsStore(Store):
         super().__init__(frames, common_level)
 
     def _take(self, found: KeptValues) -> None:
-        complete, kept = completed(found), self._kept
+        """Let the values of complete members wait until there are enough to be merged."""
+        complete = completed(found)
+        kept = self._kept
         members = int(np.count_nonzero(complete))
         if not members:
             return
@@ -132,11 +138,13 @@ class StatisticsStore(Store):
         ]
         self._waiting.append(np.concatenate(parts, axis=2))
         if sum(map(len, self._waiting)) >= BLOCK:
-            self._merged, self._waiting = self.moments(), []
+            self._merged = self.moments()
+            self._waiting = []
 
     def _take_back(self, arrays: KeptValues) -> None:
         known = json.loads(arrays["known"].tobytes())
-        self.done, self.tally = known["done"], Tally(known["tally"])
+        self.done = known["done"]
+        self.tally = Tally(known["tally"])
         self._waiting = [arrays["waiting"]] if "waiting" in arrays else []
         if "mean" in arrays:
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
@@ -214,7 +222,8 @@ def _append(path: Path, data: xarray.Dataset) -> None:
         for name, variable in data.variables.items():
             if variable.dims[:1] == ("member",):
                 array = file[str(name)]
-                values, letters = variable.values, array.shape[1:]
+                values = variable.values
+                letters = array.shape[1:]
                 if values.dtype.kind == "U":
                     values = np.char.encode(values, "utf-8").astype(f"S{letters[0]}").view("S1")
                     values = values.reshape(-1, *letters)
@@ -237,12 +246,14 @@ def in_file(
     Only a file needs to tell these runs from others.  Raises InputError, also if the scene has no
     text.
     """
-    began, text = time.perf_counter(), scene.to_toml()
+    began = time.perf_counter()
+    text = scene.to_toml()
     path = None if out is None else netcdf_target("out", as_path(out))
     if boolean("resume", resume) and path is None:
         raise InputError("resume", "needs out, the file to continue")
     with ExitStack() as stack, reported(progress, total, unit) as report:
-        frames, identity = None, Identity()
+        frames = None
+        identity = Identity()
         if path is not None:
             identity = identify()
             part = path.with_name(path.name + PART)

@@ -137,10 +137,13 @@ class JointStart:
     def __init__(
         self, name: str, states: SwingStates | DrawnSwings, surfaces: list[Surface]
     ) -> None:
+        """Find how many numbers a member takes, unless all rows are drawn already."""
         self.name = name
         self.keys = tuple(f"{s.name}.{part}" for s in surfaces for part in ("swing", "omega"))
         stops = np.cumsum([surface.count for surface in surfaces])
-        self._surfaces, self._splits, self._count = surfaces, stops[:-1], int(stops[-1])
+        self._surfaces = surfaces
+        self._splits = stops[:-1]
+        self._count = int(stops[-1])
         if isinstance(states, SwingStates):
             self._states = states
             self.dimensions = states.uniforms(self._count) + self._count  # numbers of a member

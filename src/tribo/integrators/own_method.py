@@ -78,7 +78,8 @@ def add_method(
     elif a is None or b is None:
         raise InputError("a" if a is None else "b", "is missing; give a and b, or weights")
     else:
-        tableau, adaptive = _tableau(a, b, embedded, order), embedded is not None
+        tableau = _tableau(a, b, embedded, order)
+        adaptive = embedded is not None
         texts |= {"adaptive": adaptive, "smoothness": 0 if adaptive else min(order - 1, 2)}
         if not adaptive:
             texts["first_level"] = FIRST_LEVELS[order > 2]
@@ -104,6 +105,7 @@ def coefficients_of(name: str) -> dict[str, object]:
 
 
 def _composition(weights: Sequence[float], order: int) -> Any:
+    """The steps of a palindrome of weights, if it can have the order.  Raises InputError."""
     values = vector("weights", weights)
     if values.size % 2 == 0 or np.max(np.abs(values - values[::-1])) > RESIDUAL:
         raise must_be("weights", "a palindrome of an odd number of steps", values.tolist())
@@ -120,6 +122,7 @@ def _composition(weights: Sequence[float], order: int) -> Any:
 
 
 def _tableau(a: Any, b: Any, embedded: Any, order: int) -> RungeKutta:
+    """The tableau with the stated order, and what tells its errors.  Raises InputError."""
     weights = vector("b", b)
     if not is_list(a) or len(a) != weights.size:
         raise must_be("a", f"a list of {weights.size} rows, one a stage", a)
@@ -153,7 +156,9 @@ def _order_of(a: np.ndarray, b: np.ndarray) -> int:
 
 def _values(tree: Tree, a: np.ndarray) -> tuple[np.ndarray, float, int]:
     """What the stages make of a tree, the density of the tree, and its number of nodes."""
-    at_stages, density, nodes = np.ones(len(a)), 1.0, 1
+    at_stages = np.ones(len(a))
+    density = 1.0
+    nodes = 1
     for branch in tree:
         own, of_branch, count = _values(branch, a)
         at_stages = at_stages * (a @ own)

@@ -76,6 +76,7 @@ class Splitting(NamedTuple):
     kicks: np.ndarray  # (kicks,), a palindrome
 
     def workspace(self, model: Model, state: State) -> Work:
+        """The memory of a step, and whether reservoirs and baths make it have a substep."""
         n = state.y.size // 2
         damped = model.friction.size + model.swing_friction.size > 0
         substep = damped or model.bath.size + model.torsional.size > 0
@@ -133,6 +134,7 @@ def drift_unit(model, neighbours, now, tau, state, work):
 
 @inlined
 def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
+    """Drift some blocks of a surface; set `crossed` where the lists of neighbours are outdated."""
     q, v = blocks.halves(state.y)
     rotations = work.rotations[0]
     active = blocks.active_of(neighbours)
@@ -219,12 +221,15 @@ def share_step(model, neighbours, phase, t, tau, state, work):
 
 @apart
 def step_piece(model, neighbours, team, piece, state, work):
+    """A thread's piece of a drift or a kick, by the phase that the team is in."""
     k = team.tiles[piece, 0]
     s = model.surfaces[k]
     active = blocks.active_of(neighbours)
     first, last = blocks.active_range(active, s, k)
     begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
-    phase, t, tau = team.counters[teams.PHASE], team.numbers[0], team.numbers[1]
+    phase = team.counters[teams.PHASE]
+    t = team.numbers[0]
+    tau = team.numbers[1]
     if phase == teams.DRIFT:
         drift_part(model, neighbours, s, begin, end, t, tau, state, work)
     else:

@@ -104,7 +104,8 @@ def friction_forces(model, friction, swing_friction, v):
         for i in range(s.start, s.stop, LANES):
             if not absent(friction):
                 vx, vy = velocities_of_bars(model, s, i, v)
-                fx, fy = -s.gamma * (vx - s.reservoir_x), -s.gamma * (vy - s.reservoir_y)
+                fx = -s.gamma * (vx - s.reservoir_x)
+                fy = -s.gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
                 set_vectors(friction, i, present * fx, present * fy)
             if not absent(swing_friction):
@@ -197,7 +198,8 @@ def end_torques(model, left, right, s, i, t, q):
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
     half = 0.5 * constant(model, rows.BAR_LENGTH, s, i)
-    (left_x, left_y), (right_x, right_y) = vectors(left, i), vectors(right, i)
+    left_x, left_y = vectors(left, i)
+    right_x, right_y = vectors(right, i)
     return half * (cos * (right_y - left_y) - sin * (right_x - left_x))
 
 

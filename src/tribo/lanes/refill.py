@@ -50,7 +50,8 @@ def leave_member(queue, lane, code, steps, evaluations):
     m = queue.held[lane]
     queue.held[lane] = -1
     queue.counts[m, CODE] = code
-    queue.counts[m, STEPS], queue.counts[m, EVALUATIONS] = steps, evaluations
+    queue.counts[m, STEPS] = steps
+    queue.counts[m, EVALUATIONS] = evaluations
 
 
 class Starts(NamedTuple):
@@ -72,8 +73,14 @@ def clear_lane(x, lane):
 
 @kernel
 def load_member(clock, state, starts, m, lane):
-    clock.t, clock.t_low, clock.h = 0.0, 0.0, starts.first_step
-    clock.sample, clock.steps, clock.rejected, clock.after_rejection = 0, 0, 0, 0
+    """Begin member m in a lane: its clock, its start, its own numbers, and empty accounts."""
+    clock.t = 0.0
+    clock.t_low = 0.0
+    clock.h = starts.first_step
+    clock.sample = 0
+    clock.steps = 0
+    clock.rejected = 0
+    clock.after_rejection = 0
     clock.evaluations = 1
     for j in range(starts.places.shape[1]):
         state.y[starts.places[lane, j]] = starts.y[m, j]
@@ -117,7 +124,8 @@ def refill_lanes(
         tried[TAKEN, lane] = 1.0 if m >= 0 else 0.0
     if queue.waiting[0] == first:
         return
-    t, begun = block(tried[BEGIN], 0), block(tried[TAKEN], 0)
+    t = block(tried[BEGIN], 0)
+    begun = block(tried[TAKEN], 0)
     control.evaluate_rates(model, neighbours, t, state.y, new.acceleration, new.power)
     take_lanes(new.acceleration, state.acceleration, begun)
     take_lanes(new.power, state.power, begun)

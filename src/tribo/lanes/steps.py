@@ -45,7 +45,9 @@ def plan_steps(clocks, times, queue, tried):
     count = 0
     for lane in range(LANES):
         clock = clocks[lane]
-        tried[BEGIN, lane], tried[LENGTH, lane], tried[END, lane] = clock.t, 0.0, clock.t
+        tried[BEGIN, lane] = clock.t
+        tried[LENGTH, lane] = 0.0
+        tried[END, lane] = clock.t
         if queue.held[lane] < 0:
             continue
         goal = times[clock.sample]
@@ -54,7 +56,8 @@ def plan_steps(clocks, times, queue, tried):
         if trials >= MOST_TRIALS or control.step_underflows(h, landing, times[times.size - 1]):
             leave_member(queue, lane, PAUSED, clock.steps, clock.evaluations)
             continue
-        tried[LENGTH, lane], tried[END, lane] = h, control.end_of_step(clock, goal, h, landing)
+        tried[LENGTH, lane] = h
+        tried[END, lane] = control.end_of_step(clock, goal, h, landing)
         tried[LANDING, lane] = 1.0 if landing else 0.0
         count += 1
     return count
@@ -63,7 +66,8 @@ def plan_steps(clocks, times, queue, tried):
 @kernel
 def is_taken(model, neighbours, clock, method, tried, speeds, lane):
     """Take or reject the step of a member, by its error and the encounters at its end."""
-    h, error = tried[LENGTH, lane], tried[ERROR, lane]
+    h = tried[LENGTH, lane]
+    error = tried[ERROR, lane]
     growth = control.growth_factor(error, method.order, method.most_growth)
     if not control.check_error(clock, h, error, growth):
         return False
@@ -117,7 +121,9 @@ def nystrom_members(
             if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED
             continue
-        t, h, end = block(tried[BEGIN], 0), block(tried[LENGTH], 0), block(tried[END], 0)
+        t = block(tried[BEGIN], 0)
+        h = block(tried[LENGTH], 0)
+        end = block(tried[END], 0)
         error = try_step(method, model, neighbours, t, h, end, state, new, tolerance, work)
         set_block(tried[ERROR], 0, error)
         top_speeds(model, active_of(neighbours), end, *halves(new.y), speeds)

@@ -60,7 +60,8 @@ def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:
 def span_of(records: np.ndarray, surfaces: np.ndarray, velocity: np.ndarray) -> Span:
     """All asperites, whose initial velocities are `velocity` (asperites, 2)."""
     # Attributes of record arrays, and fields of these, take microseconds.
-    records, surfaces = np.asarray(records), np.asarray(surfaces)
+    records = np.asarray(records)
+    surfaces = np.asarray(surfaces)
     mine = records["surface"]
     asperites = Asperites(**{name: records[name] for name in records.dtype.names or ()})
     return Span(

@@ -101,7 +101,8 @@ def account_columns(span: Span, group: str, places: Iterable[int], s: np.ndarray
     """Columns of a group of accounts; zeros where the group is absent."""
     if group not in span.present:
         return [0.0 for _ in places]
-    slots, stride = getattr(span.asperites, group), span.asperites.stride
+    slots = getattr(span.asperites, group)
+    stride = span.asperites.stride
     if group in span.consecutive:  # a part of the table, ten times faster than its columns
         firsts = [int(slots[0] + k * stride[0]) for k in places]
         return [s[:, first : first + slots.size] for first in firsts]
@@ -114,13 +115,15 @@ def account_columns(span: Span, group: str, places: Iterable[int], s: np.ndarray
 def _contact(span: Span, s: np.ndarray) -> Account:
     jx, jy, about_x, about_y = account_columns(span, "acc_contact", range(4), s)
     slide_x, slide_y = account_columns(span, "acc_slide", range(2), s)
-    a, swept = span.asperites, about_x + about_y
+    a = span.asperites
+    swept = about_x + about_y
     return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
 
 
 def _drive(span: Span, s: np.ndarray) -> Account:
     """The drive: f2 = -(held f1_x, f1_y), unless it has an account of its own."""
-    a, held = span.asperites, span.held
+    a = span.asperites
+    held = span.held
     jx, jy, about_x, about_y = account_columns(span, "acc_contact", range(4), s)
     slide_x, slide_y = account_columns(span, "acc_slide", range(2), s)
     own_jx, own_jy, own_about, own_pseudo = account_columns(span, "acc_drive", range(4), s)
@@ -146,7 +149,8 @@ def _end(about: int, user: tuple[int, ...], side: float, span: Span, s: np.ndarr
 
 def _thermal(span: Span, s: np.ndarray) -> Account:
     """Langevin reservoirs: at the bar, and on the swing, whose torque has no pseudowork."""
-    bars, swing = _point("acc_thermal", span, s), Accounts(span, s).swing_work
+    bars = _point("acc_thermal", span, s)
+    swing = Accounts(span, s).swing_work
     return replace(bars, about=bars.about + swing)
 
 
@@ -187,7 +191,8 @@ def accounted(forces: Accounts, name: str) -> np.ndarray:
     if name == "heat_swing":
         return forces.whole(-forces.swing_work)
     if name == "heat":
-        (vx, vy), thermal = span.reservoir, forces["w_T"]
+        vx, vy = span.reservoir
+        thermal = forces["w_T"]
         return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
     force = name.removesuffix("_ps")
     kind = Account.pseudowork if name.endswith("_ps") else Account.work

@@ -91,7 +91,8 @@ class Forces:
 
     def of(self, motion: Motion, index: int, name: str, axis: int) -> np.ndarray:
         """The series of a force along x or y, axis 0 or 1, on a span, (times, asperites)."""
-        force, span = FORCES[name], motion.span
+        force = FORCES[name]
+        span = motion.span
         if name in self.layout.scene.surfaces[index].noisy_forces:
             return self._mean(span, force.work, axis)
         if name == "f2" and self.layout.surfaces[index].drive == BARS:
@@ -113,8 +114,10 @@ class Forces:
     def _reaction(self, motion: Motion, axis: int) -> np.ndarray:
         """f2 on driven bars: what the motion of the centre of mass leaves over of other forces."""
         motion = Motion(self.layout, motion.span, self._states)
-        a, (tx, ty) = motion.span.asperites, motion.direction
-        turning, inward = self._found(motion.span, probe.SWING), motion.omega**2
+        a = motion.span.asperites
+        tx, ty = motion.direction
+        turning = self._found(motion.span, probe.SWING)
+        inward = motion.omega**2
         acceleration = a.pivot * (
             turning * tx - inward * ty if axis == 0 else turning * ty + inward * tx
         )
@@ -124,10 +127,12 @@ class Forces:
     @cached_property
     def _every(self) -> np.ndarray:
         """What the kernels find, (times, TABLES, 2, columns)."""
-        layout, samples = self.layout, self._states
+        layout = self.layout
+        samples = self._states
         found = room((samples.t.size, probe.TABLES, 2, layout.model.each.shape[1]))
         scratch = [room((layout.room[0],)) for _ in range(3)]
-        places, y = layout.places.q[: layout.core], np.ascontiguousarray(samples.y)
+        places = layout.places.q[: layout.core]
+        y = np.ascontiguousarray(samples.y)
         arrays = places, samples.t, y, samples.baths
         Probe(layout, probe.force_probe)(samples.t.size, *arrays, *scratch, found)
         return found

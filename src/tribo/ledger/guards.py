@@ -70,7 +70,8 @@ def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     pairs = facing(layout)
     if not pairs:
         return
-    last, names = samples.ends(), [surface.name for surface in layout.scene.surfaces]
+    last = samples.ends()
+    names = [surface.name for surface in layout.scene.surfaces]
     for mine, theirs in pairs:
         beyond = _beyond(layout, last, mine, theirs)[-1]
         if np.any(beyond):

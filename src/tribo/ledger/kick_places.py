@@ -23,8 +23,10 @@ def at_next_kicks(layout: Layout, samples: Samples, step: float) -> Samples:
     steps = intervals / count_of_steps(intervals, step)
     lags = 0.5 * np.append(steps, steps[-1])[:, None]
     y = samples.y.copy()
-    q, v = y[:, : layout.core], y[:, layout.core :]
-    a, constants = layout.asperites, layout.constants
+    q = y[:, : layout.core]
+    v = y[:, layout.core :]
+    a = layout.asperites
+    constants = layout.constants
     for slots in (a.dof_x, a.dof_y):
         mine = slots[slots >= 0]
         q[:, mine] += lags * v[:, mine]
@@ -58,10 +60,13 @@ def _rotate_clamped(
     lags: np.ndarray,
 ) -> None:
     """Rotate swings on bars that rest or turn uniformly."""
-    start, nu = constants[row.PHI_START], constants[row.NU_START]
-    twist, rate = q[:, swings] - (start + nu * t), v[:, swings] - nu
+    start = constants[row.PHI_START]
+    nu = constants[row.NU_START]
+    twist = q[:, swings] - (start + nu * t)
+    rate = v[:, swings] - nu
     twist, rate = _turned(twist, rate, constants[row.FREQUENCY], lags)
-    q[:, swings], v[:, swings] = twist + (start + nu * (t + lags)), rate + nu
+    q[:, swings] = twist + (start + nu * (t + lags))
+    v[:, swings] = rate + nu
 
 
 def _rotate_free(
@@ -76,7 +81,10 @@ def _rotate_free(
     share = constants[row.I2] / (constants[row.INERTIA] + constants[row.I2])
     mean_rate = (1.0 - share) * v[:, swings] + share * v[:, bars]
     mean = (1.0 - share) * q[:, swings] + share * q[:, bars] + mean_rate * lags
-    twist, rate = q[:, swings] - q[:, bars], v[:, swings] - v[:, bars]
+    twist = q[:, swings] - q[:, bars]
+    rate = v[:, swings] - v[:, bars]
     twist, rate = _turned(twist, rate, constants[row.FREQUENCY], lags)
-    q[:, swings], q[:, bars] = mean + share * twist, mean - (1.0 - share) * twist
-    v[:, swings], v[:, bars] = mean_rate + share * rate, mean_rate - (1.0 - share) * rate
+    q[:, swings] = mean + share * twist
+    q[:, bars] = mean - (1.0 - share) * twist
+    v[:, swings] = mean_rate + share * rate
+    v[:, bars] = mean_rate - (1.0 - share) * rate

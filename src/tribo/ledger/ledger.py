@@ -58,7 +58,10 @@ class Series(Mapping[str, np.ndarray]):
         compute: Callable[[str], np.ndarray],
         kept: tuple[str, ...] = (),
     ) -> None:
-        self._names, self._compute, self._kept = names, compute, kept
+        """Make series of these `names`, of which `compute` returns one."""
+        self._names = names
+        self._compute = compute
+        self._kept = kept
         self._known: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -148,7 +151,8 @@ class Ledger:
 
     def of(self, surface: str) -> Series:
         """All series of a surface.  Raises KeyError if there is no such surface."""
-        each, whole = self.surfaces[surface], self.blocks[surface]
+        each = self.surfaces[surface]
+        whole = self.blocks[surface]
         names = dict.fromkeys((*each, *whole))
         return Series(names, lambda name: (whole if name in whole else each)[name], self.kept)
 
@@ -198,9 +202,8 @@ class Ledger:
         for full, values in series.items():
             surface, _, name = full.rpartition(".")
             (tables[surface][2 - values.ndim] if surface else system)[name] = values
-        each, whole = (
-            {name: known(both[k], kept) for name, both in tables.items()} for k in (0, 1)
-        )
+        each = {name: known(own, kept) for name, (own, _) in tables.items()}
+        whole = {name: known(own, kept) for name, (_, own) in tables.items()}
         return Ledger(t, each, whole, known(system, kept), kept)
 
     def at_end(self) -> Ledger:

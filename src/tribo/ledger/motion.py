@@ -37,8 +37,11 @@ class Motion:
     """
 
     def __init__(self, layout: Layout, span: Span, samples: Samples) -> None:
-        self.span, self.samples, self._layout = span, samples, layout
-        self._q, self._v = samples.y[:, : layout.core], samples.y[:, layout.core :]
+        self.span = span
+        self.samples = samples
+        self._layout = layout
+        self._q = samples.y[:, : layout.core]
+        self._v = samples.y[:, layout.core :]
 
     def part(self, span: Span) -> Motion:
         """The same of some of the asperites, with the arrays from which totals are summed."""
@@ -74,8 +77,10 @@ class Motion:
         return self._column("dof_phi", self._v, lambda: self.span.asperites.nu)
 
     # Displacements of the centre of mass from its uniform motion, and their rates.
-    x, y = _of_centre("dof_x", "_q", 0), _of_centre("dof_y", "_q", 1)
-    vx, vy = _of_centre("dof_x", "_v", 2), _of_centre("dof_y", "_v", 3)
+    x = _of_centre("dof_x", "_q", 0)
+    y = _of_centre("dof_y", "_q", 1)
+    vx = _of_centre("dof_x", "_v", 2)
+    vy = _of_centre("dof_y", "_v", 3)
 
     @lazy_property
     def theta(self) -> np.ndarray:
@@ -85,7 +90,8 @@ class Motion:
     @lazy_property
     def centre(self) -> Position:
         """The centre of mass."""
-        a, velocity = self.span.asperites, self.span.velocity
+        a = self.span.asperites
+        velocity = self.span.velocity
         x = self._layout.origin[0] + (a.x + velocity[0] * self.t + self.x)
         y = self._layout.origin[1] + (a.y + velocity[1] * self.t + self.y)
         return x, y
@@ -117,7 +123,8 @@ class Motion:
     @lazy_property
     def kinetic(self) -> np.ndarray:
         """Change of the translational kinetic energy."""
-        velocity, mass = self.span.velocity, self.span.asperites.mass
+        velocity = self.span.velocity
+        mass = self.span.asperites.mass
         kinetic = mass * (velocity[0] * self.vx + velocity[1] * self.vy) + self.moving
         return self.samples.change(kinetic)
 
@@ -151,7 +158,9 @@ class Motion:
 
     def bob_path(self, mean: np.ndarray) -> np.ndarray:
         """How far the bobs are from their start, in a frame of a velocity (2,), or (2, times)."""
-        a, (tx, ty), samples = self.span.asperites, self.direction, self.samples
+        a = self.span.asperites
+        tx, ty = self.direction
+        samples = self.samples
         later = samples.change(self.t)
         own_x, own_y = self.span.velocity - mean[..., None]
         x = samples.change(self.x + a.l1 * ty) + own_x * later
@@ -160,7 +169,8 @@ class Motion:
 
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
         """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
-        (vx, vy), (frame_x, frame_y) = self.velocity, frame[..., None]
+        vx, vy = self.velocity
+        frame_x, frame_y = frame[..., None]
         moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
         return np.asarray(np.hypot(*rod_velocity(*moving, *self.direction)))
 
@@ -198,7 +208,8 @@ def about_pivots(
     asperites: Asperites, swing: np.ndarray, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Displacements x, y and velocities of centres of mass about the centres of driven bars."""
-    pivot, facing = asperites.pivot, asperites.facing
+    pivot = asperites.pivot
+    facing = asperites.facing
     tx, ty = swing_direction(facing, swing)
     lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
     return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty

@@ -26,6 +26,7 @@ def nearest(
 def _by_distances(
     places: np.ndarray, others: np.ndarray, box: np.ndarray, rank: int
 ) -> tuple[np.ndarray, np.ndarray]:
+    """The distances of the nearest by rank, and which it is, from those of all pairs."""
     if len(others) < rank:
         shape = places.shape[:-1]
         return np.full(shape, np.inf), np.full(shape, len(others))

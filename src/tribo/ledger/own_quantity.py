@@ -38,7 +38,9 @@ class Values(Mapping[str, np.ndarray]):
     """
 
     def __init__(self, series: Mapping[str, np.ndarray], source: Source, rows: slice) -> None:
-        self._series, self._source, self._rows = series, source, rows
+        self._series = series
+        self._source = source
+        self._rows = rows
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._series:
@@ -107,13 +109,15 @@ class Quantity:
         uses: Sequence[str],
         long_name: str = "a quantity of the user's own",
     ) -> None:
+        """Check the quantity, and enter it in the tables of all quantities.  Raises InputError."""
         if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z]\w*", name):
             raise must_be("name", "a word of letters, digits and underscores", name)
         if name in EVERY_QUANTITY and name not in OWN_SERIES:
             raise InputError("name", f'is that of a quantity of tribo, "{name}"; give another one')
         if not callable(formula):
             raise must_be("formula", "a function of the series that it uses", formula)
-        self.name, self.of = name, choice("of", of, OF)
+        self.name = name
+        self.of = choice("of", of, OF)
         self.uses = _checked_names(uses, of)
         self._formula = formula
         entry = quantities.Quantity(

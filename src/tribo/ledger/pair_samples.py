@@ -131,13 +131,13 @@ class PairSamples(Samples):
         return PairSamples(self.t[:: self.runs].repeat(len(first)), record, first, self._factors)
 
     def beside(self, *others: Samples) -> Samples:
+        """These samples and those of others, still as a record where all are of pairs."""
         parts = [each for each in (self, *others) if isinstance(each, PairSamples)]
         if not others or len(parts) <= len(others):
             return super().beside(*others)
         runs = [each.runs for each in parts]
-        t, record = (
-            interleaved([getattr(each, name) for each in parts], runs) for name in ("t", "_record")
-        )
+        t = interleaved([each.t for each in parts], runs)
+        record = interleaved([each._record for each in parts], runs)
         first = np.concatenate([each._first for each in parts])
         return PairSamples(t, record, first, self._factors)
 

@@ -50,15 +50,20 @@ class Role(NamedTuple):
 
 
 OWN_SCALE = Role()
-ANGLE, RATE, LENGTH = Role("angle"), Role("rate", ("rate",)), Role("length")
+ANGLE = Role("angle")
+RATE = Role("rate", ("rate",))
+LENGTH = Role("length")
 VELOCITY = Role("velocity")
 # A work or pseudowork, and a heat or change of energy, of an asperite.
-WORK, CHANGE = Role("energy", ("energy", "work")), Role("energy", ("energy",))
+WORK = Role("energy", ("energy", "work"))
+CHANGE = Role("energy", ("energy",))
 # An energy by which no others are measured: a swing's is no change.
 ENERGY = Role("energy")
 # The same of a surface or the system; work against friction is a part of other works, and the
 # energy of contacts has an arbitrary origin.
-TOTAL, PART, POTENTIAL = Role("total", ("total",)), Role("total"), Role("total", ("potential",))
+TOTAL = Role("total", ("total",))
+PART = Role("total")
+POTENTIAL = Role("total", ("potential",))
 
 
 @dataclass(frozen=True)
@@ -304,12 +309,22 @@ OF_SYSTEM = frozenset((*SYSTEM_QUANTITIES, *FURTHER_OF_SYSTEM))
 # Those that a user has added, see `own_quantity`, and the names of what each is computed from.
 OWN_SERIES: dict[str, Quantity] = {}
 INPUTS: dict[str, frozenset[str]] = {}
+
+
+def _on_request(*kinds: str) -> dict[str, Quantity]:
+    """The quantities of some kinds that are recorded on request."""
+    found: dict[str, Quantity] = {}
+    for table in ON_REQUEST:
+        found |= {name: each for name, each in table.items() if each.kind in kinds}
+    return found
+
+
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
-    group: {k: v for table in ON_REQUEST for k, v in table.items() if v.kind in kinds}
-    for group, kinds in (("forces", ("force", "share")), ("energies", ("energy",)))
+    "forces": _on_request("force", "share"),
+    "energies": _on_request("energy"),
+    "own": OWN_SERIES,
 }
-FURTHER["own"] = OWN_SERIES
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:

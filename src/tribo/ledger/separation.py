@@ -30,7 +30,8 @@ from tribo.model.surface import Surface
 # Time without contact at the end of a run after which surfaces count as parted: at least so much of
 # the run, and so many times the longest time between two contacts before.  A surface that hops or
 # slips has such times of about equal length.
-LEAST_PART, LONGER = 0.1, 2.0
+LEAST_PART = 0.1
+LONGER = 2.0
 # What notes on such surfaces say.
 PART = "part for good"
 # Times after one with a tree that may be settled by it, at most.
@@ -39,7 +40,8 @@ AHEAD = 64
 IN_CONTACT = 0.01
 # Distances at which a potential is looked at, in steps of 2 %: in units of its range, or without
 # one of the distance beyond which it is weak, which a part of a sum may exceed by far.
-WITHIN_RANGE, DISTANCES = np.geomspace(1.0, 0.01, 234), np.geomspace(1e3, 0.05, 500)
+WITHIN_RANGE = np.geomspace(1.0, 0.01, 234)
+DISTANCES = np.geomspace(1e3, 0.05, 500)
 # Halvings of a step of 2 %, to 1e-12 of the distance of contact.
 HALVINGS = 36
 
@@ -66,7 +68,8 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
     parts = list(layout.parts.values())
     for contact in layout.model.contacts:
         for one, other in contact.pairs:
-            mine, theirs = parts[one], parts[other]
+            mine = parts[one]
+            theirs = parts[other]
             own = places[mine]
             # Within a surface, the nearest bob to each is that bob itself.
             rank = 2 if one == other else 1
@@ -82,7 +85,8 @@ def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Close
 def in_box(layout: Layout, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places of bobs in the scene's box, and its lengths along each axis, 0 where there is none."""
     x, z = layout.model.box or (0.0, 0.0)
-    box, places = np.array([x, 0.0, z]), places.copy()
+    box = np.array([x, 0.0, z])
+    places = places.copy()
     periodic = box > 0.0
     for _ in range(2):  # the remainder of a tiny negative number is a period, which trees refuse
         places[..., periodic] %= box[periodic]
@@ -105,7 +109,8 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
     for index in range(len(layout.scene.surfaces)):
         for motion in motions(layout, samples, index):
             a = motion.span.asperites
-            x, y = a.x + a.vx * motion.t + motion.x, a.y + a.vy * motion.t + motion.y
+            x = a.x + a.vx * motion.t + motion.x
+            y = a.y + a.vy * motion.t + motion.y
             mine = places[:, motion.span.place]
             mine[..., 0], mine[..., 1] = rod_position(x, y, a.l1, *motion.direction)
     return places
@@ -182,7 +187,10 @@ def parted(layout: Layout, samples: Samples) -> np.ndarray:
 
     t = samples.t[:: samples.runs]
     touches = touching(layout, samples, is_loaded).reshape(t.size, samples.runs, -1)
-    return np.array([any(_part(t, t[each]) for each in own.T) for own in touches.swapaxes(0, 1)])
+    found = []
+    for own in touches.swapaxes(0, 1):
+        found.append(any(_part(t, t[each]) for each in own.T))
+    return np.array(found)
 
 
 def _part(t: np.ndarray, met: np.ndarray) -> bool:
@@ -258,11 +266,13 @@ def _any_within(
     if not (mine.size and theirs.size and distance > 0.0):
         return found
     with np.errstate(invalid="ignore"):
-        y, their_y = mine[..., 1], theirs[..., 1]
+        y = mine[..., 1]
+        their_y = theirs[..., 1]
         gap = np.maximum(y.min(axis=1) - their_y.max(axis=1), their_y.min(axis=1) - y.max(axis=1))
         near = np.isfinite(mine).all(axis=(1, 2)) & np.isfinite(theirs).all(axis=(1, 2))
         near &= gap < distance
-    mine, theirs = mine[near], theirs[near]
+    mine = mine[near]
+    theirs = theirs[near]
     if mine.shape[1] * theirs.shape[1] <= MOST_PAIRS:
         between = nearest_images(layout, mine[:, :, None] - theirs[:, None])
         found[near] = np.linalg.norm(between, axis=-1).min(axis=(1, 2)) < distance
@@ -277,13 +287,16 @@ def _by_trees(layout: Layout, mine: np.ndarray, theirs: np.ndarray, distance: fl
     That pair settles all times at which it is in contact.  If it is not, neither is any pair at
     later times until the bobs of the two surfaces have moved by what is missing.
     """
-    found, open_times = np.zeros(len(mine), dtype=bool), np.ones(len(mine), dtype=bool)
-    (in_mine, box), (in_theirs, _) = in_box(layout, mine), in_box(layout, theirs)
+    found = np.zeros(len(mine), dtype=bool)
+    open_times = np.ones(len(mine), dtype=bool)
+    in_mine, box = in_box(layout, mine)
+    in_theirs, _ = in_box(layout, theirs)
     while open_times.any():
         k = int(np.argmax(open_times))
         distances, places = nearest(in_mine[k], in_theirs[k], box)
         i = int(np.argmin(distances))
-        open_times[k], found[k] = False, distances[i] < distance
+        open_times[k] = False
+        found[k] = distances[i] < distance
         later = k + 1 + np.flatnonzero(open_times[k + 1 : k + 1 + AHEAD])
         if found[k]:
             between = nearest_images(layout, mine[later, i] - theirs[later, places[i]])
@@ -351,7 +364,8 @@ def reach_of(potential: Any, one: float, other: float, least: float, repelling: 
             if not np.any(repels):
                 return 0.0
             k = int(np.argmax(repels))
-            near, far = float(distances[k]), float(distances[max(0, k - 1)])
+            near = float(distances[k])
+            far = float(distances[max(0, k - 1)])
             for _ in range(HALVINGS if inside[k] else 0):
                 middle = 0.5 * (near + far)
                 near, far = (middle, far) if look(middle)[1] > 0.0 else (near, middle)

@@ -62,7 +62,9 @@ def series_table(
     What is linear in the integrals is computed together: its last bits may differ from one alone.
     Quantities that are not among `only` are left out, if that is given, where this changes no bits.
     """
-    of, samples, (motion,) = _columns(layout), group.samples, group.motions
+    of = _columns(layout)
+    samples = group.samples
+    (motion,) = group.motions
     if only is not None:
         of = of.of_some(only, samples.linear_alike)
     wholes = tuple([SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts))])
@@ -123,7 +125,8 @@ def _columns(layout: Layout) -> Columns:
     widths = {ASPERITES: scene.count, SURFACES: len(layout.parts), SYSTEM: 1}
     each = [(name, one.of, kind) for kind, table in tables.items() for name, one in table.items()]
     each.sort(key=lambda item: not isinstance(item[1], Linear))
-    linear, others = [], []
+    linear = []
+    others = []
     for _, of, kind in each:
         if isinstance(of, Linear):
             linear.append((of.value, kind))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -28,7 +29,8 @@ SERIES_BYTES = 2**30
 # beside the state of the run.
 PORTION_BYTES = 2**27
 # Begin the names of series, and of the arrays of `Watched`, in files.
-SERIES, WATCHED = "series ", "watched "
+SERIES = "series "
+WATCHED = "watched "
 # The name of the times among series.
 TIMES = "t"
 
@@ -60,7 +62,8 @@ def levers(scene: Scene) -> np.ndarray:
     """The part of its energy that each asperite receives at the bob; all of it on driven bars."""
     found = []
     for surface in scene.surfaces:
-        m1, m2 = surface.each["m1"], surface.each["m2"]
+        m1 = surface.each["m1"]
+        m2 = surface.each["m2"]
         found.append(np.ones(m1.size) if surface.drive.holds_bars else m2 / (m1 + m2))
     return np.concatenate(found)
 
@@ -72,18 +75,20 @@ def may_pump(layout: Layout) -> bool:
     parts = levers(scene)
     held = all(s.drive.cancels_x or s.drive.holds_bars for s in scene.surfaces)
     alike = np.ptp(parts) <= ALIKE * np.max(parts)
-    warm = any(
-        any((s.bath.temperature, s.initial.temperature, *(r.temperature for r in s.reservoirs)))
-        for s in scene.surfaces
-    )
+    temperatures = []
+    for surface in scene.surfaces:
+        temperatures += [surface.bath.temperature, surface.initial.temperature]
+        temperatures += [reservoir.temperature for reservoir in surface.reservoirs]
+    warm = any(temperatures)
     return bool(held and not alike and warm and layout.model.ledger)
 
 
 def _works(layout: Layout, samples: Samples) -> np.ndarray:
     """The work of all drives, and friction times distance, minus the sum of V . J1; (times, 2)."""
-    work, friction = np.zeros(samples.t.size), np.zeros(samples.t.size)
+    work = np.zeros(samples.t.size)
+    friction = np.zeros(samples.t.size)
     integrals = Integrals(samples.s)
-    for span in (span for spans in layout.accounted_spans for span in spans):
+    for span in chain.from_iterable(layout.accounted_spans):
         accounts = integrals[span]
         work += np.sum(accounts.whole(Account.work(accounts["w2"], span.velocity)), axis=1)
         along = accounts.whole(Account.boost(accounts["w1"], span.velocity))
@@ -115,7 +120,8 @@ class StreamedLedger:
         Returns the index of the first sample at which the energy has run away, or surfaces have
         passed through each other, if there is one, and its status; those after it are left out.
         """
-        ledger, lost = assemble(self._layout, samples), None
+        ledger = assemble(self._layout, samples)
+        lost = None
         if self._guarded:
             lost, self._known = first_lost(self._layout, samples, ledger.system, self._known)
         ends = [] if lost is None else [(lost, Status.ENERGY_RUNAWAY)]
@@ -134,7 +140,8 @@ class StreamedLedger:
     def _keep(self, samples: Samples, ledger: Ledger) -> None:
         """Keep what notes need of new samples, and the series that the scene asks for."""
         done = sum(portion[SERIES + TIMES].size for portion in self._portions)
-        every, keep = look_interval(self._layout.times.size), self._layout.scene.output.keep
+        every = look_interval(self._layout.times.size)
+        keep = self._layout.scene.output.keep
         watched = Watched.of(self._layout, samples, -done % every, every)
         some = Ledger(ledger.t, {}, ledger.blocks, ledger.system)
         series = {TIMES: ledger.t} | (some if keep is None else ledger.only(keep)).flat()
@@ -144,18 +151,21 @@ class StreamedLedger:
 
     def new_arrays(self) -> dict[str, np.ndarray]:
         """The portions since the last call, and what the next one needs, as arrays for a file."""
-        new, self._written = self._portions[self._written :], len(self._portions)
+        new = self._portions[self._written :]
+        self._written = len(self._portions)
         return _joined(new) | {"known": np.array(self._known)}
 
     def take_back(self, arrays: dict[str, np.ndarray]) -> None:
         """Take in portions from the arrays of a file."""
         names = [name for name in arrays if name.startswith((SERIES, WATCHED))]
         self._portions.append({name: arrays[name] for name in names})
-        self._written, self._known = len(self._portions), float(arrays["known"])
+        self._written = len(self._portions)
+        self._known = float(arrays["known"])
 
     def whole(self, samples: Samples) -> Ledger:
         """All series; those of asperites that are left out are at the ends of `samples`."""
-        layout, series = self._layout, _joined(self._portions, SERIES)
+        layout = self._layout
+        series = _joined(self._portions, SERIES)
         kept = tuple(layout.scene.output.keep or ())
         found = Ledger.of_flat(series.pop(TIMES), series, layout.parts, kept)
         if kept:

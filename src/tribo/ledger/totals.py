@@ -59,6 +59,7 @@ class SurfaceSeries(AsperiteSeries):
         among: Motion | None = None,
         forces: Forces | None = None,
     ) -> None:
+        """Take the surface with this index; series are computed when they are asked for."""
         super().__init__(layout, samples, layout.spans[index])
         self._index = index
         # The asperites, or lanes that stand for their sums, with accounts.
@@ -105,7 +106,8 @@ class SurfaceSeries(AsperiteSeries):
 
     def work_of_stage(self, integrals: Integrals) -> np.ndarray:
         """The work of the stage that pulls the surface: its speed times the impulse along x."""
-        layout, index = self._layout, self._index
+        layout = self._layout
+        index = self._index
         speed = layout.velocity_of(index)[0] + layout.number_of(index, "speed")
         every = (integrals[span] for span in self._accounted)
         return np.asarray(speed * _sum(each.whole(each["w2"].jx) for each in every))
@@ -113,7 +115,8 @@ class SurfaceSeries(AsperiteSeries):
     @property
     def energy_of_pull(self) -> np.ndarray:
         """The energy of the springs between the bars and the stage."""
-        layout, index = self._layout, self._index
+        layout = self._layout
+        index = self._index
         stiffness, speed = (layout.number_of(index, name) for name in ("stiffness", "speed"))
         anchor = float(layout.model.surfaces[index].anchor)
         stage = np.asarray(anchor + speed * self.samples.t)[:, None]
@@ -165,7 +168,8 @@ class SurfaceSeries(AsperiteSeries):
         """The change of the bath's energy in the motion with V, or with driven bars."""
         energy = self._bath_energy
         if self._record.drive != BARS:
-            (x, y), stored = self._lag, self.stored
+            x, y = self._lag
+            stored = self.stored
             common = x * stored[:, MOMENTUM_X] + y * stored[:, MOMENTUM_Y]
             energy = energy - common + 0.5 * self._mass_of_bath * (x**2 + y**2)
         return self.samples.change(energy)
@@ -208,7 +212,8 @@ class SurfaceSeries(AsperiteSeries):
     @lazy_property
     def _lag(self) -> tuple[np.ndarray, np.ndarray]:
         """The velocity V in the surface's first frame."""
-        mass, stored = self._mass, self.stored
+        mass = self._mass
+        stored = self.stored
         px = self._total(lambda e: e.vx * e.span.asperites.mass) + stored[:, MOMENTUM_X]
         py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass

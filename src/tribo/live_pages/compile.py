@@ -80,7 +80,8 @@ def module_of(potential: Any) -> bytes:
 
 def _kept_at(potential: Any) -> Path | None:
     """The file of the module; None for a class whose sources are not known."""
-    stamp, folder = code_stamp_of([potential]), cache_folder(pair_collocation)
+    stamp = code_stamp_of([potential])
+    folder = cache_folder(pair_collocation)
     if stamp is None or folder is None:
         return None
     kind = hashlib.blake2b(f"{stamp} {_shape(potential)}".encode(), digest_size=8).hexdigest()
@@ -121,10 +122,10 @@ def arguments_of(potential: Any, samples: int) -> tuple[Any, ...]:
     """Arguments of the program for so many samples."""
     count = {-1: samples, -2: samples + 1}
     kinds = {"clocks": CLOCK}
-    arrays = (
-        np.zeros([count.get(each, each) for each in shape], kinds.get(name, float))
-        for name, shape in ARRAYS.items()
-    )
+    arrays = []
+    for name, shape in ARRAYS.items():
+        sizes = [count.get(each, each) for each in shape]
+        arrays.append(np.zeros(sizes, kinds.get(name, float)))
     return (potential, *arrays)
 
 

@@ -84,7 +84,8 @@ def controls_of(scene: Scene, given: object = None) -> Controls:
 
     Raises InputError for an unknown key or a range that is none.
     """
-    keys, choices = tuple(keys_of(scene)), tuple(_choices(scene))
+    keys = tuple(keys_of(scene))
+    choices = tuple(_choices(scene))
     table = _table(given)
     words = {name: str(table.pop(name)) for name in WORDS if name in table}
     wanted = table or _usual(scene, keys)
@@ -141,7 +142,8 @@ def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Co
             "changes all values"
         )
         raise InputError(f"controls.{key}", problem)
-    value, rest = known[plain], _rest(scene, plain)
+    value = known[plain]
+    rest = _rest(scene, plain)
     label = LABELS.get(rest, key)
     own = dict(given) if isinstance(given, Mapping) else {"range": given}
     own = known_keys(own, ("range", "label"))
@@ -169,6 +171,7 @@ def _rest(scene: Scene, key: str) -> str:
 
 
 def _usual_range(scene: Scene, rest: str, key: str, value: float) -> tuple[float, float]:
+    """The ends of a slider that has none given, where the scene allows the lower one."""
     if rest == "bob.1":
         rod = float(scene.surfaces[0].each["length"][0])
         return _round(value - 0.5 * rod), _round(value + rod)
@@ -177,8 +180,10 @@ def _usual_range(scene: Scene, rest: str, key: str, value: float) -> tuple[float
     else:
         low, high = sorted(value * part for part in RANGES.get(rest, OTHERS))
         if rest.startswith("interaction.") and rest not in RANGES:
-            low, high = -OTHERS[1] * abs(value), OTHERS[1] * abs(value)
-    low, high = _round(low), _round(high)
+            low = -OTHERS[1] * abs(value)
+            high = OTHERS[1] * abs(value)
+    low = _round(low)
+    high = _round(high)
     try:
         with_values(scene, {key: low})
     except InputError:
@@ -205,13 +210,14 @@ def _choices(scene: Scene) -> list[Choice]:
     before = numbers_at(scene)
     assert before is not None
     for surface in scene.surfaces:
-        key, words = f"{surface.name}.drive", {}
+        key = f"{surface.name}.drive"
+        words = {}
         every = {word: _numbers(scene, key, word) for word in DRIVES}
-        places = [
-            place
-            for place in range(before.size)
-            if len({float(each[place]) for each in every.values() if each is not None}) > 1
-        ]
+        known = [each for each in every.values() if each is not None]
+        places = []
+        for place in range(before.size):
+            if len({float(each[place]) for each in known}) > 1:
+                places.append(place)
         for word, numbers in every.items():
             if numbers is not None:
                 words[word] = [(place, float(numbers[place])) for place in places]

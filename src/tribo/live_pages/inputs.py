@@ -27,7 +27,8 @@ def inputs_of(layout: Layout) -> np.ndarray:
     scene = layout.scene
     found = np.zeros(INPUTS)
     for k, surface in enumerate(scene.surfaces):
-        record, own = layout.surfaces[k], layout.asperites[k]
+        record = layout.surfaces[k]
+        own = layout.asperites[k]
         heights = surface.drawn_heights([scene.seed, k, 0])
         x, y, depth = surface.first_bob
         values: dict[int, Any] = {

@@ -94,6 +94,7 @@ def numbers_at(scene: Scene) -> np.ndarray | None:
 
 
 def _present(scene: Scene, layout: Layout, key: str) -> float | None:
+    """The number that a key has in the scene or in its start; None if it has none."""
     value = value_of(scene, key)
     name, _, rest = key.partition(".")
     if value is None and rest in ("swing", "theta", "omega"):  # not given

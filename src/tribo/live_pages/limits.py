@@ -17,7 +17,8 @@ from tribo.pair.bodies import slide_of
 UNRESOLVED = 256.0 * 2.0**-52
 TINY = 2.2250738585072014e-308
 # The method's order, and the first step in units of the one that is usual.
-ORDER, FIRST_STEP = 15.0, 8.0
+ORDER = 15.0
+FIRST_STEP = 8.0
 WORKS = tuple(
     OfAsperite._fields.index(name)
     for name in ("w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps", "w_ps", "delta_e_int")
@@ -119,7 +120,8 @@ def set_limits(bodies, bar_lengths, scales, duration, level, memory):
         usual = min(usual, 0.05 / math.sqrt(fastest))
     memory[rows.LIMITS, rows.FIRST] = FIRST_STEP * usual * level ** (1.0 / ORDER)
     slide = abs(slide_of(one, 1.0)) + abs(slide_of(other, 1.0))
-    rod1, rod2 = one.l1 + one.l2, other.l1 + other.l2
+    rod1 = one.l1 + one.l2
+    rod2 = other.l1 + other.l2
     memory[rows.ALLOWED, rows.J_Y] = 1.0 / impulse
     memory[rows.ALLOWED, rows.X1] = memory[rows.ALLOWED, rows.Y1] = rod1 / energy
     memory[rows.ALLOWED, rows.X2] = memory[rows.ALLOWED, rows.Y2] = rod2 / energy

@@ -11,18 +11,27 @@ from collections.abc import Iterator
 
 HEADER = 8  # bytes: the magic number and the version
 # Identities of sections.
-CUSTOM, IMPORTS, EXPORTS, ELEMENTS, CODE, DATA = 0, 2, 7, 9, 10, 11
+CUSTOM = 0
+IMPORTS = 2
+EXPORTS = 7
+ELEMENTS = 9
+CODE = 10
+DATA = 11
 # In the section "linking": the subsection with symbols, kinds of symbols, and their flags.
 SYMBOL_TABLE = 8
-FUNCTION_SYMBOL, DATA_SYMBOL, SECTION_SYMBOL = 0, 1, 3
-UNDEFINED, EXPLICIT_NAME = 0x10, 0x40
+FUNCTION_SYMBOL = 0
+DATA_SYMBOL = 1
+SECTION_SYMBOL = 3
+UNDEFINED = 0x10
+EXPLICIT_NAME = 0x40
 
 
 class Reader:
     """Reads bytes from the front."""
 
     def __init__(self, content: bytes) -> None:
-        self.content, self.at = content, 0
+        self.content = content
+        self.at = 0
 
     def byte(self) -> int:
         self.at += 1
@@ -69,9 +78,11 @@ def sections(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 def functions_in(symbols: bytes) -> dict[str, int]:
     """Names and indices of the functions that a symbol table defines."""
-    reader, found = Reader(symbols), {}
+    reader = Reader(symbols)
+    found = {}
     for _ in range(reader.number()):
-        kind, flags = reader.byte(), reader.number()
+        kind = reader.byte()
+        flags = reader.number()
         if kind == SECTION_SYMBOL:
             reader.number()
         elif kind == DATA_SYMBOL:
@@ -95,7 +106,8 @@ def symbol_table(parts: list[tuple[int, bytes]]) -> bytes:
             continue
         reader.number()  # its version
         while not reader.ended():
-            subsection, body = reader.byte(), reader.bytes(reader.number())
+            subsection = reader.byte()
+            body = reader.bytes(reader.number())
             if subsection == SYMBOL_TABLE:
                 return body
     raise ValueError("the object has no symbols")

@@ -52,7 +52,8 @@ window.tribo = await startPage(document.getElementById("live"), source);
 </html>
 """
 # The stored picture: its size, and the works in it with their colours.
-WIDTH, HEIGHT = 720, 300
+WIDTH = 720
+HEIGHT = 300
 DRAWN = {"w1": "#0b62a4", "w1_ps": "#0b62a4", "w2": "#d55e00", "w2_ps": "#d55e00"}
 
 
@@ -136,7 +137,8 @@ def _picture(scene: Scene, surface: int) -> str:
     series = {name: np.asarray(table[name])[:, 0] for name in DRAWN}
     low = min(0.0, *(float(np.min(each)) for each in series.values()))
     high = max(0.0, *(float(np.max(each)) for each in series.values()))
-    span, duration = (high - low) or 1.0, float(result.t[-1]) or 1.0
+    span = (high - low) or 1.0
+    duration = float(result.t[-1]) or 1.0
     every = max(1, len(result.t) // 100)
     lines = []
     for name, values in series.items():

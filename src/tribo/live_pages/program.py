@@ -20,11 +20,13 @@ GIVEN, LEVEL, NEAR, ESTIMATE, MOST_STEPS, REACHED, EVALUATIONS, PASSED, NEEDED =
 AMPLITUDE, PHASE1, PHASE2 = range(9, 12)
 OPTIONS = 12
 # Level of the run that measures scales, and the largest part of the way to an encounter in it.
-PILOT, PILOT_NEAR = 1e-4, 0.5
+PILOT = 1e-4
+PILOT_NEAR = 0.5
 # Level of the coarser run, relative to that of the run that is shown; see tribo.accuracy.levels.
 COARSER = 10.0
 # An estimate is this times the difference from the coarser run; see tribo.accuracy.comparison.
-SAFETY, ROUNDING = 3.0, 256.0 * 2.0**-52
+SAFETY = 3.0
+ROUNDING = 256.0 * 2.0**-52
 # The largest part of the way to an encounter in the run that is shown, and its level in units of
 # the accuracy that is wanted; see tribo.accuracy.search.
 NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
@@ -35,7 +37,8 @@ X_BOB, VX_CM = (OfAsperite._fields.index(name) for name in ("x_bob", "vx_cm"))
 APART = 0.15
 # Samples of the run that measures scales, at most; and those of the coarser run: every fourth, so
 # that it has steps of its own.
-PILOT_SAMPLES, EVERY = 65, 4
+PILOT_SAMPLES = 65
+EVERY = 4
 
 
 def level_of(accuracy: float) -> float:
@@ -77,7 +80,8 @@ def begin_swings(pair, options, start):
     amplitude = options[AMPLITUDE]
     phases = with_lane(broadcast(options[PHASE1]), 1, options[PHASE2])
     sin, cos = sine_cosine(phases)
-    start[0], start[1] = amplitude * lane(cos, 0), amplitude * lane(cos, 1)
+    start[0] = amplitude * lane(cos, 0)
+    start[1] = amplitude * lane(cos, 1)
     start[2] = -amplitude * math.sqrt(pair.omega_squared1) * lane(sin, 0)
     start[3] = -amplitude * math.sqrt(pair.omega_squared2) * lane(sin, 1)
 
@@ -95,13 +99,17 @@ def live_pair(
     one, second = bodies
     pair = pair_of(one, second)
     at = inputs.OF_SURFACE
-    start[0], start[1] = numbers[inputs.SWING], numbers[at + inputs.SWING]
-    start[2], start[3] = numbers[inputs.OMEGA], numbers[at + inputs.OMEGA]
+    start[0] = numbers[inputs.SWING]
+    start[1] = numbers[at + inputs.SWING]
+    start[2] = numbers[inputs.OMEGA]
+    start[3] = numbers[at + inputs.OMEGA]
     if options[AMPLITUDE] > 0.0:
         begin_swings(pair, options, start)
     bar_lengths = numbers[inputs.BAR_LENGTH], numbers[at + inputs.BAR_LENGTH]
     sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
-    most, near, level = int(options[MOST_STEPS]), options[NEAR], options[LEVEL]
+    most = int(options[MOST_STEPS])
+    near = options[NEAR]
+    level = options[LEVEL]
     duration = numbers[inputs.DURATION]
     scales = guess(bodies, start)
     if options[GIVEN] == 0.0:
@@ -120,7 +128,8 @@ def live_pair(
         set_limits(bodies, bar_lengths, scales, duration, level, memory)
         set_times(duration, times)
     status, count = integrate(pair, potential, memory, clocks, start, times, record, near, most)
-    options[REACHED], options[EVALUATIONS] = count, clocks[0].evaluations
+    options[REACHED] = count
+    options[EVALUATIONS] = clocks[0].evaluations
     if count > 0:
         write_quantities(pair, potential, sides, times, record, count, series)
         options[PASSED], options[NEEDED] = passing(pair, series, count)

@@ -177,14 +177,16 @@ SECOND_COLUMNS = Columns(
     FIRST_ACCOUNT + step_rows.Y2,
     FIRST_ACCOUNT + step_rows.T2,
 )
-PUSHED, ACROSS = FIRST_ACCOUNT + step_rows.S, FIRST_ACCOUNT + step_rows.J_Y
+PUSHED = FIRST_ACCOUNT + step_rows.S
+ACROSS = FIRST_ACCOUNT + step_rows.J_Y
 
 
 @kernel
 def motion_of(side, columns, row, angles, alpha):
     """The motion of a side from a row of the record, and the sines and cosines in it."""
     sin, cos, versine = angles
-    q, slide = row[columns.q], slide_of(side.body, side.sign)
+    q = row[columns.q]
+    slide = slide_of(side.body, side.sign)
     return Motion(
         q,
         row[columns.v],
@@ -335,11 +337,15 @@ def quantities_of(side, t, now, start, fx, fy):
 @kernel
 def both_motions(pair, potential, sides, t, row):
     """The motions of both asperites at a time, the contact force on the first, and the distance."""
-    q1, q2, k = row[step_rows.Q1], row[step_rows.Q2], row[step_rows.K]
+    q1 = row[step_rows.Q1]
+    q2 = row[step_rows.Q2]
+    k = row[step_rows.K]
     swings = with_lane(broadcast(q1), 1, q2)
     sin, cos, versine = sine_cosine_versine(swings)
-    sin1, cos1 = broadcast(lane(sin, 0)), broadcast(lane(cos, 0))
-    sin2, cos2 = broadcast(lane(sin, 1)), broadcast(lane(cos, 1))
+    sin1 = broadcast(lane(sin, 0))
+    cos1 = broadcast(lane(cos, 0))
+    sin2 = broadcast(lane(sin, 1))
+    cos2 = broadcast(lane(cos, 1))
     contact = contact_of(pair, potential, broadcast(t), broadcast(k), sin1, cos1, sin2, cos2)
     alpha1, alpha2, _ = accelerations_of(pair, contact, broadcast(q1), broadcast(q2))
     one, other = sides

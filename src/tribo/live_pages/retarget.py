@@ -17,7 +17,8 @@ def object_of(code: str, function: str) -> bytes:
     llvm.initialize_all_asmprinters()
     module = llvm.parse_assembly(OF_HOST.sub("", code))
     machine = llvm.Target.from_triple(TARGET).create_target_machine(opt=3, features=FEATURES)
-    module.triple, module.data_layout = TARGET, str(machine.target_data)
+    module.triple = TARGET
+    module.data_layout = str(machine.target_data)
     for each in module.functions:
         if not each.is_declaration:
             each.linkage = "external" if each.name == function else "internal"

@@ -38,6 +38,7 @@ def body_of(numbers, at, origin_x, origin_y, vx, vy):
 
 @kernel
 def side_of(numbers, at, body, sign, observer_x, observer_y):
+    """A surface as the observer sees it, from the numbers of the page behind `at`."""
     return Side(
         body,
         numbers[at + inputs.REST],

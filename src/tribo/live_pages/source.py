@@ -26,9 +26,11 @@ from tribo.validation import InputError
 from tribo.viewer.contents import subject
 
 # The method of a pair's loop, and the accuracy of a page whose scene names none.
-METHOD, ACCURACY = "gauss-radau-15", 1e-8
+METHOD = "gauss-radau-15"
+ACCURACY = 1e-8
 # Samples of a run in a page, at most, and steps before it is given up.
-MOST_SAMPLES, MOST_STEPS = 1001, 20_000
+MOST_SAMPLES = 1001
+MOST_STEPS = 20_000
 # Options of the program that the page's script reads and writes.
 PLACES = (
     *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
@@ -60,6 +62,7 @@ def _has_arrays(potential: Any) -> bool:
 
 
 def _why_not(scene: Scene) -> str:
+    """Why a page cannot show the scene, as the rest of a sentence."""
     if scene.count != 2 or len(scene.surfaces) != 2:
         return f"it has {scene.count} asperites, and live pages have one on one"
     for effect in sorted(scene.effects - KNOWN):

@@ -120,7 +120,10 @@ class RecordingLoop(ABC):
         """
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        layout, times, members = self.layout, self.layout.times, len(starts.y)
+        """The runs of some members, with samples and, with a step, the stiffness they met."""
+        layout = self.layout
+        times = self.layout.times
+        members = len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
         watched = is_damped(layout) and isinstance(setting, float)
         sums = np.zeros((members if watched else 0, 3, layout.core))
@@ -182,13 +185,16 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
     """A loop for members of a scene with `has_batches`; `first_step` [time] is the longest one."""
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
+        """Compile the loop, and keep its memory, into which members are loaded."""
         setting = unit_setting(layout, method)
         super().__init__(layout, method, setting, layout.start, first_step)
-        self._method, self._longest = method, first_step
+        self._method = method
+        self._longest = first_step
         others = arrays_in((self.clocks, self._neighbours.active))
         self.state, self._scratch = self.keep((self.state, self._scratch), others)
         self._hold()
-        q, coordinates = layout.places.q, layout.room[0]
+        q = layout.places.q
+        coordinates = layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
         examples = self._arguments(layout.times, self.room(1), 0)
         self._entry = EntryPoint(self.compiled, (self._kept,), examples)
@@ -214,7 +220,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
             count[CODE] = self._to_end(own)
             if sums.size:
                 sums[m] = self.stiffness_sums
-            count[STEPS], count[EVALUATIONS] = clock["steps"], clock["evaluations"]
+            count[STEPS] = clock["steps"]
+            count[EVALUATIONS] = clock["evaluations"]
             if count[CODE] != COMPLETED:
                 for each in own:
                     each[...] = 0.0
@@ -229,7 +236,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         code = self.advance(times, columns, MOST_STEPS)
         if code != PAUSED:  # nearly always
             return code
-        scene, most = self.layout.scene, integrate.most_evaluations(self.layout.scene)
+        scene = self.layout.scene
+        most = integrate.most_evaluations(self.layout.scene)
         guard = integrate.ProgressGuard(self.clocks, times[0], times[-1], scene.count, most)
         while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
             code = self.advance(times, columns, guard.within(MOST_STEPS))

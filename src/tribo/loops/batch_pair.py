@@ -30,19 +30,25 @@ class PairMembers:
     """The loop of single runs for many members.  Raises InputError if the potential fails."""
 
     def __init__(self, pair: Pair) -> None:
-        self._pair, self._times = pair, pair.layout.times
+        """Compile the loop, which takes the numbers of members as arguments."""
+        self._pair = pair
+        self._times = pair.layout.times
         self._record, potential = pair.scene_arguments
         self._numbers = np.array([numbers_of(potential)], float)
-        self._rows, self._clocks = pair.rows(), np.zeros(1, CLOCK)
+        self._rows = pair.rows()
+        self._clocks = np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(self._record, self._numbers, starts)
         self._loop = pair.entry_of_members(pair_members, None, (potential,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+        """The runs of some members; those whose start the loop cannot have are PAUSED."""
         assert isinstance(setting, Tolerance)
         self._rows[LIMITS:STATE] = self._pair.limits(setting)
         self._clocks["encounter_fraction"] = setting.encounter_fraction
-        record, potential, numbers = self._record, self._numbers, starts.numbers
+        record = self._record
+        potential = self._numbers
+        numbers = starts.numbers
         if numbers is not None:
             record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             potential = np.ascontiguousarray(numbers.potential)
@@ -66,7 +72,9 @@ def _pair_runs(
     pair: Pair, times: np.ndarray, samples: np.ndarray, counts: np.ndarray, starts: MemberStarts
 ) -> MemberRuns:
     """Runs of a pair's members from rows of its record, (times, members, COLUMNS)."""
-    layout, each_time, numbers = pair.layout, times.repeat(len(counts)), starts.numbers
+    layout = pair.layout
+    each_time = times.repeat(len(counts))
+    numbers = starts.numbers
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
@@ -98,6 +106,7 @@ class PairLanes:
     """
 
     def __init__(self, pair: Pair, method: Nystrom, own_numbers: bool = False) -> None:
+        """Compile the loop, with records in memory where members have `own_numbers`."""
         self._pair = pair
         self._times = np.array([0.0, pair.layout.scene.duration])
         self._stages = method.c.size
@@ -113,9 +122,12 @@ class PairLanes:
         self._loop = pair.entry_of_members(pair_members_in_lanes, own_numbers, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
+        """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""
         assert isinstance(setting, Tolerance)
-        y, numbers = np.ascontiguousarray(starts.y), starts.numbers
-        scenes, others = None, self._pair.lacks(y)
+        y = np.ascontiguousarray(starts.y)
+        numbers = starts.numbers
+        scenes = None
+        others = self._pair.lacks(y)
         if numbers is not None:
             records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
@@ -137,6 +149,7 @@ class PairLanes:
         self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the scene; samples and queue before the last."""
-        memory, samples = np.zeros(self._memory), np.empty((2, len(starts), COLUMNS))
+        memory = np.zeros(self._memory)
+        samples = np.empty((2, len(starts), COLUMNS))
         queue = queue_of(len(starts), GROUPS * LANES)
         return scenes, memory, self._table, bounds, starts, samples, queue, self._stages

@@ -32,7 +32,9 @@ def fitted(scene: Scene, state: State) -> tuple[Scene, tuple[str, ...]]:
     """
     before = {surface.name: surface for surface in state.scene.surfaces}
     _check_surfaces(scene, state.scene)
-    heights, surfaces, notes = state.heights, [], []
+    heights = state.heights
+    surfaces = []
+    notes = []
     for index, surface in enumerate(scene.surfaces):
         other = before[surface.name]
         _check_bath(surface, other)
@@ -65,17 +67,17 @@ def _check_surfaces(scene: Scene, before: Scene) -> None:
 def _places(scene: Scene) -> dict[str, dict[str, object]]:
     """Surface -> its settings on which the meaning of its coordinates depends."""
     tables: list[Mapping[str, Any]] = plain_table(scene)["surface"]
-    return {
-        table["name"]: {
-            **{key: table.get(key) for key in PLACES},
-            "asperite.length": table["asperite"]["length"],
-        }
-        for table in tables
-    }
+    found = {}
+    for table in tables:
+        own = {key: table.get(key) for key in PLACES}
+        own["asperite.length"] = table["asperite"]["length"]
+        found[table["name"]] = own
+    return found
 
 
 def _check_bath(surface: Surface, before: Surface) -> None:
-    one, other = surface.bath, before.bath
+    one = surface.bath
+    other = before.bath
     if not all(np.array_equal(getattr(one, k), getattr(other, k)) for k in OSCILLATORS):
         raise InputError(
             "start",
@@ -108,8 +110,10 @@ def _with_clamps(surface: Surface, before: Surface, state: State) -> Surface:
     """
     if surface.bars != "clamped":
         return surface
-    count, table = surface.count, state.surfaces[surface.name]
-    phi, nu = table["phi"] - table["nu"] * state.t, table["nu"]
+    count = surface.count
+    table = state.surfaces[surface.name]
+    phi = table["phi"] - table["nu"] * state.t
+    nu = table["nu"]
     if before.bars == "clamped":
         phi, nu = (before.initial.for_each(count)[name] for name in ("phi", "nu"))
     own = surface.initial.for_each(count)

@@ -33,7 +33,8 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
     fastest = _largest_speed(state)
     for surface in layout.scene.surfaces:
         part = layout.parts[surface.name]
-        own, table = layout.asperites[part], dict(state.surfaces[surface.name])
+        own = layout.asperites[part]
+        table = dict(state.surfaces[surface.name])
         _move_centres(table, own, surface.facing_sign, before[surface.name])
         for problem, size, speed in _held(surface, before[surface.name], own, table):
             if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
@@ -43,12 +44,14 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
         for name, places in slots.items():
             if places[0] >= 0:
-                q[places], v[places] = table[name], table[MOTIONS[name]]
+                q[places] = table[name]
+                v[places] = table[MOTIONS[name]]
         if surface.bath:
             oscillators = zip(OF_BATHS.items(), bath_slots(own, surface.bath), strict=True)
             for (name, rate), places in oscillators:
                 bath = state.baths[surface.name]
-                q[places], v[places] = bath[name], bath[rate]
+                q[places] = bath[name]
+                v[places] = bath[rate]
     return y
 
 
@@ -69,8 +72,11 @@ def _about_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> tuple[np.ndarr
 
     `arm` is their distance from the bar, negative where asperites face up.
     """
-    swing, omega = table["swing"], table["omega"]
-    sin, cos, versine = np.sin(swing), np.cos(swing), 2.0 * np.sin(0.5 * swing) ** 2
+    swing = table["swing"]
+    omega = table["omega"]
+    sin = np.sin(swing)
+    cos = np.cos(swing)
+    versine = 2.0 * np.sin(0.5 * swing) ** 2
     return arm * sin, arm * versine, arm * cos * omega, arm * sin * omega
 
 
@@ -113,7 +119,8 @@ def _largest_speed(state: State) -> float:
     """The largest speed of a bob or a surface in a state."""
     speeds = [0.0]
     for surface in state.scene.surfaces:
-        table, rods = state.surfaces[surface.name], surface.each["length"]
+        table = state.surfaces[surface.name]
+        rods = surface.each["length"]
         speeds += [_largest(table["vx"]), _largest(table["vy"]), _largest(table["omega"] * rods)]
         speeds.append(float(np.hypot(*surface.velocity)))
     return max(speeds)

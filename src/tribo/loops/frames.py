@@ -53,6 +53,7 @@ class Frames:
     """
 
     def __init__(self, path: Path, identity: Identity, resume: bool) -> None:
+        """Open the file, new or to resume.  Raises InputError if it is of another run."""
         self.path = checked_target(str(path), path)
         self._identity: Identity = json.loads(json.dumps(identity))
         self._end = len(MAGIC)  # of the frames
@@ -110,7 +111,8 @@ class Frames:
         now = time.perf_counter()
         due = now - self._due_from > max(INTERVAL, RELATIVE_INTERVAL * self._took)
         if due:
-            self._due_from, self._took = now, 0.0
+            self._due_from = now
+            self._took = 0.0
         return due
 
     def append(self, name: object, arrays: Arrays) -> None:
@@ -169,7 +171,8 @@ class Frames:
 
     def _next_frame(self) -> tuple[Any, Arrays] | None:
         """The next frame, which replaces one of its name; None at the end of those complete."""
-        frame, begin = self._frame_at(self._end), self._end
+        frame = self._frame_at(self._end)
+        begin = self._end
         if frame is not None:
             self._end = self._file.tell()
             self._places.pop(frame[0], None)  # the order is that of the file
@@ -195,7 +198,8 @@ class Frames:
 
     def _compact(self) -> None:
         """Write the file again, without the frames that others have replaced."""
-        new, places = self.path.with_name(self.path.name + NEW), {}
+        new = self.path.with_name(self.path.name + NEW)
+        places = {}
         end = len(MAGIC)
         try:
             file = open(new, "w+b", buffering=0)  # noqa: SIM115
@@ -214,7 +218,9 @@ class Frames:
             new.unlink(missing_ok=True)
             raise not_written(self.path, error) from None
         self._file.close()
-        self._file, self._places, self._end = file, places, end
+        self._file = file
+        self._places = places
+        self._end = end
 
 
 def _header(content: bytes) -> bytes:

@@ -52,10 +52,12 @@ class GeneralLoop(TimeLoop):
         first_step: float,
         threads: int = 1,
     ) -> None:
+        """Prepare the state, the memory of the method, and what is compiled."""
         self.layout = layout
         self._neighbours = layout.neighbours(method.splits)
         self.model, self.calls = own_model(layout)
-        self._kept, self._lists = keep(self.model), keep(self._neighbours)
+        self._kept = keep(self.model)
+        self._lists = keep(self._neighbours)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
@@ -63,9 +65,11 @@ class GeneralLoop(TimeLoop):
         if isinstance(setting, Tolerance):
             self.clocks.encounter_fraction = setting.encounter_fraction
         coordinates, accounts = layout.room
-        places, n = layout.places, layout.coordinates
+        places = layout.places
+        n = layout.coordinates
         y = np.zeros(2 * coordinates)
-        y[places.q], y[coordinates + places.q] = start[:n], start[n:]
+        y[places.q] = start[:n]
+        y[coordinates + places.q] = start[n:]
         self.state = initial_state(y, accounts, remembered(layout, method), method.splits)
         core = places.q[: layout.core]
         self._recorded = np.concatenate([core, coordinates + core]), places.s
@@ -149,6 +153,7 @@ class GeneralLoop(TimeLoop):
         return np.asarray(rows[:, self.layout.places.q[: self.layout.core]])
 
     def memory(self) -> Memory:
+        """All that a run continues from: clock, state, lists of neighbours, and noise."""
         memory = {"clock": numbers_of(self.clocks)}
         memory |= self.state._asdict()
         if self.layout.rows > 0:
@@ -163,6 +168,7 @@ class GeneralLoop(TimeLoop):
         return memory
 
     def restore(self, memory: Memory) -> None:
+        """Continue where another loop had this `memory`."""
         self.clocks[0] = tuple(memory["clock"])
         self.state = State(**{name: with_spare_lanes(memory[name]) for name in State._fields})
         self._hold()
@@ -218,9 +224,13 @@ def in_blocks(setting: Setting, layout: Layout) -> Setting:
     if not isinstance(setting, Tolerance):
         return setting
     coordinates, accounts = layout.room
-    y, s, n = room((2 * coordinates,)), room((accounts,)), layout.coordinates
-    y[:], s[:] = 1.0, 1.0
-    y[layout.places.q], y[coordinates + layout.places.q] = setting.y[:n], setting.y[n:]
+    y = room((2 * coordinates,))
+    s = room((accounts,))
+    n = layout.coordinates
+    y[:] = 1.0
+    s[:] = 1.0
+    y[layout.places.q] = setting.y[:n]
+    y[coordinates + layout.places.q] = setting.y[n:]
     s[layout.places.s] = setting.s
     return setting._replace(y=y, s=s)
 

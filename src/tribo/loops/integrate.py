@@ -83,8 +83,11 @@ class ProgressGuard:
     def __init__(
         self, clocks: np.ndarray, beginning: float, end: float, asperites: int, most: float
     ) -> None:
+        """Look at the progress often enough for the evaluations that are allowed."""
         self._clock = clocks[0]
-        self._beginning, self._end, self._most = beginning, end, most
+        self._beginning = beginning
+        self._end = end
+        self._most = most
         every = max(FEWEST_TRIALS, min(2 * TRIALS // asperites, int(most / LOOKS)))
         # So often that a run which may take few evaluations does not take many times as many.
         self._every = max(1, min(every, int(most / OF_A_TRIAL)))
@@ -117,7 +120,8 @@ class StiffnessGuard:
     """
 
     def __init__(self, loop: TimeLoop, step: float) -> None:
-        self._loop, self._step = loop, step
+        self._loop = loop
+        self._step = step
 
     def within(self, budget: int) -> int:
         """At most so many steps, and no more than until the next look."""
@@ -280,7 +284,8 @@ def integrate(
             progress(t)
 
     for first in range(rows * reached.portions, times.size, rows):
-        portion, held = times[first : first + rows], reached.held
+        portion = times[first : first + rows]
+        held = reached.held
         status = reached.status or run_in_chunks(loop, portion, columns, between, most, guard)
         ended = status != Status.COMPLETED or first + rows >= times.size
         if ended and checkpoints is not None and reached.status is None:
@@ -300,7 +305,9 @@ def integrate(
         if streamed is not None:
             end = streamed.add(held, earlier)
             if end is not None:
-                status, held, cut = end[1], held.at(held.t[: end[0] + 1]), True
+                status = end[1]
+                held = held.at(held.t[: end[0] + 1])
+                cut = True
             held = held.last_interval(loop.layout.beginning)
         reached = Reached(reached.portions + 1, held)
         if status == Status.COMPLETED and ended and guard is not None and guard.is_exceeded():
@@ -320,7 +327,8 @@ def integrate(
 
 def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[int, ...]]:
     """Memory, counts and passages of a loop, which goes on to record where it has stopped."""
-    memory, counts = loop.memory(), np.zeros(COUNTS)
+    memory = loop.memory()
+    counts = np.zeros(COUNTS)
     if status != Status.COMPLETED:
         memory = {name: array.copy() for name, array in memory.items()}
     names = ("steps", "evaluations", "passages", "passing", "passed")
@@ -331,11 +339,14 @@ def _reached(loop: TimeLoop, status: Status) -> tuple[Memory, np.ndarray, tuple[
 
 def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Status) -> Samples:
     """The samples of a run, and the state in which it stopped as one more."""
-    done, t = int(loop.clocks["sample"][0]), float(loop.clocks["t"][0])
+    done = int(loop.clocks["sample"][0])
+    t = float(loop.clocks["t"][0])
     if status == Status.COMPLETED or (done and times[done - 1] == t):
         return loop.samples(times[:done], columns)
     # The loop records a sample that is due before it takes a step.
-    loop.clocks["sample"], loop.clocks["t_low"], loop.clocks["evaluations"] = 0, 0.0, 1
+    loop.clocks["sample"] = 0
+    loop.clocks["t_low"] = 0.0
+    loop.clocks["evaluations"] = 1
     loop.forget_neighbours()
     rest = tuple(column[done:] for column in columns)
     while loop.advance(np.array([t]), rest, 1) == PAUSED:
@@ -356,11 +367,14 @@ def run_in_chunks(
     The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
     `resolved` stops a run whose steps are too long.
     """
-    budget, code, layout = FIRST_CHUNK, PAUSED, loop.layout
+    budget = FIRST_CHUNK
+    code = PAUSED
+    layout = loop.layout
     most = most_evaluations(layout.scene) if most is None else most
     guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
     for item in loop.calls:
-        item.error, item.interrupted = None, False
+        item.error = None
+        item.interrupted = False
     try:
         while code == PAUSED:
             began = time.perf_counter()

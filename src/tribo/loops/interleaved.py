@@ -42,22 +42,20 @@ def interleaved(
 
     Those that have `times_in_lanes` go on with steps of their own.
     """
-    scene, old, mine = layout.scene, layout.model, np.asarray(layout.surfaces)
+    scene = layout.scene
+    old = layout.model
+    mine = np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
     shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
     surfaces = mine.copy()
     surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
-    places = [
-        slots.places(
-            numbering,
-            theirs,
-            LANES * np.arange(shared) + lane,
-            [LANES * np.arange(surface.count) + lane for surface in scene.surfaces],
-        )
-        for lane in range(LANES)
-    ]
+    places = []
+    for lane in range(LANES):
+        of_all = LANES * np.arange(shared) + lane
+        of_surfaces = [LANES * np.arange(surface.count) + lane for surface in scene.surfaces]
+        places.append(slots.places(numbering, theirs, of_all, of_surfaces))
     columns = np.stack([each.columns for each in places], axis=1)
     asperites = np.asarray(layout.asperites)
     tables = model_tables(scene, asperites, theirs, columns, own_numbers)
@@ -68,7 +66,8 @@ def interleaved(
         members=room((theirs.columns,)),
         team=None,
     )
-    memory, numbers = np.empty(0), np.empty((LANES, 0), np.int64)
+    memory = np.empty(0)
+    numbers = np.empty((LANES, 0), np.int64)
     if own_numbers:
         eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
     model = model_of(scene, eight, times_in_lanes=times_in_lanes)

@@ -38,7 +38,8 @@ class Journal(Frames):
 
     def integration(self, key: bytes) -> JournaledIntegration:
         """The next integration.  Raises InputError if the journal has it with another `key`."""
-        number, known = self._number, self._known.pop(self._number, {})
+        number = self._number
+        known = self._known.pop(self._number, {})
         self._number += 1
         if "memory" in known and known["memory"]["key"].tobytes() != key:
             raise InputError(
@@ -51,17 +52,23 @@ class JournaledIntegration:
     """One integration in a journal; :class:`tribo.loops.integrate.Checkpoints`."""
 
     def __init__(self, journal: Journal, number: int, key: bytes, known: dict[Any, Arrays]) -> None:
+        """Take what the journal has of this integration, which `restore` fills in."""
         self.due = journal.is_due
-        self._journal, self._number, self._key = journal, number, key
+        self._journal = journal
+        self._number = number
+        self._key = key
         # Frames: "memory", ("portions", number of them so far) of a streamed run, and samples of
         # portions that were under way by the numbers of the portion and of the part.
         self._known = known
         # What the journal has: portions, and of the next one parts and samples in them.
-        self._portions, self._parts, self._samples = 0, 0, 0
+        self._portions = 0
+        self._parts = 0
+        self._samples = 0
 
     def restore(self, loop: TimeLoop, columns: Columns, streamed: StreamedLedger | None) -> Reached:
         """Fill in what the journal has, if anything: portions, samples of the next one, memory."""
-        known, self._known = self._known, {}
+        known = self._known
+        self._known = {}
         if "memory" not in known:
             return Reached()
         memory = below("memory_", known["memory"])
@@ -77,9 +84,11 @@ class JournaledIntegration:
             stop = self._samples + len(part["column_0"])
             for k, column in enumerate(columns):
                 column[self._samples : stop] = part[f"column_{k}"]
-            self._parts, self._samples = self._parts + 1, stop
+            self._parts += 1
+            self._samples = stop
         loop.restore(below("loop_", memory))
-        held, status = below("held_", memory), known["memory"]["status"].tobytes().decode()
+        held = below("held_", memory)
+        status = known["memory"]["status"].tobytes().decode()
         samples = Samples(**held) if held else None
         return Reached(self._portions, samples, Status(status) if status else None)
 
@@ -93,12 +102,15 @@ class JournaledIntegration:
             new = streamed.new_arrays() | {"first": np.array(self._portions)}
             self.write(("portions", reached.portions), new)
             done_with = [(self._portions, part) for part in range(self._parts)]
-            self._portions, self._parts, self._samples = reached.portions, 0, 0
+            self._portions = reached.portions
+            self._parts = 0
+            self._samples = 0
         done = int(loop.clocks["sample"][0])
         if done > self._samples:
             arrays = {f"column_{k}": c[self._samples : done] for k, c in enumerate(columns)}
             self.write((self._portions, self._parts), arrays)
-            self._parts, self._samples = self._parts + 1, done
+            self._parts += 1
+            self._samples = done
         memory = under("loop_", loop.memory()) | {"portions": np.array(reached.portions)}
         if reached.held is not None:
             memory |= under("held_", reached.held.arrays())

@@ -67,8 +67,11 @@ class LaneLoop(RecordingLoop):
         own_numbers: bool,
         alone: Pool[GeneralMembers],
     ) -> None:
-        self.layout, self._alone = layout, alone
-        self._longest, self._order = first_step, method.order
+        """Lay out eight members, and compile their loop."""
+        self.layout = layout
+        self._alone = alone
+        self._longest = first_step
+        self._order = method.order
         self.eight = eight = interleaved(layout, own_numbers, not method.splits)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
         self.coefficients: Any = method.coefficients
@@ -103,6 +106,7 @@ class LaneLoop(RecordingLoop):
     def fill(
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
     ) -> np.ndarray:
+        """Run members into columns; those that did not complete run again one by one."""
         members = len(starts.y)
         numbers = np.empty((members, 0))
         assert starts.numbers is not None or self.eight.memory.size == 0
@@ -137,10 +141,13 @@ class LaneLoop(RecordingLoop):
 
 class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
+        """Keep a clock for each lane and memory of trials, and compile the loop."""
         assert isinstance(setting, Tolerance)
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
-        speeds, layout = room((3, self.eight.model.each.shape[1])), self.layout
-        tried, new = room((TRIED, LANES)), empty_state(self._state)
+        speeds = room((3, self.eight.model.each.shape[1]))
+        layout = self.layout
+        tried = room((TRIED, LANES))
+        new = empty_state(self._state)
         self._state, *self._scratch = self.keep(
             (self._state, tried, self._work, speeds, new), [self._clocks]
         )
@@ -161,7 +168,8 @@ class NystromLanes(LaneLoop):
         assert isinstance(setting, Tolerance)
         self.forget()
         self._clocks["encounter_fraction"] = setting.encounter_fraction
-        queue, y = queue_of(len(starts.y), LANES), np.ascontiguousarray(starts.y)
+        queue = queue_of(len(starts.y), LANES)
+        y = np.ascontiguousarray(starts.y)
         arguments = self._arguments(setting, queue, y, numbers, columns, TRIALS)
         while self._entry(*arguments) == PAUSED:
             pass
@@ -177,13 +185,16 @@ class NystromLanes(LaneLoop):
         budget: int,
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model; tolerances of what fills blocks are 1."""
-        y, s = np.ones_like(self._state.y), np.ones_like(self._state.s)
+        y = np.ones_like(self._state.y)
+        s = np.ones_like(self._state.s)
         y[self._places] = tolerance.y
         s[self.eight.s + np.arange(LANES)[:, None]] = tolerance.s
         first_step = first_step_at(tolerance, self._longest, self._order)
         places = self._places, numbers, self.eight.numbers
         begin = Starts(starts, *places, self.eight.memory, first_step)
-        state, times, record = keep(self._state), self.layout.times, self.record(columns)
+        state = keep(self._state)
+        times = self.layout.times
+        record = self.record(columns)
         run = self._clocks, state, times, record, budget, keep(queue), keep(begin)
         tolerance = keep(tolerance._replace(y=y, s=s))
         return self.coefficients, tolerance, *run, *map(keep, self._scratch)
@@ -191,6 +202,7 @@ class NystromLanes(LaneLoop):
 
 class SplittingLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
+        """Keep one clock for all lanes and count deviates of a step, and compile the loop."""
         assert isinstance(setting, float)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
@@ -214,7 +226,8 @@ class SplittingLanes(LaneLoop):
     ) -> np.ndarray:
         """Run members eight by eight: with equal steps, all of them end together."""
         assert isinstance(setting, float)
-        members, times = len(starts.y), self.layout.times.size
+        members = len(starts.y)
+        times = self.layout.times.size
         chosen = np.arange(padded(members)).clip(max=members - 1)
         counts = np.empty((members, COUNTS), np.int64)
         for first in range(0, members, LANES):
@@ -225,7 +238,8 @@ class SplittingLanes(LaneLoop):
             lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
-            counts[own, STEPS], counts[own, EVALUATIONS] = clock.steps, clock.evaluations
+            counts[own, STEPS] = clock.steps
+            counts[own, EVALUATIONS] = clock.evaluations
             if sums.size:
                 found = self._state.memory[MOVED - WATCH_ROWS :, self._watched_places]
                 sums[own] = np.moveaxis(found, 1, 0)
@@ -253,7 +267,9 @@ class SplittingLanes(LaneLoop):
         self, step: float, columns: Columns, budget: int, deviates: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
-        state, times, record = keep(self._state), self.layout.times, self.record(columns)
+        state = keep(self._state)
+        times = self.layout.times
+        record = self.record(columns)
         run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))
         return self.coefficients, step, *run, self._watch, noise, keep(self._work)

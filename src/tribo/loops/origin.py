@@ -47,7 +47,8 @@ class Origin:
             _check_shapes("memory.", state.memory, wanted)
             fraction = loop.clocks["encounter_fraction"].copy()
             loop.restore(state.memory)
-            loop.clocks["encounter_fraction"], loop.clocks["sample"] = fraction, 0
+            loop.clocks["encounter_fraction"] = fraction
+            loop.clocks["sample"] = 0
             return
         loop.clocks["t"] = state.t
         if self.same_scene:
@@ -72,8 +73,10 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
         raise InputError(
             "duration", f"must be later than the state's t = {state.t:g}, got {scene.duration:g}"
         )
-    old, new = plain_table(state.scene), plain_table(scene)
-    before, now = ({k: v for k, v in each.items() if k not in NO_PHYSICS} for each in (old, new))
+    old = plain_table(state.scene)
+    new = plain_table(scene)
+    before = {key: value for key, value in old.items() if key not in NO_PHYSICS}
+    now = {key: value for key, value in new.items() if key not in NO_PHYSICS}
     # Works go on only where the same ones are kept.
     same_ledger = state.scene.output.ledger == scene.output.ledger
     same_scene = first_difference(before, now) is None and same_ledger
@@ -82,9 +85,11 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
     start = fitted_start(layout, state)
     if same_scene and not np.array_equal(state.y, start):
         raise InputError("start", "must be a whole state, but its y is not that of its surfaces")
-    anchors, begun = state.anchors, state.begun
+    anchors = state.anchors
+    begun = state.begun
     if not same_scene:
-        anchors, begun = _anchors(layout, state, old, new), _begun(layout, state, old, new)
+        anchors = _anchors(layout, state, old, new)
+        begun = _begun(layout, state, old, new)
         if 0.0 < scene.output.run_in <= state.t:
             notes += (
                 f"output.run_in = {scene.output.run_in:g} is before the state's t = {state.t:g}: "
@@ -158,12 +163,14 @@ def _anchors(layout: Layout, state: State, old: dict[str, Any], new: dict[str, A
     # The place of each in the state, and whether its speed is the same.
     known: list[tuple[int | None, bool]] = []
     for surface in layout.scene.surfaces:
-        stage, other = surface.drive.stage, before[surface.name]
+        stage = surface.drive.stage
+        other = before[surface.name]
         if stage is None or other is None:
             known.append((None, False))
         else:
             known.append((places.index(surface.name), stage.speed == other.speed))
-    ones, others = old.get("field", []), new.get("field", [])
+    ones = old.get("field", [])
+    others = new.get("field", [])
     found = _known_fields(ones, others, state.phases[len(places) :])
     for place, field in zip(found, others, strict=True):
         same = place is not None and ones[place]["velocity"] == field["velocity"]

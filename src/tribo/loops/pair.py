@@ -46,7 +46,8 @@ from tribo.pair.step import table
 from tribo.threads.writable_memory import entry_point
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
-ARC1, ARC2 = ENERGY, ENERGY + 1
+ARC1 = ENERGY
+ARC2 = ENERGY + 1
 
 FIRST_ACCOUNT = step_rows.J + 1
 # Names of what records of asperites contain.
@@ -77,7 +78,8 @@ class Slots(NamedTuple):
 
 @once_per_layout
 def _slots_of(layout: Layout) -> tuple[Slots, ...]:
-    asperites, surfaces = np.asarray(layout.asperites), np.asarray(layout.surfaces)
+    asperites = np.asarray(layout.asperites)
+    surfaces = np.asarray(layout.surfaces)
     names = Slots._fields[:-1]
     blocks = surfaces["acc_block"].tolist()
     each = zip(*(asperites[name].tolist() for name in names), blocks, strict=True)
@@ -89,7 +91,9 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
 
     Asperites (..., 2) have the slots of the layout.  Accounts: see :mod:`tribo.kernels.powers`.
     """
-    n, shape, mobility = layout.coordinates, asperites.shape[:-1], _mobility_of(layout, asperites)
+    n = layout.coordinates
+    shape = asperites.shape[:-1]
+    mobility = _mobility_of(layout, asperites)
     to_state = np.zeros((*shape, 2 * n, ENERGY + 2))
     to_accounts = np.zeros((*shape, layout.accounts, ENERGY + 2))
     columns = (
@@ -98,7 +102,8 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
     )
     for i, (slots, sign) in enumerate(zip(_slots_of(layout), (1.0, -1.0), strict=True)):
         q, v, about_x, about_y, twist, arc = columns[i]
-        a, slide = asperites[..., i], mobility[..., i]
+        a = asperites[..., i]
+        slide = mobility[..., i]
         to_state[..., i, q] = to_state[..., n + i, v] = 1.0
         first = FIRST_ACCOUNT
         contact = slots.acc_contact
@@ -161,7 +166,8 @@ def is_pair(layout: Layout) -> bool:
     for the impulse of the contact and for their rates.
     """
     model = layout.model
-    a, surfaces = layout.together.asperites, np.asarray(layout.surfaces)
+    a = layout.together.asperites
+    surfaces = np.asarray(layout.surfaces)
     along_x = a.dof_x[a.dof_x >= 0]
     return (
         layout.scene.count == surfaces.size == 2
@@ -192,12 +198,14 @@ class Pair:
     """
 
     def __init__(self, layout: Layout, method: Method, first_step: float) -> None:
+        """Fill the rows that no run changes, and compile the loop of single runs."""
         began = time.perf_counter()
         self.layout = layout
         self.scene_arguments = _scene_arguments(layout)
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
-        self._first_step, self._order = FIRST_STEP_FACTOR * first_step, method.order
+        self._first_step = FIRST_STEP_FACTOR * first_step
+        self._order = method.order
         slots = np.asarray(layout.asperites)["dof_x"].tolist()
         along_x = np.array([slot for slot in slots if slot >= 0], int)
         # Of y: what is zero at the start of every run of the loop.
@@ -214,7 +222,8 @@ class Pair:
     def displaced(self, layout: Layout) -> Pair:
         """The same loops for a layout in which the places of bobs alone are others."""
         pair = copy(self)
-        pair.layout, pair.scene_arguments = layout, _scene_arguments(layout)
+        pair.layout = layout
+        pair.scene_arguments = _scene_arguments(layout)
         pair.entry = self.entry.with_fixed(*pair.scene_arguments)
         return pair
 
@@ -272,6 +281,7 @@ class Pair:
         return found
 
     def _limits_of(self, tolerance: Tolerance) -> np.ndarray:
+        """What the loop takes of tolerances: those of its own rows, and its first step."""
         everything = np.concatenate([tolerance.y, tolerance.s])
         factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):

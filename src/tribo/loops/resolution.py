@@ -41,7 +41,9 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     By Gershgorin: the sum of a row of the matrix of stiffnesses, over mass and inertia of its bar;
     the largest of the members, where there are any.
     """
-    a, surfaces, springs = layout.asperites, layout.surfaces, layout.model.springs
+    a = layout.asperites
+    surfaces = layout.surfaces
+    springs = layout.model.springs
     pulling = surfaces.stiffness if members is None else members.of_surfaces[..., row.OWN_STIFFNESS]
     has_stage = np.array([surface.drive.stage is not None for surface in layout.scene.surfaces])
     stiffness = np.where(has_stage, pulling, 0.0)[..., a.surface]
@@ -60,7 +62,8 @@ def bath_frequency(layout: Layout) -> float:
 
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a field that states its curvature [rad / time]."""
-    mobility, fastest = _mobility(layout.constants, row.L1), 0.0
+    mobility = _mobility(layout.constants, row.L1)
+    fastest = 0.0
     for field in layout.model.fields or ():
         curvature = curvature_of(field.potential)
         if curvature > 0.0:
@@ -99,7 +102,8 @@ def longest_damped_step(layout: Layout, members: MemberNumbers | None = None) ->
 
     Infinite where no reservoir acts on pendulums that can swing [time].
     """
-    a, table = layout.asperites, layout.constants
+    a = layout.asperites
+    table = layout.constants
     gamma, swing_gamma, temperature, other = (
         layout.surfaces[name] if members is None else members.of_surfaces[..., place]
         for place, name in list(enumerate(OF_MEMBERS))[row.OWN_GAMMA :]
@@ -154,18 +158,21 @@ def _mobility(table: np.ndarray, length: int) -> np.ndarray:
 
 def _user_rates(layout: Layout) -> Iterator[float]:
     """Rates of change of places, angles and velocities, at one asperite of each surface."""
-    a, mobility = layout.asperites, _mobility(layout.constants, row.L2)
+    a = layout.asperites
+    mobility = _mobility(layout.constants, row.L2)
     for drive in layout.model.drives or ():
         i = int(layout.surfaces.start[drive.surface])
         place = np.add(drive.origin, (a.x[i], a.y[i] + a.facing[i] * a.l2[i]))
         velocity = np.add(drive.velocity, (a.vx[i], a.vy[i]))
-        state, size = (0.0, *place, *velocity, 0.0, 0.0), float(a.l1[i] + a.l2[i])
+        state = (0.0, *place, *velocity, 0.0, 0.0)
+        size = float(a.l1[i] + a.l2[i])
         force = drive.plugin.force_on_bar
         yield np.sqrt(_slope(force, state, (1, 2), size) * mobility[i])
         yield _slope(force, state, (3, 4), size) * mobility[i]
     for end in layout.model.ends or ():
         i = int(layout.surfaces.start[end.surface])
-        angles, arm = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0), a.bar_length[i] / a.i2[i]
+        angles = (0.0, float(a.phi[i]), float(a.nu[i]), 0.0)
+        arm = a.bar_length[i] / a.i2[i]
         force = end.plugin.end_forces
         yield np.sqrt(_slope(force, angles, (1, 3), 1.0) * arm)
         yield _slope(force, angles, (2,), 1.0) * arm
@@ -180,7 +187,8 @@ def _slope(
     """The largest derivative of a force by some of its arguments; nan if it cannot be computed."""
     slopes = [0.0]
     for place in places:
-        one, other = list(state), list(state)
+        one = list(state)
+        other = list(state)
         one[place] -= DIFFERENCE * size
         other[place] += DIFFERENCE * size
         try:

@@ -144,13 +144,16 @@ def _tables(prefix: str, arrays: Mapping[str, np.ndarray]) -> dict[str, dict[str
 
 
 def state_of(layout: Layout, method: str, run: Integration) -> State:
+    """The state at the last sample of a run, which a later run can continue from."""
     last = run.samples.last()
-    core, n = layout.core, layout.coordinates
+    core = layout.core
+    n = layout.coordinates
     y = last.y[0].copy()
     if "y" in run.memory:
         y = run.memory["y"].reshape(2, -1)[:, layout.places.q].ravel()
     # A sample has the coordinates of the asperites at its time; a loop may be behind with them.
-    y[:core], y[n : n + core] = last.y[0, :core], last.y[0, core:]
+    y[:core] = last.y[0, :core]
+    y[n : n + core] = last.y[0, core:]
     return replace(
         _state(layout, float(last.t[0]), y, last.s[0], run.samples.first()),
         memory=run.memory,
@@ -190,7 +193,8 @@ def _state(layout: Layout, t: float, y: np.ndarray, s: np.ndarray, first: Sample
 
 def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
     """The coordinates of a surface's asperites and their rates, by name."""
-    a, n = layout.asperites[part], layout.coordinates
+    a = layout.asperites[part]
+    n = layout.coordinates
     table = {"swing": y[:n][part], "omega": y[n:][part]}
     clamped = np.array([a.phi + a.nu * t, a.nu])
     for name, absent in (("phi", clamped), ("x", 0.0), ("y", 0.0)):
@@ -205,7 +209,8 @@ def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
 
 def _bath(layout: Layout, surface: Surface, y: np.ndarray) -> Table:
     """The coordinates of the oscillators on a surface's bars and their rates, by name."""
-    slots, table = bath_slots(layout.asperites[layout.parts[surface.name]], surface.bath), {}
+    slots = bath_slots(layout.asperites[layout.parts[surface.name]], surface.bath)
+    table = {}
     for (name, rate), own in zip(OF_BATHS.items(), slots, strict=True):
         table[name], table[rate] = y.reshape(2, -1)[:, own]
     return table

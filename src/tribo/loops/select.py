@@ -47,6 +47,7 @@ class Integrator:
         journal: Journal | None = None,
         threads: int = 1,
     ) -> None:
+        """Choose the loop of a pair or the general one, and compile it."""
         self.layout = layout
         self.method = method
         self.first_step = first_step(layout)
@@ -79,7 +80,8 @@ class Integrator:
         A scene that is no pair has `has_batches`, and `fit_lanes` too for numbers of their own.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
-        method, first_step = self.method, self.first_step
+        method = self.method
+        first_step = self.first_step
         if pair is not None:
             return Batch(lambda: PairMembers(pair))
         alone = Pool(lambda: GeneralMembers(layout, method, first_step))
@@ -128,7 +130,8 @@ class Integrator:
         loop = self.loop(layout, setting, start)
         before = None
         if self.origin is not None:
-            before, times = self.origin.first, times[times >= self.layout.beginning]
+            before = self.origin.first
+            times = times[times >= self.layout.beginning]
         step = setting if isinstance(setting, float) else None
         run = integrate(
             loop, times, self._progress, streamed, entry, None, before, most, step, resolved

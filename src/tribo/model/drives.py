@@ -267,7 +267,8 @@ class Pushed(Drive):
         return Ramp(self.force, self.rate)
 
     def numbers(self, velocity: float) -> dict[str, float]:
-        (push, load), (push_rate, load_rate) = self.force, self.rate
+        push, load = self.force
+        push_rate, load_rate = self.rate
         own = {"push": push, "push_rate": push_rate, "load": load, "load_rate": load_rate}
         return {"loaded": 1.0, **own}
 
@@ -350,6 +351,7 @@ class Custom(Drive):
         return self.load != 0.0 and not (self.load is None and self.cancels_y)
 
     def __post_init__(self) -> None:
+        """Check the force, and take over the flags that its class declares."""
         super().__post_init__()
         plugins.check_class(type(self.force), "force", FORCE_ON_BAR)
         object.__setattr__(self, "force", plugins.with_numbers(self.force))

@@ -46,10 +46,12 @@ QUARTER_PI = 0.785
 # Largest swing of a member in a lane [rad]: up to a million quarter turns are reduced exactly.
 LARGEST_SWING = 1e6
 # Bounds on the ratio of a step to the one before it.
-LEAST_GROWTH, MOST_GROWTH = 0.2, 4.0
+LEAST_GROWTH = 0.2
+MOST_GROWTH = 4.0
 # Parts of the growth that an error allows: of those from 0.75 to 0.92 they take the fewest
 # evaluations on cases A and C of the paper.
-CAUTION, CAUTION_AT_HIGH_ORDER = 0.75, 0.8
+CAUTION = 0.75
+CAUTION_AT_HIGH_ORDER = 0.8
 # Stages from which on the error is taken to grow as h^16, and not as h^8: other roots take
 # longer than what they save.
 HIGH_ORDER = 12
@@ -135,7 +137,9 @@ def rate_of_encounters(pair, potential, r, q1, q2, rates):
     speed = speed + (abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2)
     clear = r
     for i in range(LANES):
-        own, one, other = numbers_at_lane(potential, i), pair.charge1, pair.charge2
+        own = numbers_at_lane(potential, i)
+        one = pair.charge1
+        other = pair.charge2
         each = own.clearance_between(lane(r, i), lane_of(one, i), lane_of(other, i))
         clear = with_lane(clear, i, each)
     return speed / clear
@@ -205,13 +209,15 @@ def end_step(pair, potential, scenes, work, limits, table, at, stages):
 @kernel
 def prepare_starts(pair, potential, work, at, scenes, starts, samples):
     """Write the first samples, with the accelerations at the start in place of accounts."""
-    members, n = starts.shape[0], starts.shape[1] // 2
+    members = starts.shape[0]
+    n = starts.shape[1] // 2
     for first in range(0, members, LANES):
         q1 = q2 = zero = broadcast(0.0)
         for i in range(LANES):
             m = min(first + i, members - 1)
             load_scene(work, at, i, m, scenes)
-            q1, q2 = with_lane(q1, i, starts[m, 0]), with_lane(q2, i, starts[m, 1])
+            q1 = with_lane(q1, i, starts[m, 0])
+            q2 = with_lane(q2, i, starts[m, 1])
         pairs, potentials = own_scenes(pair, potential, work, at, scenes)
         f, _ = accelerations(pairs, potentials, zero, q1, q2, zero)
         for i in range(min(LANES, members - first)):
@@ -219,10 +225,15 @@ def prepare_starts(pair, potential, work, at, scenes, starts, samples):
             own = samples[0, m]
             for column in range(ENERGY):
                 own[column] = 0.0
-            own[Q1], own[Q2] = starts[m, 0], starts[m, 1]
-            own[V1], own[V2] = starts[m, n], starts[m, n + 1]
-            own[START], own[START + 1], own[START + 2] = lane(f[0], i), lane(f[1], i), lane(f[2], i)
-            one, its = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
+            own[Q1] = starts[m, 0]
+            own[Q2] = starts[m, 1]
+            own[V1] = starts[m, n]
+            own[V2] = starts[m, n + 1]
+            own[START] = lane(f[0], i)
+            own[START + 1] = lane(f[1], i)
+            own[START + 2] = lane(f[2], i)
+            one = numbers_at_lane(pairs, i)
+            its = numbers_at_lane(potentials, i)
             own[ENERGY] = energy_at(one, its, 0.0, own[Q1], own[Q2], 0.0)
 
 
@@ -242,9 +253,12 @@ def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     the energy of the contact, -dU = velocity_x J + mobility S + arm1 (X1 + Y1) - arm2 (X2 + Y2),
     where S = J^2 / 2.
     """
-    i, m = k % LANES, queue.held[k]
-    pair, potential = numbers_at_lane(pairs, i), numbers_at_lane(potentials, i)
-    first, last = samples[0, m], samples[1, m]
+    i = k % LANES
+    m = queue.held[k]
+    pair = numbers_at_lane(pairs, i)
+    potential = numbers_at_lane(potentials, i)
+    first = samples[0, m]
+    last = samples[1, m]
     for row in range(J + 1):
         last[row] = work[row, i]
     for row in range(J + 1, ENERGY):
@@ -255,27 +269,34 @@ def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     gain2 = gain_of(first, last, Q2, V2, pair.omega_squared2)
     slide = 0.5 * last[J] * last[J]
     released = (first[ENERGY] - last[ENERGY]) - pair.velocity_x * last[J] - pair.mobility * slide
-    both1, both2 = gain1 / pair.lever_x1, gain2 / pair.lever_x2
+    both1 = gain1 / pair.lever_x1
+    both2 = gain2 / pair.lever_x2
     account = J + 1
-    last[account + S], last[account + X1], last[account + X2] = slide, both1, both2
+    last[account + S] = slide
+    last[account + X1] = both1
+    last[account + X2] = both2
     if pair.lever_x1 != pair.lever_y1:
         both = (released + pair.arm2 * both2) / pair.arm1
         y = (gain1 - pair.lever_x1 * both) / (pair.lever_y1 - pair.lever_x1)
-        last[account + X1], last[account + Y1] = both - y, y
+        last[account + X1] = both - y
+        last[account + Y1] = y
     if pair.lever_x2 != pair.lever_y2:
         both = (pair.arm1 * both1 - released) / pair.arm2
         y = (gain2 - pair.lever_x2 * both) / (pair.lever_y2 - pair.lever_x2)
-        last[account + X2], last[account + Y2] = both - y, y
+        last[account + X2] = both - y
+        last[account + Y2] = y
     swings = max(abs(last[Q1]), abs(last[Q2]))
     whole = work[T, i] >= end and swings <= LARGEST_SWING and math.isfinite(gain1 + gain2)
-    steps, trials = int(work[ACCEPTED, i]), int(work[TRIALS, i])
+    steps = int(work[ACCEPTED, i])
+    trials = int(work[TRIALS, i])
     leave_member(queue, k, COMPLETED if whole else PAUSED, steps, trials * stages)
 
 
 @kernel
 def fill_lane(memory, k, at, limits, scenes, samples, queue):
     """Begin the next member that waits in lane k of all; without one let the lane rest."""
-    work, i = memory[k // LANES], k % LANES
+    work = memory[k // LANES]
+    i = k % LANES
     m = next_member(queue, k)
     for row in range(F):
         work[row, i] = 0.0
@@ -306,7 +327,8 @@ def pair_members_in_lanes(
     scenes, table, limits, starts, samples, queue = pointers(
         (scenes, table, limits, starts, samples, queue)
     )
-    own, members = F + 3 * stages, starts.shape[0]
+    own = F + 3 * stages
+    members = starts.shape[0]
     prepare_starts(pair, potential, memory[0], own, scenes, starts, samples)
     for k in range(GROUPS * LANES):
         load_scene(memory[k // LANES], own, k % LANES, members - 1, scenes)

@@ -75,7 +75,8 @@ def _drawing(ax: Axes, case: str) -> None:
 def _works(ax: Axes, case: str, table: Sequence[Row]) -> None:
     """Works and internal energy of the upper asperite; a dot at each number printed for the end."""
     result = Run.extended(case).result
-    series, shown = result["upper"], result.t <= END[case]
+    series = result["upper"]
+    shown = result.t <= END[case]
     for name in CURVES.values():
         energy = name == "delta_e_int"
         colour = INK if energy else WORKS[name].colour

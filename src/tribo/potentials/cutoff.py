@@ -105,7 +105,8 @@ class Shifted(WithCutoff):
 
     def energy_subtracted(self, charge):
         """U at the cutoff, and what the potential itself subtracts."""
-        inner, end = self.potential, self.cutoff
+        inner = self.potential
+        end = self.cutoff
         found = inner.energy_subtracted(charge)
         if end < inner.range():
             found += abs(float(inner.energy_between(end, charge, charge)))
@@ -147,7 +148,8 @@ class ForceShifted(WithCutoff):
 
     def energy_subtracted(self, charge):
         """U and its slope at the cutoff, and what the potential itself subtracts."""
-        inner, end = self.potential, self.cutoff
+        inner = self.potential
+        end = self.cutoff
         found = inner.energy_subtracted(charge)
         if end < inner.range():
             found += abs(float(inner.energy_between(end, charge, charge)))

@@ -120,6 +120,7 @@ def sweep(
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
+        """The table of all points, or of those before an interrupt."""
         import xarray
 
         if statistics or half_width is not None:
@@ -130,7 +131,8 @@ def sweep(
         # All points by one engine, those that one plan serves side by side.
         kept = request.kept(recorded)
         sets, order = point_sets(grid, request, variation, number, kept)
-        by, store = how, MemberStore(target.frames)
+        by = how
+        store = MemberStore(target.frames)
         if progress is not None:
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)

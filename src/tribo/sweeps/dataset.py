@@ -32,10 +32,13 @@ class Table:
     def __init__(
         self, grid: Grid, order: list[Axis], kept: Kept, found: KeptValues, members: Members | None
     ) -> None:
+        """Put runs in the places of their points; points without runs are NOT_RUN."""
         self._members = () if members is None else (members.seeds.size,)
         if missing := grid.size * math.prod(self._members) - found["status"].size:
             found = joined([found, kept.without_runs(missing, NOT_RUN)])
-        self._grid, self._kept, self._found = grid, kept, found
+        self._grid = grid
+        self._kept = kept
+        self._found = found
         self._ran = tuple(len(axis.rows) for axis in order)
         self._to_grid = [order.index(axis) for axis in grid.axes]
         self.coordinates = key_coordinates(grid)
@@ -80,8 +83,11 @@ class Table:
         return variables
 
     def _quantity(self, name: str) -> dict[str, Variable]:
-        kept, values = self._kept, self.placed(self._found[name])
-        own, about = kept.dimensions(name), kept.about(name)
+        """The variables of a quantity: values, means over members, bounds on errors."""
+        kept = self._kept
+        values = self.placed(self._found[name])
+        own = kept.dimensions(name)
+        about = kept.about(name)
         label = f"{name}_end" if name in self.coordinates else name
         variables: dict[str, Variable] = {label: ((*self.dimensions, *own), values, about)}
         if self._members:
@@ -103,7 +109,8 @@ class Table:
         points = self._grid.size
         if number := int(np.count_nonzero(without_interval(self._found))):
             yield interval_note(number, self._found["status"].size, "runs")
-        status, note = self.status.reshape(points, -1), self.note.reshape(points, -1)
+        status = self.status.reshape(points, -1)
+        note = self.note.reshape(points, -1)
         stopped = (status != str(Status.COMPLETED)) & (status != NOT_RUN)
         without = np.count_nonzero(stopped, axis=1)
         if not self._members:
@@ -126,11 +133,12 @@ class Table:
 
 def key_coordinates(grid: Grid) -> dict[str, Variable]:
     """The values of the keys."""
-    return {
-        key: ((axis.name,), np.array([row[k] for row in axis.rows]), {"long_name": key})
-        for axis in grid.axes
-        for k, key in enumerate(axis.keys)
-    }
+    found: dict[str, Variable] = {}
+    for axis in grid.axes:
+        for k, key in enumerate(axis.keys):
+            values = np.array([row[k] for row in axis.rows])
+            found[key] = (axis.name,), values, {"long_name": key}
+    return found
 
 
 def _means_and_half_widths(values: np.ndarray, status: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

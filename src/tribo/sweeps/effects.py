@@ -17,7 +17,8 @@ IDLE = {
     "numerics.max_evaluations": "limits runs, and changes no result; give it in the scene",
 }
 # Keys that change the recorded times, and that at which averages over time begin.
-TIMES, RUN_IN = ("duration", "output.samples", "output.times"), "output.run_in"
+TIMES = ("duration", "output.samples", "output.times")
+RUN_IN = "output.run_in"
 
 
 def check_effects(grid: Grid, keep: Sequence[str], series: bool, members: bool) -> None:

@@ -112,7 +112,8 @@ def with_single_asperites_as_numbers(data: xarray.Dataset) -> xarray.Dataset:
 
 def quantities(data: xarray.Dataset) -> list[str]:
     """The quantities that have one value at each point, or a mean over its members."""
-    data, keys = with_single_asperites_as_numbers(data), tuple(keys_of(data))
+    keys = tuple(keys_of(data))
+    data = with_single_asperites_as_numbers(data)
     names = [str(name) for name in data.data_vars if data[name].dims == keys]
     means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]

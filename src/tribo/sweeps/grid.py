@@ -31,14 +31,17 @@ class Axis(NamedTuple):
 
 def values_at(axes: Sequence[Axis], places: Iterable[SupportsIndex]) -> dict[str, Value]:
     """The values at a place on each axis, by their keys."""
-    pairs = zip(axes, places, strict=True)
-    return {key: value for axis, place in pairs for key, value in axis.at(place).items()}
+    found: dict[str, Value] = {}
+    for axis, place in zip(axes, places, strict=True):
+        found |= axis.at(place)
+    return found
 
 
 class Grid:
     """The points of a sweep, from 0; the last key varies fastest.  Raises InputError."""
 
     def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:
+        """Check keys and values of all axes.  Raises InputError."""
         if not isinstance(values, Mapping) or not values:
             wanted = 'must map keys to values, as {"upper.drive.load": [0.1, 0.2]}'
             raise InputError("values", f"{wanted}, got {short_repr(values)}")
@@ -108,7 +111,8 @@ def _axis(key: object, values: object) -> Axis:
     """The values of one key, or of a tuple of keys.  Raises InputError."""
     together = isinstance(key, tuple)
     keys = tuple(map(str, key)) if isinstance(key, tuple) else (str(key),)
-    name, rows = ",".join(keys), []
+    name = ",".join(keys)
+    rows = []
     if not is_list(values) or len(values) == 0:
         raise must_be(name, "a list of numbers or words", values)
     for item in values:

@@ -51,7 +51,8 @@ def point_by_point(
     except KeyboardInterrupt:
         answer()
         interrupted = True
-    found, notes = {}, []
+    found = {}
+    notes = []
     statuses = [NOT_RUN] * grid.size
     for index, arrays in enumerate(points):
         if "data" in arrays:

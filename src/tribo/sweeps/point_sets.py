@@ -102,15 +102,16 @@ def point_sets(
     """
     inner, simulation = _served_by_one_plan(grid, request, variation)
     outer = [axis for axis in grid.axes if axis not in inner]
-    outside, within = (tuple(len(axis.rows) for axis in axes) for axes in (outer, inner))
+    outside = tuple(len(axis.rows) for axis in outer)
+    within = tuple(len(axis.rows) for axis in inner)
     points = math.prod(within)
     places = np.indices(within).reshape(len(within), points)
-    swept = {
-        key: np.array([row[k] for row in axis.rows], float)[places[i]]
-        for i, axis in enumerate(inner)
-        for k, name in enumerate(axis.keys)
-        for key in grid.bound_to([name])
-    }
+    swept = {}
+    for axis, place_of_each in zip(inner, places, strict=True):
+        for k, name in enumerate(axis.keys):
+            values = np.array([row[k] for row in axis.rows], float)
+            for key in grid.bound_to([name]):
+                swept[key] = values[place_of_each]
     drawn = variation.drawn(np.arange(members or 1))
     sets = []
     for place in np.ndindex(outside):
@@ -140,7 +141,8 @@ def _served_by_one_plan(
         simulation = request.prepare(scene, recorded)
     except InputError:
         return [], None
-    plan, pair = simulation.plan, simulation.integrator.pair is not None
+    plan = simulation.plan
+    pair = simulation.integrator.pair is not None
     if plan.tuned is not None and not plan.tuned.met:
         return [], None
 
@@ -182,7 +184,8 @@ def _runs_of_set(points: PointSet, done: int, how: Execution) -> Iterator[KeptVa
     request = points.request
     try:
         simulation = points.simulation or request.prepare(points.scene_at(points.points // 2))
-        kept, variation = request.kept(simulation.scene, simulation.layout), points.variation
+        kept = request.kept(simulation.scene, simulation.layout)
+        variation = points.variation
         runs = planned(request, simulation, kept, variation, points.runs, how)
         for found in runs.chunks(range(done, points.runs)):
             done += found["status"].size
@@ -205,11 +208,12 @@ def members_of(sets: list[PointSet]) -> Members:
     numbers, seeds, _ = sets[0].members
     found = [own for each in sets for own in each.values()]
     known = next((own for _, own in found if own is not None), {})
-    values = {
-        key: np.concatenate(
-            [np.full((n, *rows.shape[1:]), np.nan) if own is None else own[key] for n, own in found]
-        )
-        for key, rows in known.items()
-    }
+    values = {}
+    for key, rows in known.items():
+        parts = []
+        for count, own in found:
+            refused = np.full((count, *rows.shape[1:]), np.nan)
+            parts.append(refused if own is None else own[key])
+        values[key] = np.concatenate(parts)
     alike = {key: rows[0] for key, rows in values.items() if not np.ptp(rows, axis=0).any()}
     return Members(numbers, seeds, values | alike)

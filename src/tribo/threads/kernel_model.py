@@ -41,7 +41,8 @@ SCRATCH = {
     **dict.fromkeys(("displaced", "friction", "left", "right", "bath_momentum"), 2),
     "swing_friction": 1,
 }
-VECTOR, TABLE = PointerType(types.float64, 1), PointerType(types.float64, 2)
+VECTOR = PointerType(types.float64, 1)
+TABLE = PointerType(types.float64, 2)
 NO_SPRINGS = records.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
 
 
@@ -63,7 +64,8 @@ def model_of(
         name: room((count, columns if getattr(tables, name) is not None else 0))
         for name, count in SCRATCH.items()
     }
-    contacts, acting = tables.contacts, tables.fields or ()
+    contacts = tables.contacts
+    acting = tables.fields or ()
     model = Model(
         constants=tables.constants,
         each=tables.each,
@@ -110,15 +112,20 @@ class Units:
     """Sets the addresses of a scene's units in its model.  Raises InputError."""
 
     def __init__(self, scene: Scene, model: Model, times_in_lanes: bool) -> None:
-        self._scene, self.model, self._model = scene, model, _kind(model)
+        self._scene = scene
+        self.model = model
+        self._model = _kind(model)
         self._neighbours = _kind(NO_NEIGHBOURS)
         self._time = lanes if times_in_lanes else types.float64
 
     def set_own(self, listed: bool) -> None:
         """Those of this package that do not depend on the method."""
-        model, time, at = self.model, self._time, self._model
+        model = self.model
+        time = self._time
+        at = self._model
         energies = types.float64, VECTOR, VECTOR, TABLE, TABLE, types.int64
-        bathed, turned = model.bath.size > 0, model.torsional.size > 0
+        bathed = model.bath.size > 0
+        turned = model.torsional.size > 0
         own = {
             records.REBUILD: (listed, neighbours.rebuild, (self._neighbours,)),
             records.BATH_FORCES: (bathed, baths.bath_forces, (VECTOR, VECTOR)),
@@ -145,9 +152,11 @@ class Units:
     def set_contact(self, contacts: Contacts, n: int, each: records.Contact, shared: bool) -> None:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
-        at, number = (self._model, self._neighbours, known.kind, types.int64), types.int64
+        at = (self._model, self._neighbours, known.kind, types.int64)
+        number = types.int64
         is_open = self.model.box == Box(0.0, 0.0) and self.model.species.size == 0
-        forces, pieces = contact.contact_forces_unit, contact_forces.contact_piece_unit
+        forces = contact.contact_forces_unit
+        pieces = contact_forces.contact_piece_unit
         if self.model.members.size > 0:
             forces = contact.contact_forces_of_members_unit
         elif is_open:
@@ -180,7 +189,8 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
         return
     at = _kind(model)
     lists = _kind(NO_NEIGHBOURS)
-    number, moving = types.float64, (types.float64, VECTOR, VECTOR, VECTOR)
+    number = types.float64
+    moving = (types.float64, VECTOR, VECTOR, VECTOR)
     step = number, number, _kind(state), _kind(work)
     listed = bool(model.units[records.REBUILD])
     customs = len(model.drives.forces) + len(model.ends.forces)
@@ -230,7 +240,8 @@ class Known:
 
     def __init__(self, scene: Scene, plugin: Any, in_lanes: bool = False) -> None:
         self._scene = scene
-        self._stamp, self._version = code_stamp_of([plugin]), version_of([plugin])
+        self._stamp = code_stamp_of([plugin])
+        self._version = version_of([plugin])
         self.kind: Any = None
         if not config.DISABLE_JIT:  # type: ignore[attr-defined]
             self.kind = (WordsInLanesType if in_lanes else WordsType)(type_of(plugin))
@@ -252,6 +263,7 @@ def _places(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
+    """The arrays of all contacts; addresses of what is compiled are still zero."""
     count = len(contacts)
     memory, numbers = memory_of(tuple(each.potential for each in contacts))
     for n, each in enumerate(contacts):
@@ -275,6 +287,7 @@ def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
 
 
 def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
+    """The arrays of all fields; addresses of what is compiled are still zero."""
     count = len(found)
     memory, numbers = memory_of(tuple(each.potential for each in found))
     none: list[np.ndarray] = [np.empty(0, np.int64)]
@@ -294,6 +307,7 @@ def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
 
 
 def _customs(found: tuple[records.Custom, ...]) -> Customs:
+    """The arrays of plug-ins for bars or ends; addresses are still zero."""
     memory, numbers = memory_of(tuple(each.plugin for each in found))
     return Customs(
         forces=_addresses(len(found)),
