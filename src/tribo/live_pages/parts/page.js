@@ -371,7 +371,7 @@ async function startPage(element, source) {
     return found;
   }
 
-  const endIn = (result, surface, quantity) => {
+  const valueAtEnd = (result, surface, quantity) => {
     const values = tableOf(source, result, source.surfaces.findIndex(({ name }) => name === surface))[quantity];
     return result.code === 0 && result.reached === 2 ? values[1] : NaN;
   };
@@ -385,7 +385,7 @@ async function startPage(element, source) {
     scan(values, (value) => {
       try {
         const result = endOf(state.numbersWith({ [key]: value }));
-        return { x: value, y: endIn(result, surface, quantity), shown: result.passed };
+        return { x: value, y: valueAtEnd(result, surface, quantity), shown: result.passed };
       } catch {
         return { x: value, y: NaN, shown: false };
       }

@@ -227,9 +227,9 @@ function mount(element, source) {
   (source.isPage ? document : element).addEventListener("keydown", (event) => {
     const isEnd = event.key === "Home" || event.key === "End"; // of the time, but for sliders of values
     const isValue = event.target.matches?.("input[data-key]");
-    const isPlay = event.key === " " && isValue; // a slider has no use for the space bar
+    const plays = event.key === " " && isValue; // a slider has no use for the space bar
     const isControl = event.target.closest?.("button, select, input[type=checkbox], [data-key]");
-    const isOwn = isControl && !isPlay && (!isEnd || isValue);
+    const isOwn = isControl && !plays && (!isEnd || isValue);
     if (isOwn || event.ctrlKey || event.altKey || event.metaKey || !(event.key in keys)) return;
     event.preventDefault();
     event.stopPropagation();
