@@ -115,13 +115,11 @@ def errors() -> str:
     tolerance[1:3] = 1e-6
     for component in (0, 1, 2, 15):
         only = np.arange(16) == component
-        found = largest(None, 0.5, weights, rates * only, values, tolerance)
+        found = largest(0.5, weights, rates * only, values, tolerance)
         unit = tolerance[component] + 2.0 * EPSILON * abs(values[component])
         if not np.isclose(found, 0.5 * abs(weights @ rates[:, component]) / unit, 1e-12):
             return f"component {component}"
-        if np.isfinite(
-            largest(None, 0.5, weights, np.where(only, np.inf, rates), values, tolerance)
-        ):
+        if np.isfinite(largest(0.5, weights, np.where(only, np.inf, rates), values, tolerance)):
             return f"infinite component {component}"
     return ""
 
