@@ -120,7 +120,7 @@ class RecordingLoop(ABC):
         """
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
-        """The runs of some members, with samples and, with a step, the stiffness they met."""
+        """The runs of some members; with a step and reservoirs also the stiffness that they met."""
         layout = self.layout
         times = self.layout.times
         members = len(starts.y)

@@ -106,7 +106,10 @@ class LaneLoop(RecordingLoop):
     def fill(
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
     ) -> np.ndarray:
-        """Run members into columns; those that did not complete run again one by one."""
+        """Run members into columns; those that do not complete run again one by one.
+
+        With numbers of their own they are PAUSED, with zeros, and run elsewhere.
+        """
         members = len(starts.y)
         numbers = np.empty((members, 0))
         assert starts.numbers is not None or self.eight.memory.size == 0
