@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import tribo
+from support.registered import forgotten
 from tribo import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -38,7 +39,8 @@ page_code = module_of_docs("page_code")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
-    page_code.run(page, tmp_path)
+    with forgotten():
+        page_code.run(page, tmp_path)
 
 
 NOTEBOOKS = ["answers", "energy_direction", "friction_law", "from_the_paper", "new_potential"]
@@ -148,7 +150,8 @@ def test_example_of_a_function(name, tmp_path, monkeypatch):
     program = function_examples.START + function_examples.EXAMPLES[name]
     example = doctest.DocTestParser().get_doctest(program, {}, name, None, 0)
     failures = []
-    doctest.DocTestRunner(verbose=False).run(example, out=failures.append)
+    with forgotten():
+        doctest.DocTestRunner(verbose=False).run(example, out=failures.append)
     assert not failures, "".join(failures)
 
 

@@ -16,6 +16,7 @@ from tribo.compiler.jit import LOOP
 from tribo.compiler.kept import kept_type
 from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
+from tribo.compiler.plugin_methods import type_of
 from tribo.integrators.methods import METHODS
 from tribo.kernels.contact import open_contact_forces_unit
 from tribo.layout.layout import lay_out
@@ -114,11 +115,11 @@ class Ripple(NamedTuple):
 def code_of(potential) -> tuple[str, dict[str, int]]:
     """The unit of a contact's forces, and how many instructions work on vectors or numbers."""
     own_model(lay_out(rows(potential)))
-    kind = type(as_potential(potential))
+    kind = type_of(as_potential(potential))
     (unit,) = (
         each
         for (function, kinds, _), each in units._units.items()
-        if function is open_contact_forces_unit and kinds[2].kind.instance_class is kind
+        if function is open_contact_forces_unit and kinds[2].kind == kind
     )
     with global_compiler_lock:  # not from the disk cache, which keeps machine code alone
         code = unit._compile_uncached().library

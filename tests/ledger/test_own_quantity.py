@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.ledger import quantities
+from support.registered import forgotten
 from tribo.validation import InputError
 
 BAR = ["f2_x", "f2_y", "vx_cm", "vy_cm", "theta", "omega"]
@@ -28,19 +28,14 @@ def torsion(v):
 @pytest.fixture(autouse=True)
 def own_quantities():
     """A quantity of each kind, for the time of a test."""
-    known = set(quantities.EVERY_QUANTITY)
-    how = {"of": "asperite", "uses": BAR, "long_name": "power of the drive"}
-    tribo.Quantity("power", power, unit="power", **how)
-    tribo.Quantity("torsion", torsion, unit="energy", of="surface", uses=["theta"])
-    uses = ["contact_energy", "upper.W", "lower.W"]
-    total = {"unit": "energy", "of": "system", "uses": uses}
-    tribo.Quantity("sum_of_three", lambda v: sum(v[name] for name in uses), **total)
-    yield
-    for name in set(quantities.EVERY_QUANTITY) - known:
-        for table in (quantities.EVERY_QUANTITY, *quantities.WITHOUT_ACCURACY):
-            table.pop(name, None)
-        del quantities.OWN_SERIES[name], quantities.INPUTS[name]
-    quantities.reported.cache_clear()
+    with forgotten():
+        how = {"of": "asperite", "uses": BAR, "long_name": "power of the drive"}
+        tribo.Quantity("power", power, unit="power", **how)
+        tribo.Quantity("torsion", torsion, unit="energy", of="surface", uses=["theta"])
+        uses = ["contact_energy", "upper.W", "lower.W"]
+        total = {"unit": "energy", "of": "system", "uses": uses}
+        tribo.Quantity("sum_of_three", lambda v: sum(v[name] for name in uses), **total)
+        yield
 
 
 def scene(samples=401, series=("own", "forces"), keep=None) -> tribo.Scene:
