@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 import tempfile
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -210,8 +210,8 @@ def check_subclass(findings: Findings, scene: Scene, draw: Draw) -> None:
     if child is None:
         return
     check = f"subclass of {type(drive).__name__}"
-    fields = {name: getattr(drive, name) for name in drive.__dataclass_fields__}
-    surface = replace(built.surfaces[0], drive=child(**fields))
+    given = {field.name: getattr(drive, field.name) for field in fields(drive)}
+    surface = replace(built.surfaces[0], drive=child(**given))
     other = replace(built, surfaces=(surface, *built.surfaces[1:]))
     findings.checks.append(check)
     result = tribo.simulate(other, method=scene.structure.method, accuracy=ACCURACY)
