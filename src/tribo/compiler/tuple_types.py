@@ -55,7 +55,7 @@ class KernelTuple(types.NamedTuple):
         return self._hash
 
     def __reduce__(self) -> Any:
-        """Each process computes the hash anew."""
+        """Each process computes the hash again."""
         return KernelTuple, (self.types, self.instance_class)
 
     @property
