@@ -41,6 +41,7 @@ from tribo.model.scene import Scene as Scene
 from tribo.model.scene_file import load_scene as load_scene
 from tribo.model.settings import Numerics as Numerics, Output as Output
 from tribo.model.spectrum import Spectrum as Spectrum
+from tribo.model.elastic import Elastic as Elastic
 from tribo.model.springs import Springs as Springs
 from tribo.model.surface import Surface as Surface
 from tribo.model.topography import Topography as Topography

@@ -1,12 +1,17 @@
 """Calls from compiled code to calculators that are not compiled."""
 
+import ctypes
+
 from llvmlite import ir
 from numba import types
 
 from tribo.compiler.lanes import instruction
 
 
-@instruction(lambda address: types.void(types.int64))
+@instruction(
+    lambda address: types.void(types.int64),
+    lambda address: ctypes.CFUNCTYPE(None)(int(address))(),
+)
 def call_at(builder, address):
     """Call the function ``void f(void)`` at an address, as ctypes makes one from Python.
 

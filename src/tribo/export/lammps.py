@@ -68,6 +68,8 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
         if surface.drive.block:
             problem = "must be false in files of LAMMPS, which would move the bars one by one"
             raise InputError(f"{surface.name}.drive.block", problem)
+        if surface.elastic is not None:
+            raise InputError(f"{surface.name}.elastic", "cannot be written to files of LAMMPS")
     if (count := len(scene.surfaces)) > MOST_SURFACES:
         raise must_be("surface", f"at most {MOST_SURFACES} for LAMMPS's groups", count)
     atoms = atoms_of(scene)

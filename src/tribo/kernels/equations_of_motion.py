@@ -29,6 +29,7 @@ from tribo.kernels.blocks import (
     vectors,
 )
 from tribo.kernels.contact_forces import contact_forces
+from tribo.kernels.elastic import elastic_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.levers import lever_mass
@@ -151,6 +152,8 @@ def drive_of_block(model, s, i, t, q):
     elif s.drive == PULLED:
         bar = constant(model, rows.L2, s, i) * block(model.directions[rows.Y], i)
         bar = coordinates(s.dof_x, s, i, q) - bar
+        if s.elastic_block > 0:
+            bar = broadcast(s.ax)
         stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
         speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
         gx = stiffness * ((s.anchor + speed * t) - bar)
@@ -161,7 +164,10 @@ def drive_of_block(model, s, i, t, q):
     load = own_number(model.own, rows.OWN_LOAD, s.load, i)
     gy = load + s.load_rate * t if s.loaded else -fy
     if s.stiffness_y > 0.0:
-        gy = gy - s.stiffness_y * coordinates(s.dof_y, s, i, q)
+        if s.elastic_block > 0:
+            gy = gy - s.stiffness_y * s.ay
+        else:
+            gy = gy - s.stiffness_y * coordinates(s.dof_y, s, i, q)
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
     present = block(model.each[rows.PRESENT], i)
@@ -195,6 +201,7 @@ def forces(model, neighbours, t):
         field_forces(model, t)
     clear(model.internal)
     spring_forces(model, model.springs)
+    elastic_forces(model)
 
 
 @apart

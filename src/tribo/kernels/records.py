@@ -94,10 +94,11 @@ SURFACE = np.dtype(
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("block", "i8"),  # RIGID_ASPERITES, PENDULUMS; the drive's numbers are a bar's share
+        ("elastic_block", "i8"),  # 1 where the drive acts at the mean displacement of the bars
         ("stiffness_y", "f8"),  # of the pulling spring along y
         ("damping", "f8"),  # of the damper beside the pulling spring
         ("damping_y", "f8"),  # of the same along y
-        ("ax", "f8"),  # acceleration of a rigid body, scratch
+        ("ax", "f8"),  # acceleration of a rigid body, or mean displacement of elastic bars, scratch
         ("ay", "f8"),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
@@ -449,6 +450,8 @@ class Model(NamedTuple):
     sums: bool  # whether accounts are sums over asperites
     on_bobs: bool  # whether other forces than contact with other surfaces act on bobs
     on_bars: bool  # whether other forces than f2 act on bars
+    elastic: np.ndarray  # (2,) addresses of functions, see `kernels.elastic`; empty without bodies
+    elastic_energy: np.ndarray  # (surfaces,) scratch
     blocks: bool  # whether the bars of any surface are one rigid body, see `kernels.rigid_block`
     species: np.ndarray  # (n,) of each bob, floats; empty where none matters
     pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`

@@ -15,6 +15,7 @@ from tribo.kernels.blocks import (
     halves,
 )
 from tribo.kernels.contact import contact_energy, energy_of
+from tribo.kernels.elastic import elastic_energies
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
 from tribo.kernels.springs import spring_energies
@@ -173,6 +174,7 @@ def write_row(model, neighbours, t, state, record, k, lane):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
     spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
+    elastic_energies(model, record.stored[k], SPRINGS)
     energies_within(model, neighbours, record.stored[k], lane)
     if not (absent(model.bath) and absent(model.torsional)):
         samples = record.stored[k], record.baths[k], lane

@@ -101,7 +101,9 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = -drive.load * surface.facing_sign / bars
-    if drive.block:
+    if drive.block and surface.elastic is not None:
+        record["elastic_block"] = 1
+    elif drive.block:
         rigid = surface.asperite.is_rigid
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
     for reservoir in surface.reservoirs:

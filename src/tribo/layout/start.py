@@ -70,11 +70,11 @@ def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
         if surface.bars != "clamped":
             v[:, own["dof_phi"]] = drawn(own["i2"])
         if scene.slides_along_x(surface):
-            as_one = surface.moves_as_one or surface.drive.block
+            as_one = surface.moves_as_one or surface.is_rigid_block
             mass = np.sum(own["mass"]) if as_one else own["mass"]
             v[:, own["dof_x"]] = drawn(mass).reshape(len(v), -1)
         if scene.slides_along_y(surface):
-            mass = np.sum(own["mass"]) if surface.drive.block else own["mass"]
+            mass = np.sum(own["mass"]) if surface.is_rigid_block else own["mass"]
             v[:, own["dof_y"]] = drawn(mass).reshape(len(v), -1)
 
 

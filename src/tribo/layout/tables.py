@@ -34,7 +34,8 @@ def model_tables(
     bath = _oscillators([(each.masses, each.frequencies) for each in baths])
     torsional = _oscillators([(each.inertias, each.torsional_frequencies) for each in baths])
     lattice = springs(scene, asperites, columns)
-    pulls = lattice is not None or bath is not None
+    elastic = any(surface.elastic is not None for surface in scene.surfaces)
+    pulls = lattice is not None or bath is not None or elastic
     pivots = asperites["pivot"][None]
     on_bars = any(surface.reservoir("bar") for surface in scene.surfaces)
     on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
@@ -51,7 +52,7 @@ def model_tables(
         directions=True,
         f1=True,
         drive=True,
-        internal=True if pulls or any(s.drive.block for s in scene.surfaces) else None,
+        internal=True if pulls or any(s.is_rigid_block for s in scene.surfaces) else None,
         displaced=True if pulls else None,
         friction=True if on_bars else None,
         swing_friction=True if on_swings else None,

@@ -60,8 +60,8 @@ FORCES = {
     "f2": Force(probe.F2, "drive on the bar", "w2"),
     "f_spring": Force(
         probe.SPRING,
-        "force of lattice springs on the bar",
-        acts=lambda scene, surface: bool(surface.springs),
+        "force of lattice springs and the elastic body on the bar",
+        acts=lambda scene, surface: bool(surface.springs) or surface.elastic is not None,
     ),
     "f_bath": Force(
         probe.BATH,
@@ -71,7 +71,7 @@ FORCES = {
     "f_block": Force(
         probe.BLOCK,
         "force of the constraint on the bar of a block",
-        acts=lambda scene, surface: surface.drive.block,
+        acts=lambda scene, surface: surface.is_rigid_block,
     ),
     "fL": Force(probe.LEFT, "force on the bar's left end", "wL"),
     "fR": Force(probe.RIGHT, "force on the bar's right end", "wR"),

@@ -125,11 +125,28 @@ class SurfaceSeries(AsperiteSeries):
             x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)
             return np.asarray((stage - x) ** 2)
 
+        if self._record.elastic_block:
+            return self._energy_of_elastic_pull(stage[:, 0])
         energy = np.asarray(0.5 * stiffness * self._total(squares))
         stiffness_y = float(self._record.stiffness_y)
         if stiffness_y > 0.0:  # of a block, whose bars are displaced alike
             energy = energy + 0.5 * stiffness_y * self._total(lambda e: e.y_of_block**2)
         return energy
+
+    def _energy_of_elastic_pull(self, stage: np.ndarray) -> np.ndarray:
+        """That of the spring at the mean of the bars of a block on an elastic body."""
+        count = int(self._record.end - self._record.start)
+
+        def bar(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+            a = motion.span.asperites
+            _, ty = motion.direction
+            rise = a.l2 * a.facing * 2.0 * np.sin(0.5 * motion.swing) ** 2
+            return motion.x - a.l2 * ty, motion.y - rise
+
+        x = self._total(lambda motion: bar(motion)[0]) / count
+        y = self._total(lambda motion: bar(motion)[1]) / count
+        each = self._record.stiffness * (stage - x) ** 2 + self._record.stiffness_y * y**2
+        return np.asarray(0.5 * count * each)
 
     @lazy_property
     def change_of_kinetic(self) -> np.ndarray:

@@ -177,7 +177,8 @@ class Batch(Pool[MemberLoop]):
 def has_batches(layout: Layout) -> bool:
     """Whether members need no results of their own, as force series and ASE calculators do."""
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
-    alone = layout.calculator_calls or layout.scene.output.series
+    elastic = any(surface.elastic is not None for surface in layout.scene.surfaces)
+    alone = layout.calculator_calls or elastic or layout.scene.output.series
     return compiled and not (alone or exceeds_memory(layout, layout.times.size))
 
 

@@ -40,7 +40,7 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
             if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
                 moved = f"are displaced by {size:.3g} and move" if size else "move"
                 raise InputError("start", f"{problem}, but they {moved} at {speed:.3g}")
-        if surface.drive.block:
+        if surface.is_rigid_block:
             _join_bars(table, surface.facing_sign * own.pivot)
         slots = {"swing": np.arange(part.start, part.stop)}
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
@@ -115,7 +115,7 @@ def _held(
     if surface.moves_as_one and not before.moves_as_one:
         problem = f"must have asperites of {name} that move as one, as drive.rigid = true"
         yield problem, 0.0, float(np.ptp(table["vx"]))
-    if surface.drive.block:
+    if surface.is_rigid_block:
         about = _about_bars(table, surface.facing_sign * own.pivot)
         each = zip(("x", "y", "vx", "vy"), about, strict=True)
         x, y, vx, vy = (np.ptp(table[axis] - around) for axis, around in each)

@@ -14,6 +14,7 @@ import numpy as np
 from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COUNTS, EVALUATIONS, PAUSED, STATUS_OF_CODE, STEPS, Status
+from tribo.layout.elastic_body import ElasticBodies
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples
@@ -150,7 +151,7 @@ class TimeLoop(ABC):
 
     layout: Layout
     adaptive: bool  # whether it chooses its steps
-    calls: tuple[Call, ...] = ()  # ASE calculators that it calls
+    calls: tuple[Call | ElasticBodies, ...] = ()  # ASE calculators and elastic bodies it calls
     clocks: Any  # (1,) of CLOCK: how far the run has come
 
     @abstractmethod

@@ -8,7 +8,7 @@ from tribo.validation import InputError
 def check_block(surface: Any) -> None:
     """Refuse what has no equations on the bars of a block.  Raises InputError."""
     drive = surface.drive
-    if not drive.block:
+    if not surface.is_rigid_block:
         return
     if surface.bars != "clamped":
         raise InputError("bars", 'must be "clamped" where drive.block = true')

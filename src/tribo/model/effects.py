@@ -40,6 +40,7 @@ class Effect(StrEnum):
     OWN_DRIVE = "own drive", "forces f2 of the user's own"
     OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
     SPRINGS = "springs", "lattice springs between neighbouring bars"
+    ELASTIC = "elastic body", "bars that stand on an elastic half-space or layer"
     BATH = "bath", "oscillators on every bar"
     TORSIONAL_BATH = "torsional bath", "torsional oscillators on every bar"
     LANGEVIN = "langevin", "damping and noise at every bar"
@@ -179,6 +180,10 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.SPRINGS: (
         "no surface has springs",
         _surfaces("springs.stiffness", lambda s: s.springs.stiffness if s.springs else None),
+    ),
+    Effect.ELASTIC: (
+        "no surface has an elastic body",
+        _surfaces("elastic.modulus", lambda s: s.elastic and s.elastic.modulus),
     ),
     Effect.BATH: (
         "no surface has a bath of point oscillators",

@@ -29,6 +29,7 @@ from tribo.model.bath import as_table as bath_table
 from tribo.model.binding import bound
 from tribo.model.drives import Custom, as_drive
 from tribo.model.drives import as_table as drive_table
+from tribo.model.elastic import as_elastic
 from tribo.model.fields import Field
 from tribo.model.initial import Initial
 from tribo.model.interaction import Periodic
@@ -54,7 +55,7 @@ OWN = [name for name in field_names(Surface) if name != "name"]
 OF_SURFACE = [*INITIAL, *OWN]
 # What reads a part of a surface from its table, or from a word.
 READ: dict[str, Any] = {"drive": as_drive, "bath": as_bath}
-READ |= {"langevin": as_langevin, "springs": as_springs}
+READ |= {"langevin": as_langevin, "springs": as_springs, "elastic": as_elastic}
 READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_table, Initial)}
 # First parts of the keys of a scene's only interaction, and of its only field.
 INTERACTION = "interaction"
@@ -155,7 +156,8 @@ def reservoir_part(surface: Surface, on: str) -> str:
 def parts_of(surface: Surface) -> tuple[str, ...]:
     """The parts of a surface whose values have keys."""
     reservoirs = dict.fromkeys(reservoir_part(surface, on) for on in PLACES)
-    return ("asperite", "drive", *reservoirs, "bath", "springs")
+    elastic = () if surface.elastic is None else ("elastic",)
+    return ("asperite", "drive", *reservoirs, "bath", "springs", *elastic)
 
 
 def value_of(scene: Scene, key: str) -> object:

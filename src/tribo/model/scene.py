@@ -16,6 +16,7 @@ from tribo import validation as check
 from tribo.files import replace_file
 from tribo.model import fields, topography
 from tribo.model.effects import Effect, reason_for
+from tribo.model.elastic import grid_of
 from tribo.model.fields import Field
 from tribo.model.initial import DISPLACEMENTS, UNITS
 from tribo.model.interaction import Interaction, Periodic, as_interaction
@@ -106,6 +107,9 @@ class Scene(ComparedByValue):
         put(self, "fields", self._checked_fields())
         check.fields(self, periodic=part(partial(from_table, Periodic)))
         self._check_period()
+        for surface in self.surfaces:
+            if surface.elastic is not None:
+                grid_of(surface, self.periodic)
         for i, surface in enumerate(self.surfaces):
             with inside(f"surface[{i}].initial"):
                 self._check_initial(surface)
@@ -197,7 +201,7 @@ class Scene(ComparedByValue):
             instead = "a load frees them"
         if not can_move:
             return f", as the drive holds the asperites along {name[-1]}; {instead}"
-        if surface.drive.block:
+        if surface.is_rigid_block:
             whole = "bob" if name in ("x", "y") else "velocity"
             return f" where drive.block = true: all bars move as one; set {whole}"
         alike = name[-1] == "x" and surface.moves_as_one
@@ -305,6 +309,7 @@ class Scene(ComparedByValue):
         """Whether forces that the drive does not cancel act on the surface's asperites."""
         fields = self.has_field(surface)
         lattice = bool(surface.springs) or surface.bath.masses.size > 0
+        lattice = lattice or surface.elastic is not None
         lattice = lattice or self.has_contact_within(surface)
         at_ends = surface.plugin_at_ends is not None
         return fields or lattice or bool(surface.reservoir("bar")) or at_ends

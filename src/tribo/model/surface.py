@@ -14,6 +14,7 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.block import check_block
 from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.model.elastic import Elastic, as_elastic, check_elastic
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
@@ -64,6 +65,8 @@ class Surface(ComparedByValue):
         "clamped", "free", or :class:`Ends` for a user's forces on the ends of the bars.
     springs : Springs or dict
         Lattice springs between neighbouring bars.
+    elastic : Elastic or dict, optional
+        The elastic body on whose surface the bars stand: a half-space, or a layer.
     bath : Bath or dict, optional
         Oscillators on every bar.
     langevin : Langevin or dict or list of them, optional
@@ -94,6 +97,7 @@ class Surface(ComparedByValue):
     drive: Drive = field(default_factory=Forced)
     bars: str | Ends = "clamped"
     springs: Springs = field(default_factory=Springs)
+    elastic: Elastic | None = None
     bath: Bath = field(default_factory=Bath)
     langevin: Langevin | tuple[Langevin, Langevin] | None = None
     species: str | tuple[str, ...] = ""
@@ -116,6 +120,7 @@ class Surface(ComparedByValue):
             drive: Drive | str | Settings = ...,
             bars: str | Ends | Settings = ...,
             springs: Springs | Settings = ...,
+            elastic: Elastic | Settings | None = ...,
             bath: Bath | Settings = ...,
             langevin: Langevin | Settings | Sequence[Langevin | Settings] | None = ...,
             species: str | Sequence[str] = ...,
@@ -137,6 +142,8 @@ class Surface(ComparedByValue):
             self.springs.bonds(self.shape, self.count, (False, False))
         if self.bath.inertias.size and self.bars == "clamped":
             raise InputError("bath.torsional", 'cannot go with clamped bars; set bars = "free"')
+        if self.elastic is not None:
+            check.fields(self, elastic=part(as_elastic))
         check.fields(self, langevin=part(as_langevin), species=self._checked_species)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             check.fields(self, **{key: part(partial(from_table, kind))})
@@ -145,6 +152,7 @@ class Surface(ComparedByValue):
         self._check_driven_bars()
         self._check_rigid()
         check_block(self)
+        check_elastic(self)
         if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):
             raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
@@ -184,7 +192,12 @@ class Surface(ComparedByValue):
     @property
     def is_block_of_pendulums(self) -> bool:
         """Whether pendulums swing on bars that are one rigid body."""
-        return self.drive.block and not self.asperite.is_rigid
+        return self.is_rigid_block and not self.asperite.is_rigid
+
+    @property
+    def is_rigid_block(self) -> bool:
+        """Whether its bars are one rigid body; on an elastic body they are displaced."""
+        return self.drive.block and self.elastic is None
 
     @property
     def plugin_at_ends(self) -> NamedTuple | None:

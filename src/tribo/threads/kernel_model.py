@@ -53,12 +53,13 @@ def model_of(
     listed: bool = False,
     team: Team | None = None,
     times_in_lanes: bool = False,
+    elastic: np.ndarray | None = None,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
     Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
     given the time as Lanes where members have `times_in_lanes`.  There are lists of neighbours if
-    it is `listed`.  Raises InputError.
+    it is `listed`.  `elastic` are the addresses that elastic bodies will have.  Raises InputError.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -84,6 +85,8 @@ def model_of(
         on_bobs=any(scratch[name].size for name in ("inner", "external")),
         on_bars=any(scratch[name].size for name in ("internal", "friction", "left", "right")),
         species=room((0,)) if tables.species is None else tables.species,
+        elastic=np.zeros(0, np.int64) if elastic is None else elastic,
+        elastic_energy=room((len(tables.surfaces),)),
         blocks=bool(np.any(tables.surfaces.block > 0)),
         pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
         box=tables.box or Box(0.0, 0.0),

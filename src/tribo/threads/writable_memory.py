@@ -16,6 +16,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
 from tribo.kernels.records import Model
 from tribo.layout import contacts
+from tribo.layout.elastic_body import ElasticBodies
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -46,16 +47,24 @@ def entry_point(
         return EntryPoint(loop, fixed, examples)
 
 
-def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
+def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
     """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
     tables = layout.model._replace(surfaces=layout.model.surfaces.copy())
-    calls: tuple[Call, ...] = ()
+    calls: tuple[Call | ElasticBodies, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
         calculators, calls = contacts.calculators(layout.scene, depths, tables.surfaces.start)
         tables = tables._replace(calculators=calculators)
     team = None if tables.team is None else new_team(layout.scene, tables)
-    return model_of(layout.scene, tables, layout.rows > 0, team), calls
+    if all(surface.elastic is None for surface in layout.scene.surfaces):
+        return model_of(layout.scene, tables, layout.rows > 0, team), calls
+    addresses = np.zeros(2, np.int64)
+    model = model_of(layout.scene, tables, layout.rows > 0, team, elastic=addresses)
+    columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
+    arrays = model.displaced, model.internal, model.elastic_energy
+    bodies = ElasticBodies(layout.scene, model.surfaces, columns, *arrays)
+    addresses[:] = bodies.addresses
+    return model, (*calls, bodies)
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
@@ -99,7 +108,7 @@ class Probe:
         self._kernel = shared_loop(kernel)
 
     @cached_property
-    def _model(self) -> tuple[Model, tuple[Call, ...]]:
+    def _model(self) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
         """The model, whose units are compiled with the first arrangements."""
         return own_model(self._layout)
 

@@ -1,0 +1,325 @@
+"""Elastic bodies: Green's functions, energy, waves, and the contact of a sphere."""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import tribo
+from support.laws import identities, tables
+from tribo import (
+    Asperite,
+    Elastic,
+    Field,
+    Free,
+    Initial,
+    Langevin,
+    Morse,
+    Output,
+    Periodic,
+    Pulled,
+    Scene,
+    Surface,
+)
+from tribo.validation import InputError
+
+RIGID = Asperite(m1=0.5, m2=0.5, kappa=math.inf)
+
+
+def response(body, counts, spacing, force, facing=1.0):
+    """Displacements (2, nz, nx) by forces (2, nz, nx), from the inverse of K of each wave."""
+    xx, yy, xy = body.stiffness(counts, spacing, facing)
+    determinant = xx * yy - xy**2
+    determinant[0, 0] = 1.0
+    x, y = np.fft.fft2(force)
+    u = np.array([yy * x - 1j * xy * y, xx * y + 1j * xy * x]) / determinant
+    u[:, 0, 0] = 0.0
+    return np.fft.ifft2(u).real
+
+
+# --- Green's functions ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("facing", [1.0, -1.0])
+def test_point_forces_are_those_of_boussinesq_and_cerruti(facing):
+    """Differences between two distances, as the periodic lattice has no uniform displacement.
+
+    Means over neighbours: waves end at the zone boundary, so displacements alternate about those
+    of an infinite body.
+    """
+    modulus, poisson, n = 2.0, 0.3, 512
+    body = Elastic(modulus, poisson)
+    force = np.zeros((2, n, n))
+    near, far = 8, 16
+
+    def gap(axis, component):
+        """Displacement along x of a point force: at `near` less at `far`, and opposite them."""
+        force[:] = 0.0
+        force[axis, 0, 0] = 1.0
+        u = response(body, (n, n), (1.0, 1.0), force, facing)[component]
+        return smooth(u[0]), smooth(u[:, 0]), smooth(np.roll(u[0, ::-1], 1))
+
+    def smooth(u):
+        one, other = (0.25 * u[r - 1] + 0.5 * u[r] + 0.25 * u[r + 1] for r in (near, far))
+        return one - other
+
+    change = smooth(1.0 / np.maximum(np.arange(n), 1))
+    normal = (1.0 - poisson**2) / (math.pi * modulus)
+    assert gap(1, 1)[0] == pytest.approx(normal * change, rel=0.04)
+    cerruti = (1.0 + poisson) / (math.pi * modulus)
+    assert gap(0, 0)[0] == pytest.approx(cerruti * change, rel=0.04)
+    assert gap(0, 0)[1] == pytest.approx(cerruti * (1.0 - poisson) * change, rel=0.05)
+    # A force into the body (up, where it is above) draws its surface towards itself.
+    mixed = facing * (1.0 + poisson) * (1.0 - 2.0 * poisson) / (2.0 * math.pi * modulus)
+    assert gap(1, 0)[0] == pytest.approx(-mixed * change, rel=0.05)
+    assert gap(1, 0)[2] == pytest.approx(mixed * change, rel=0.05)
+    # A force along x presses what is before it into the body.
+    assert gap(0, 1)[0] == pytest.approx(mixed * change, rel=0.05)
+
+
+def test_waves_on_a_layer_have_the_known_compliance():
+    """Normal: Johnson's formula; thin layers are springs; thick ones are half-spaces."""
+    modulus, poisson, h = 2.0, 0.3, 1.3
+    q = np.array([0.01, 0.1, 0.5, 1.0, 3.0, 10.0, 40.0])
+    along, inward, mixed, across = Elastic(modulus, poisson, h).waves(q)
+    depth = q[:-1] * h
+    c = 3.0 - 4.0 * poisson
+    below = c * np.cosh(2 * depth) + 2 * depth**2 + 5 - 12 * poisson + 8 * poisson**2
+    half_space = 2.0 * (1.0 - poisson**2) / (modulus * q)
+    known = half_space[:-1] * (c * np.sinh(2 * depth) - 2 * depth) / below
+    assert np.allclose(inward[:-1], known, rtol=1e-10)
+    known = half_space[:-1] * (c * np.sinh(2 * depth) + 2 * depth) / below
+    assert np.allclose(along[:-1], known, rtol=1e-10)
+    shear = modulus / (2.0 * (1.0 + poisson))
+    oedometric = modulus * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+    assert along[0] == pytest.approx(h / shear, rel=1e-3)
+    assert across[0] == pytest.approx(h / shear, rel=1e-3)
+    assert inward[0] == pytest.approx(h / oedometric, rel=1e-3)
+    thick = [each[-1] for each in (along, inward, mixed, across)]
+    free = [each[-1] for each in Elastic(modulus, poisson).waves(q)]
+    assert np.allclose(thick, free, rtol=1e-12)
+
+
+# --- motion --------------------------------------------------------------------------------------
+
+SHAPE = (12, 6)
+SPACING = (0.8, 1.1)
+PERIODS = Periodic(x=12 * 0.8, z=6 * 1.1)
+
+
+def body(name="upper", **settings):
+    given = {"shape": SHAPE, "spacing": SPACING, "elastic": Elastic(2.0, 0.3), "asperite": RIGID}
+    return Surface(name, **given | settings)
+
+
+@pytest.mark.parametrize("thickness", [None, 0.5])
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_plane_wave_swings_at_its_own_frequency(axis, thickness):
+    """Along z, where x and y are not coupled: u(t) = u(0) cos(w t), w^2 = K / M."""
+    row = np.repeat(np.arange(6), 12)
+    wave = 0.01 * np.cos(2.0 * np.pi * row / 6)
+    elastic = Elastic(2.0, 0.3, thickness)
+    upper = body(
+        elastic=elastic, drive=Free(load=0.0), initial=Initial(**{axis: tuple(wave.tolist())})
+    )
+    result = tribo.simulate(
+        Scene((upper,), (), 5.0, periodic=PERIODS, output=Output(samples=11)),
+        method="dop853",
+        accuracy=1e-9,
+    )
+    q = np.array([2.0 * np.pi / (6 * 1.1)])
+    _, inward, _, across = elastic.waves(q)
+    stiffness = 0.8 * 1.1 / (across if axis == "x" else inward)[0]
+    moved = result["upper"][f"{axis}_cm"] - (upper.resting_bobs()[:, 0] if axis == "x" else 0.0)
+    if axis == "y":
+        moved = moved - (result["upper"]["y_cm"][0] - wave)
+    expected = wave * np.cos(math.sqrt(stiffness) * result.t)[:, None]
+    assert np.max(np.abs(moved - expected)) <= 1e-9
+    energy = 0.5 * stiffness * np.sum(expected**2, axis=1)
+    kinetic = np.sum(result["upper"]["delta_k_trans"], axis=1)
+    assert np.max(np.abs(kinetic + energy - energy[0])) <= 1e-10
+
+
+def sliding(drive, **upper):
+    """A rough grid on an elastic body that slides over a row of rigid grids."""
+    heights = np.random.default_rng(0).uniform(0.0, 0.3, 72)
+    given = {"bob": (0.2, 0.9), "velocity": (0.3, 0.0), "heights": heights, "drive": drive}
+    table = body("table", facing="up", elastic=None, drive="bars")
+    contact = Morse(0.3, 1.5, 0.8).with_cutoff(2.0)
+    output = Output(samples=9, series=("forces",))
+    surfaces = (body(**given | upper), table)
+    return Scene(surfaces, contact, 4.0, periodic=PERIODS, output=output)
+
+
+PULLS = {"stiffness": 2.0, "speed": 0.3, "load": 5.0}
+DRIVES = {
+    "each": Pulled(stiffness=0.1, speed=0.3, load=0.1),
+    "block": Pulled(**PULLS, stiffness_y=1.0, block=True),
+    "free": Free(),
+}
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_ledger_closes_with_the_energy_of_the_body(name):
+    pendulums = Asperite(m1=0.5, m2=0.8, length=0.5)
+    given = sliding(DRIVES[name], asperite=pendulums)
+    result = tribo.simulate(given, method="dop853", accuracy=1e-8)
+    for _, table in tables(result):
+        for law, _, one, other in identities([table]):
+            assert np.max(np.abs(one - other)) <= 1e-7, law
+    own = result["upper"]
+    assert np.max(np.abs(own["f_spring_x"])) > 1e-3
+    for axis in "xy":
+        assert np.max(np.abs(own[f"f_spring_{axis}"].sum(axis=1))) <= 1e-12
+    # The forces are -K u, and the body's energy u . K u / 2.
+    xx, yy, xy = Elastic(2.0, 0.3).stiffness(SHAPE, SPACING, 1.0)
+    u = np.array([own[f"{axis}_bar"][-1] - own[f"{axis}_bar"][0] for axis in "xy"])
+    x, y = np.fft.fft2(u.reshape(2, 6, 12))
+    force = np.fft.ifft2([xx * x + 1j * xy * y, yy * y - 1j * xy * x]).real.reshape(2, -1)
+    for k, axis in enumerate("xy"):
+        assert np.max(np.abs(own[f"f_spring_{axis}"][-1] + force[k])) <= 1e-12
+
+
+def test_the_spring_of_a_block_acts_at_the_mean_of_its_bars():
+    result = tribo.simulate(sliding(DRIVES["block"]), method="dop853", accuracy=1e-8)
+    own = result["upper"]
+    moved = np.mean(own["x_bar"] - own["x_bar"][0], axis=1)
+    pull = np.sum(own["f2_x"], axis=1)
+    assert np.max(np.abs(pull - 2.0 * (0.3 * result.t - moved))) <= 1e-12
+    lifted = np.mean(own["y_bar"] - own["y_bar"][0], axis=1)
+    assert np.max(np.abs(np.sum(own["f2_y"], axis=1) + 5.0 + lifted)) <= 1e-12
+    assert np.ptp(own["x_bar"][-1] - own["x_bar"][0]) > 1e-3
+    for values in (own["f2_x"], own["f2_y"]):
+        assert np.max(np.ptp(values, axis=1)) <= 1e-14
+
+
+def test_a_stiff_body_is_a_rigid_block():
+    rigid = sliding(DRIVES["block"], elastic=None)
+    stiff = sliding(DRIVES["block"], elastic=Elastic(2e4, 0.3))
+    one, other = (tribo.simulate(s, accuracy=1e-6) for s in (rigid, stiff))
+    for axis in "xy":
+        means = [np.mean(r["upper"][f"{axis}_bar"][-1]) for r in (one, other)]
+        assert abs(means[0] - means[1]) <= 1e-3
+
+
+def test_verlet_is_of_order_two_and_threads_do_not_change_bits():
+    given = sliding(DRIVES["block"])
+    exact = tribo.simulate(given, method="dop853", accuracy=1e-9)["upper"]["x_bar"][-1]
+    errors = [
+        np.max(np.abs(tribo.simulate(given, method="verlet", step=h)["upper"]["x_bar"][-1] - exact))
+        for h in (0.02, 0.01)
+    ]
+    assert 3.5 < errors[0] / errors[1] < 4.5
+    one, two = (
+        tribo.simulate(given, method="verlet", step=0.02, threads=count) for count in (1, 2)
+    )
+    assert np.array_equal(one["upper"]["x_bar"], two["upper"]["x_bar"])
+
+
+def test_noise_warms_a_block_on_an_elastic_body():
+    """A reservoir at each bar; all bars have the temperature of the reservoir."""
+    alone = body(drive=Free(block=True, load=0.0), langevin=Langevin(0.5, 0.2))
+    output = Output(samples=201, ledger="none")
+    given = Scene((alone,), (), 400.0, periodic=PERIODS, output=output)
+    result = tribo.simulate(given, method="verlet", step=0.05)
+    own = result["upper"]
+    for axis in "xy":
+        assert np.var(own[f"v{axis}_cm"][20:]) / 0.2 == pytest.approx(1.0, abs=0.03)
+
+
+# --- the contact of a sphere ---------------------------------------------------------------------
+
+
+class Wall(NamedTuple):
+    """A flat wall below y = 0 of stiff tips."""
+
+    stiffness: float
+
+    def energy_at(self, x, y):
+        return 0.5 * self.stiffness * max(-y, 0.0) ** 2
+
+    def force_at(self, x, y):
+        return 0.0, self.stiffness * max(-y, 0.0)
+
+
+def sphere(load, n=48, radius=60.0, modulus=1.0, poisson=0.3):
+    """Approach, load on the tips, and radius of contact of a sphere on a flat wall."""
+    across = np.arange(n) - n // 2
+    x, z = np.meshgrid(across, across)
+    heights = ((x**2 + z**2) / (2.0 * radius)).ravel()
+    block = Surface(
+        "sphere",
+        shape=(n, n),
+        spacing=(1.0, 1.0),
+        heights=heights,
+        asperite=RIGID,
+        elastic=Elastic(modulus, poisson),
+        drive=Free(block=True, load=load),
+        langevin=Langevin(0.5),
+    )
+    wall = Field(Wall(20.0), on=("sphere",))
+    output = Output(samples=2, series=("forces",), ledger="none")
+    scene = Scene((block,), (), 300.0, fields=(wall,), periodic=Periodic(x=n, z=n), output=output)
+    result = tribo.simulate(scene, method="verlet", step=0.1)
+    own = result["sphere"]
+    force = own["f_field_y"][-1]
+    down = own["y_bar"][0] - own["y_bar"][-1]
+    # The wall's tips yield by their own compliance, which is no part of the sphere's approach.
+    yielding = -np.min(own["y_bob"][-1])
+    return np.mean(down) - yielding, np.sum(force), math.sqrt(np.count_nonzero(force) / math.pi)
+
+
+def test_a_sphere_makes_the_contact_of_hertz():
+    """F = 4/3 E* sqrt(R) d^1.5 and a^2 = R d, within the errors of the lattice and its images."""
+    stiffness, radius, n = 1.0 / (1.0 - 0.3**2), 60.0, 48
+    # Images lift the surface in proportion to the load: the lattice's response to a point force,
+    # less that of an infinite body, where it is smooth.
+    force = np.zeros((2, n, n))
+    force[1, 0, 0] = 1.0
+    u = response(Elastic(1.0, 0.3), (n, n), (1.0, 1.0), force)[1]
+    images = np.mean([u[0, r] - 1.0 / (math.pi * stiffness * r) for r in (5, 6)])
+    for load in (2.0, 5.0, 12.0):
+        approach, carried, contact = sphere(load)
+        assert carried == pytest.approx(load, rel=0.01)
+        depth = approach - images * load
+        assert load == pytest.approx(
+            4.0 / 3.0 * stiffness * math.sqrt(radius) * depth**1.5, rel=0.06
+        )
+        assert contact**2 == pytest.approx(radius * depth, rel=0.12)
+
+
+# --- files and refusals --------------------------------------------------------------------------
+
+
+def test_files_and_keys_keep_the_body(tmp_path):
+    given = sliding(DRIVES["block"], elastic={"modulus": 2.0, "poisson": 0.2, "thickness": 3.0})
+    given.save(tmp_path / "scene.toml")
+    assert tribo.load_scene(tmp_path / "scene.toml") == given
+    assert "elastic body" in given.effects
+    short = replace(given, output=Output(samples=2), duration=1.0)
+    points = tribo.sweep(
+        short, {"upper.elastic.modulus": [1.0, 4.0]}, keep=["upper.x_bar"], accuracy=1e-5
+    )
+    ends = points["upper.x_bar"].values
+    assert np.max(np.abs(ends[0] - ends[1])) > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("settings", "problem"),
+    [
+        ({"elastic": Elastic(1.0, 0.3), "drive": "bars", "velocity": (0.0, 0.0)}, "not displaced"),
+        ({"shape": (72, 1), "spacing": (0.8, 0.0)}, "periodic.x = 57.6"),
+        ({"elastic": {"modulus": -1.0, "poisson": 0.3}}, "modulus"),
+        ({"elastic": {"modulus": 1.0, "poisson": 0.6}}, "poisson"),
+        ({"elastic": {"modulus": 1.0}}, "poisson"),
+        ({"elastic": {"modulus": 1.0, "poisson": 0.5, "thickness": 1.0}}, "below 0.5"),
+        ({"drive": Pulled(**PULLS, damping=1.0, block=True)}, "damping of a block"),
+    ],
+)
+def test_what_is_refused(settings, problem):
+    with pytest.raises(InputError, match=problem):
+        sliding(**{"drive": Free()} | settings)
+    with pytest.raises(InputError, match="needs periodic"):
+        Scene((body(drive=Free()),), (), 1.0)
