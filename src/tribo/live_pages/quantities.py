@@ -3,6 +3,7 @@
 The formulas are those of :mod:`tribo.ledger` for one asperite on one; ``tests/live`` compares both.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from tribo.compiler.jit import apart, inlined, kernel
@@ -353,7 +354,8 @@ def both_motions(pair, potential, sides, t, row):
     first = motion_of(one, FIRST_COLUMNS, row, angles, lane(alpha1, 0))
     angles = lane(sin, 1), lane(cos, 1), lane(versine, 1)
     second = motion_of(other, SECOND_COLUMNS, row, angles, lane(alpha2, 0))
-    return first, second, lane(contact.fx, 0), lane(contact.fy, 0), lane(contact.r, 0)
+    distance = math.sqrt(lane(contact.square, 0))
+    return first, second, lane(contact.fx, 0), lane(contact.fy, 0), distance
 
 
 @apart  # once for all runs

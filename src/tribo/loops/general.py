@@ -154,7 +154,7 @@ class GeneralLoop(TimeLoop):
 
     def memory(self) -> Memory:
         """All that a run continues from: clock, state, lists of neighbours, and noise."""
-        memory = {"clock": numbers_of(self.clocks)}
+        memory = {"clock": numbers_of_clock(self.clocks)}
         memory |= self.state._asdict()
         if self.layout.rows > 0:
             for name in LISTS:
@@ -235,6 +235,6 @@ def in_blocks(setting: Setting, layout: Layout) -> Setting:
     return setting._replace(y=y, s=s)
 
 
-def numbers_of(clocks: np.ndarray) -> np.ndarray:
+def numbers_of_clock(clocks: np.ndarray) -> np.ndarray:
     """The fields of a clock as numbers; counts below 2^53 are exact."""
     return np.array(clocks[0].tolist(), float)

@@ -246,9 +246,12 @@ class Known:
         if not config.DISABLE_JIT:  # type: ignore[attr-defined]
             self.kind = (WordsInLanesType if in_lanes else WordsType)(type_of(plugin))
 
-    def unit(self, function: Any, kinds: tuple[Any, ...]) -> Any:
+    def unit(
+        self, function: Any, kinds: tuple[Any, ...], returns: types.Type = types.float64
+    ) -> Any:
+        """The address of a unit of the plug-in.  Raises InputError."""
         with compiling_units(plugins_of(self._scene)):
-            return address_of(function, kinds, self._stamp, self._version)
+            return address_of(function, kinds, self._stamp, self._version, returns)
 
 
 def _addresses(count: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
+from tribo.compiler.jit import time_loop
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
@@ -19,31 +19,15 @@ from tribo.layout import contacts
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.plugins.stamps import code_stamp_of, version_of
 from tribo.potentials.from_ase import Call
 from tribo.threads.kernel_model import model_of
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
 
 
-def loop_of(layout: Layout, function: Any) -> Any:
-    """A time loop for a scene, compiled at its first call with values that plug-ins have now."""
-    plugins = layout.plugins
-    return time_loop(function, code_stamp_of(plugins), version_of(plugins))
-
-
 def shared_loop(function: Any) -> Any:
     """A time loop that knows plug-ins by their units alone: the same for all scenes."""
     return time_loop(function, "")
-
-
-def entry_point(
-    layout: Layout, function: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]
-) -> EntryPoint:
-    """A loop compiled or loaded for arguments `fixed` and like `examples`.  Raises InputError."""
-    loop = loop_of(layout, function)
-    with compiling(loop, plugins_of(layout.scene)):
-        return EntryPoint(loop, fixed, examples)
 
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
