@@ -195,8 +195,8 @@ class Contacts(NamedTuple):
 
     forces: np.ndarray  # (n,) units that add forces on bobs
     pieces: np.ndarray  # (n,) units that do a piece of that; 0 where no threads share it
-    energy: np.ndarray  # (n,) units that find the energy of a pair of surfaces
-    encounter: np.ndarray  # (n,) units that find the next encounters
+    energy: np.ndarray  # (n,) units that find the energy at a distance
+    clearance: np.ndarray  # (n,) units that find how far bobs may move before their force changes
     numbers: np.ndarray  # (n,) of the potentials
     memory: np.ndarray  # where these are
     feature: np.ndarray  # (n,) shortest length over which a force changes [length]
@@ -210,7 +210,7 @@ class Contacts(NamedTuple):
 class Acting(NamedTuple):
     """One of all interactions, in a unit of its potential."""
 
-    potential: Any
+    potential: Any  # None outside of it
     box: Any  # Box; None where space is known to be open
     species: Any  # (n,) of each bob; None where it is known not to matter
     kinds: np.ndarray  # (2,) between bobs of which species; -1: of any

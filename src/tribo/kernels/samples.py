@@ -14,7 +14,7 @@ from tribo.kernels.blocks import (
     column_range,
     halves,
 )
-from tribo.kernels.contact import contact_energy, energy_of
+from tribo.kernels.contact import contact_energy, energy_of_pair
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
 from tribo.kernels.springs import spring_energies
@@ -110,7 +110,9 @@ def energies_within(model, neighbours, stored, lane):
     for n in range(contacts.energy.size):
         if contacts.within[n] == 1:
             for k in range(contacts.first[n], contacts.first[n + 1]):
-                stored[contacts.pairs[k, 0], WITHIN] += energy_of(model, neighbours, n, k, lane)
+                stored[contacts.pairs[k, 0], WITHIN] += energy_of_pair(
+                    model, neighbours, n, k, lane
+                )
 
 
 @kernel

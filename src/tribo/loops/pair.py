@@ -23,6 +23,7 @@ from tribo.compiler.units import memory_of
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.potential_units import clearance_unit, energy_unit
 from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
@@ -44,13 +45,7 @@ from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
-from tribo.pair.potential import (
-    PotentialUnits,
-    clearance_unit,
-    clearances_unit,
-    energy_unit,
-    force_unit,
-)
+from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
 from tribo.pair.step import table
 from tribo.threads.kernel_model import Known
 from tribo.threads.writable_memory import shared_loop
@@ -219,11 +214,11 @@ class Pair:
         self._potential_memory = memory
         self._numbers = int(numbers)
         known = Known(layout.scene, self.potential)
-        distance = known.kind, types.float64, *CHARGES
+        distance = known.kind, types.float64, *CHARGES, types.int64
         self.units = PotentialUnits(
             force=known.unit(force_unit, (known.kind, lanes, *CHARGES), lanes),
             clearance=known.unit(clearance_unit, distance),
-            energy=known.unit(energy_unit, (*distance, types.int64)),
+            energy=known.unit(energy_unit, distance),
             numbers=self._numbers,
         )
         driven = layout if layout.model.pivots is not None else None

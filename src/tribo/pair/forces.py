@@ -18,7 +18,7 @@ from tribo.compiler.lanes import (
 )
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.kernels.contact import separation
-from tribo.pair.potential import clearance_of, energy_of, force_over_distance
+from tribo.pair.potential import clearance_between, energy_between, force_over_distance
 
 
 class PairScene(NamedTuple):
@@ -112,13 +112,13 @@ def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
     velocity_x = pair.velocity_x + pair.mobility * j
     speed = math.sqrt(velocity_x * velocity_x + pair.velocity_y * pair.velocity_y)
     speed += abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2
-    return speed / clearance_of(potential, r, pair.charge1, pair.charge2)
+    return speed / clearance_between(potential, r, pair.charge1, pair.charge2)
 
 
 @kernel
 def energy_at(pair, potential, t, q1, q2, k, lane):
     """The energy of the contact; of the potential of a lane if each has its own."""
-    return energy_of(potential, distance(pair, t, q1, q2, k), pair.charge1, pair.charge2, lane)
+    return energy_between(potential, distance(pair, t, q1, q2, k), pair.charge1, pair.charge2, lane)
 
 
 @inlined

@@ -18,9 +18,10 @@ from tribo.compiler.lanes import (
     where_less,
     with_lane,
 )
-from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
+from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, call_unit_in_lanes, fetched
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
+from tribo.kernels.potential_units import clearance_of, energy_of
 
 
 class PotentialUnits(NamedTuple):
@@ -58,43 +59,39 @@ def force_over_distance(potential, square, one, other):
     return where_less(square, cutoff * cutoff, f, 0.0)
 
 
-def clearance_of(potential, r, one, other):
-    """What is left of a distance to the next encounter of two charges."""
-    return potential.clearance_between(r, one, other)
-
-
 def clearances_of(potential, r, one, other):
-    """The same of eight distances; the potential or the charges may be one for each."""
+    """Clearances at eight distances; the potential or the charges may be one for each."""
     clear = r
     for i in range(LANES):
-        own = numbers_at_lane(potential, i)
-        each = own.clearance_between(lane(r, i), lane_of(one, i), lane_of(other, i))
+        each = clearance_of(potential, lane(r, i), lane_of(one, i), lane_of(other, i), i)
         clear = with_lane(clear, i, each)
     return clear
-
-
-def energy_of(potential, r, one, other, lane):
-    """The energy of two charges at a distance, by the potential of a lane if each has its own."""
-    own = numbers_at_lane(potential, lane)
-    if r < own.range_between(one, other):
-        return own.energy_between(r, one, other)
-    return 0.0
 
 
 def _called_force(units, square, one, other):
     return call_unit_in_lanes(units.force, (units.numbers, square, one, other))
 
 
-def _called_clearance(units, r, one, other):
-    return call_unit(units.clearance, (units.numbers, r, one, other))
-
-
 def _called_clearances(units, r, one, other):
     return call_unit_in_lanes(units.clearance, (units.numbers, r, one, other))
 
 
+def energy_between(potential, r, one, other, lane):
+    """The energy of two charges at a distance, by the potential of a lane if each has its own."""
+    return energy_of(potential, r, one, other, lane)
+
+
 def _called_energy(units, r, one, other, lane):
     return call_unit(units.energy, (units.numbers, r, one, other, lane))
+
+
+def clearance_between(potential, r, one, other):
+    """How far two charges may move from a distance before their force changes [length]."""
+    return clearance_of(potential, r, one, other, 0)
+
+
+def _called_clearance(units, r, one, other):
+    return call_unit(units.clearance, (units.numbers, r, one, other, 0))
 
 
 def _chosen(potential: Any, inside: Any, called: Any) -> Any:
@@ -108,9 +105,9 @@ def _force_over_distance(potential, square, one, other):
     return _chosen(potential, force_over_distance, _called_force)
 
 
-@overload(clearance_of, **OVERLOAD)
-def _clearance_of(potential, r, one, other):
-    return _chosen(potential, clearance_of, _called_clearance)
+@overload(clearance_between, **OVERLOAD)
+def _clearance_between(potential, r, one, other):
+    return _chosen(potential, clearance_between, _called_clearance)
 
 
 @overload(clearances_of, **OVERLOAD)
@@ -118,9 +115,9 @@ def _clearances_of(potential, r, one, other):
     return _chosen(potential, clearances_of, _called_clearances)
 
 
-@overload(energy_of, **OVERLOAD)
-def _energy_of(potential, r, one, other, lane):
-    return _chosen(potential, energy_of, _called_energy)
+@overload(energy_between, **OVERLOAD)
+def _energy_between(potential, r, one, other, lane):
+    return _chosen(potential, energy_between, _called_energy)
 
 
 def force_unit(potential, square, one, other):
@@ -128,16 +125,6 @@ def force_unit(potential, square, one, other):
     return force_over_distance(fetched(potential), square, one, other)
 
 
-def clearance_unit(potential, r, one, other):
-    """The unit of :func:`clearance_of`."""
-    return clearance_of(fetched(potential), r, one, other)
-
-
 def clearances_unit(potential, r, one, other):
     """The unit of :func:`clearances_of`."""
     return clearances_of(fetched(potential), r, one, other)
-
-
-def energy_unit(potential, r, one, other, lane):
-    """The unit of :func:`energy_of`."""
-    return energy_of(fetched(potential), r, one, other, lane)

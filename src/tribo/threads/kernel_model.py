@@ -21,6 +21,7 @@ from tribo.kernels import (
     encounters,
     fields,
     neighbours,
+    potential_units,
     powers,
     records,
     samples,
@@ -163,8 +164,9 @@ class Units:
             forces = contact.open_contact_forces_unit
             pieces = contact_forces.open_contact_piece_unit
         contacts.forces[n] = known.unit(forces, at)
-        contacts.energy[n] = known.unit(contact.contact_energy_unit, (*at, number, number))
-        contacts.encounter[n] = known.unit(encounters.encounter_unit, (*at, TABLE, number))
+        at_distance = known.kind, types.float64, types.float64, types.float64, number
+        contacts.energy[n] = known.unit(potential_units.energy_unit, at_distance)
+        contacts.clearance[n] = known.unit(potential_units.clearance_unit, at_distance)
         if shared:
             contacts.pieces[n] = known.unit(pieces, (*at, number))
 
@@ -277,7 +279,7 @@ def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
         forces=_addresses(count),
         pieces=_addresses(count),
         energy=_addresses(count),
-        encounter=_addresses(count),
+        clearance=_addresses(count),
         numbers=numbers,
         memory=memory,
         feature=np.array([float(each.potential.feature()[0]) for each in contacts]),
