@@ -76,6 +76,8 @@ ROOM = 0.3
 SETTINGS_KEPT = 8
 # Part of a level to which it is lowered at most, since errors need not be proportional to it.
 LOWERED = 0.1
+# And at most: smaller changes approach the room without ever reaching it.
+TIGHTENED = 0.7
 
 
 class Stepper(NamedTuple):
@@ -232,7 +234,7 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     starts = runs.begin(variation.sample(count, runs.pilot))
     plan, error = _with_most_evaluations(runs, chosen, starts, threads)
     while error > ROOM and plan.level > runs.finest:
-        level = plan.level * max(LOWERED, ROOM / error)
+        level = plan.level * max(LOWERED, min(TIGHTENED, ROOM / error))
         plan = plan._replace(level=max(runs.finest, level))
         plan, error = _with_most_evaluations(runs, plan, starts, threads)
     return plan
