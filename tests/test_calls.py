@@ -79,9 +79,9 @@ def test_settings_of_an_ensemble():
     swings = {"upper.swing": np.linspace(0.0, 0.1, 2000)}
 
     def ensemble(accuracy):
-        kept = ["upper.w1"]
+        kept = ["upper.w1", "upper.w2", "upper.delta_e_int"]
         return tribo.ensemble(
-            morse, 2000, vary=swings, accuracy=accuracy, keep=kept, progress=False
+            morse, 2000, vary=swings, accuracy=accuracy, keep=kept, threads=1, progress=False
         )
 
     assert calls(lambda: ensemble(1e-4)) <= 2 * calls(lambda: ensemble(1e-8))
