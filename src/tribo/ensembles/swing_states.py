@@ -226,6 +226,8 @@ def _swinging(scene: Scene, key: str, vary: Mapping[str, Any]) -> list[Surface]:
     for surface in surfaces:
         if f"{surface.name}.{ASPERITE_PART}.kappa" not in vary:
             _check_stiffness(key, surface.name, surface.each["kappa"])
+        if surface.drive.block:
+            raise InputError(key, f"cannot be drawn: the block {surface.name} shares its energy")
         if surface.initial.temperature:
             raise InputError(key, f"cannot go with {surface.name}.initial.temperature")
     return surfaces

@@ -61,8 +61,13 @@ def to_lammps(scene: Scene, directory: str | os.PathLike[str]) -> LammpsFiles:
     Raises
     ------
     InputError
-        If the folder cannot be written, or there are too many surfaces or different masses.
+        If the folder cannot be written, or there are too many surfaces or different masses,
+        or bars are one rigid body.
     """
+    for surface in scene.surfaces:
+        if surface.drive.block:
+            problem = "must be false in files of LAMMPS, which would move the bars one by one"
+            raise InputError(f"{surface.name}.drive.block", problem)
     if (count := len(scene.surfaces)) > MOST_SURFACES:
         raise must_be("surface", f"at most {MOST_SURFACES} for LAMMPS's groups", count)
     atoms = atoms_of(scene)

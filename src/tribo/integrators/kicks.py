@@ -30,11 +30,13 @@ def settle_custom_forces(model, neighbours, t, tau, q, v, work):
     active = blocks.active_of(neighbours)
     equations.drive_forces(model, active, t, q)
     custom_forces(model, t, q, v)
+    equations.join_blocks(model, t, q, v)
     for _ in range(ITERATIONS):
         equations.accelerate(model, 0.0, t, q, work.acceleration)
         for m in range(model.core):
             work.middle[m] = v[m] + 0.5 * tau * work.acceleration[m]
         custom_forces(model, t, q, work.middle)
+        equations.join_blocks(model, t, q, work.middle)
     return 0.0
 
 

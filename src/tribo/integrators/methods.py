@@ -26,6 +26,17 @@ _FRICTION = dict.fromkeys(_RESERVOIRS, _POSITIONS_ONLY + "Langevin friction depe
 _NEGATIVE_SUBSTEPS = dict.fromkeys(
     _RESERVOIRS, "uses negative substeps, which are unstable with damping and undefined with noise"
 )
+_BLOCK_VELOCITIES = {
+    "block of pendulums": _POSITIONS_ONLY + "pendulums pull at their block by the squares of rates",
+    "damped block": _POSITIONS_ONLY + "the dampers of a block depend on velocities",
+}
+_BLOCK_IN_DRIFTS = {
+    "block of pendulums": (
+        "lets every pendulum swing alone in its drifts; those of a block are coupled by it: "
+        '"gauss-radau-15" and "dop853" integrate them, and any method does with kappa = inf'
+    ),
+    "damped block": "has no dampers of blocks; langevin damps their bars",
+}
 _BATH_IN_KICKS = dict.fromkeys(
     ("bath", "torsional bath"), "loses its order with a bath, which rotates within its kicks"
 )
@@ -99,13 +110,13 @@ class Method:
 _NYSTROM: dict[str, Any] = {
     "source": "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7 (1987) 423",
     "adaptive": True,
-    "refuses": _CUSTOM_FORCES | _FRICTION,
+    "refuses": _CUSTOM_FORCES | _FRICTION | _BLOCK_VELOCITIES,
     "positions_only": True,
     "smoothness": 0,
 }
 COMPOSITION: dict[str, Any] = {
     "remembers": 1,
-    "refuses": _CUSTOM_FORCES | _NEGATIVE_SUBSTEPS,
+    "refuses": _CUSTOM_FORCES | _NEGATIVE_SUBSTEPS | _BLOCK_IN_DRIFTS,
     "positions_only": True,
     "smoothness": 2,
     "first_level": _HIGHER_ORDER,
@@ -190,6 +201,7 @@ METHODS = {
             "L. Verlet, Phys. Rev. 159 (1967) 98, with the torsion springs rotated exactly",
             remembers=2,
             first_level=_SECOND_ORDER,
+            refuses=_BLOCK_IN_DRIFTS,
             noise=True,
             cost=Cost(90.6, 2.0, 69.3, 29.3, 0.5, 1, fast_bath=(108.0, 2.0)),
         ),

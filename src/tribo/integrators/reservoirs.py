@@ -12,14 +12,21 @@ The reasons for this scheme are in docs/developers/methods.md.
 """
 
 from tribo.compiler.jit import apart, inlined
-from tribo.compiler.lanes import LANES, broadcast, where_less
+from tribo.compiler.lanes import LANES, broadcast, lane, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import absent, constant, own_number, vectors
+from tribo.kernels.blocks import (
+    absent,
+    constant,
+    coordinates,
+    own_number,
+    set_coordinates,
+    vectors,
+)
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import add_total, add_works, momentum
@@ -113,6 +120,41 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     set_jump(model, s, i, t, q, (turn, x, y), reservoirs.jumps, accounts)
 
 
+@apart
+def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
+    """Friction and noise on a rigid body of rigid asperites: those of all its bars together.
+
+    Each asperite takes up the part of the momentum that belongs to its mass.
+    """
+    t, q, v = motion
+    tau = reservoirs.tau
+    first = s.start
+    vx = broadcast(lane(coordinates(s.dof_x, s, first, v), 0))
+    vy = broadcast(lane(coordinates(s.dof_y, s, first, v), 0))
+    gain_x = 2.0 * (vx - broadcast(lane(coordinates(s.dof_x, s, first, reservoirs.before), 0)))
+    gain_y = 2.0 * (vy - broadcast(lane(coordinates(s.dof_y, s, first, reservoirs.before), 0)))
+    one, other, third, fourth, _, _ = normals(noise, s.temperature, 1, 4)
+    gamma = broadcast(s.gamma * (s.end - s.start))
+    heat = broadcast(s.temperature)
+    mobility = broadcast(1.0 / s.mass)
+    x = vx - s.reservoir_x
+    y = vy - s.reservoir_y
+    one, other = broadcast(lane(one, 0)), broadcast(lane(other, 0))
+    third, fourth = broadcast(lane(third, 0)), broadcast(lane(fourth, 0))
+    px, far_x = damped_motion(gamma, heat, mobility, x, gain_x, tau, one, other)
+    py, far_y = damped_motion(gamma, heat, mobility, y, gain_y, tau, third, fourth)
+    zero = broadcast(0.0)
+    for i in range(s.start, s.stop, LANES):
+        present = block(model.each[rows.PRESENT], i)
+        share = present * constant(model, rows.MASS, s, i) * mobility
+        push_bars(model, s, i, share * px, share * py, v, accounts, s.acc_thermal)
+        # The same velocity for all, to the last bit.
+        set_coordinates(s.dof_x, s, i, v, present * (vx + px * mobility))
+        set_coordinates(s.dof_y, s, i, v, present * (vy + py * mobility))
+        jump = zero, present * far_x, present * far_y
+        set_jump(model, s, i, t, q, jump, reservoirs.jumps, accounts)
+
+
 @inlined
 def turn_swings(model, s, i, turning, given, v, accounts):
     """Give angular momenta to a block of swings, bars at rest, and `given` heat to the reservoir.
@@ -137,8 +179,11 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
-            for i in range(s.start, s.stop, LANES):
-                damp_block(model, s, i, reservoirs, (t, q, v), accounts, noise)
+            if s.block > 0:
+                damp_rigid_body(model, s, reservoirs, (t, q, v), accounts, noise)
+            else:
+                for i in range(s.start, s.stop, LANES):
+                    damp_block(model, s, i, reservoirs, (t, q, v), accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y

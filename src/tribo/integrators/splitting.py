@@ -46,7 +46,13 @@ from tribo.kernels import blocks
 from tribo.kernels import records as rows
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
-from tribo.kernels.equations_of_motion import forces, gather_contact, place_bobs
+from tribo.kernels.equations_of_motion import (
+    drive_forces,
+    forces,
+    gather_contact,
+    join_blocks,
+    place_bobs,
+)
 from tribo.kernels.neighbours import crowded, has_lists, have_moved, is_empty, list_chunk
 from tribo.kernels.powers import Powers, shared_powers
 from tribo.kernels.records import Model
@@ -165,6 +171,9 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
     q, v = blocks.halves(state.y)
     if has_customs(model):
         call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, t, tau, q, v, work))
+    elif model.blocks:
+        drive_forces(model, active, t, q)
+        join_blocks(model, t, q, v)
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]

@@ -32,7 +32,7 @@ from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.neighbours import crowded, has_lists, refresh
-from tribo.kernels.records import BARS, FORCED, PULLED, PUSHED, RIGID
+from tribo.kernels.records import BARS, FORCED, PENDULUMS, PULLED, PUSHED, RIGID, RIGID_ASPERITES
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces, has_customs
 
@@ -107,6 +107,9 @@ def friction_forces(model, friction, swing_friction, v):
                 fx = -s.gamma * (vx - s.reservoir_x)
                 fy = -s.gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
+                if s.block == RIGID_ASPERITES:  # as `integrators.reservoirs` shares it
+                    share = (s.end - s.start) / s.mass
+                    present = present * share * constant(model, rows.MASS, s, i)
                 set_vectors(friction, i, present * fx, present * fy)
             if not absent(swing_friction):
                 set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
@@ -156,6 +159,8 @@ def drive_of_block(model, s, i, t, q):
         gx = broadcast(0.0)
     load = own_number(model.own, rows.OWN_LOAD, s.load, i)
     gy = load + s.load_rate * t if s.loaded else -fy
+    if s.stiffness_y > 0.0:
+        gy = gy - s.stiffness_y * coordinates(s.dof_y, s, i, q)
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
     present = block(model.each[rows.PRESENT], i)
@@ -236,6 +241,26 @@ def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
 
 
 @inlined
+def joined(model, s, i, swing, x, y):
+    """Accelerations of a block; those of the whole where bars are one rigid body, in place."""
+    if s.block > 0:
+        present = block(model.each[rows.PRESENT], i)
+        x = present * s.ax
+        y = present * s.ay
+        if s.block == PENDULUMS:
+            tx, ty = vectors(model.directions, i)
+            swing = swing - (tx * x + ty * y) / constant(model, rows.L1, s, i)
+    return swing, x, y
+
+
+@inlined
+def join_blocks(model, t, q, v):
+    """Set the motion and the constraints of rigid bodies, all forces in place."""
+    if model.blocks:
+        call_unit(model.units[rows.JOIN_BLOCKS], (model, t, q, v))
+
+
+@inlined
 def accelerations(model, s, i, torsion, t, q, drive):
     """q'' of a block from the forces in place: swings, bars' angles, x and y.
 
@@ -255,7 +280,9 @@ def accelerations(model, s, i, torsion, t, q, drive):
             turning = (spring + ends) / constant(model, rows.I2, s, i)
     mobility = constant(model, rows.INVERSE_MASS, s, i)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
-    return torque * constant(model, rows.INVERSE_INERTIA, s, i), turning, x, y
+    swing = torque * constant(model, rows.INVERSE_INERTIA, s, i)
+    swing, x, y = joined(model, s, i, swing, x, y)
+    return swing, turning, x, y
 
 
 @inlined
@@ -288,6 +315,7 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     all_forces(model, neighbours, t, q, v)
     if not absent(model.bath):
         call_unit(model.units[rows.BATH_FORCES], (model, q, acceleration))
+    join_blocks(model, t, q, v)
     accelerate(model, 1.0, t, q, acceleration)
     if not absent(model.torsional):
         call_unit(model.units[rows.TORSIONAL_ACCELERATIONS], (model, t, q, acceleration))

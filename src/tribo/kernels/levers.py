@@ -3,7 +3,9 @@
 The equations of motion refer to the centre of mass, or on driven bars to the bar's centre, the
 pivot, which moves uniformly.  There the constants are L1 = length, L2 = 0, INERTIA = m1 length^2
 and an infinite MASS, and there are no coordinates x and y.  `pivots` has the distance from the
-pivot to the centre of mass: l2 on driven bars, 0 elsewhere; empty without driven bars.
+pivot to the centre of mass: l2 on driven bars, 0 elsewhere; empty without driven bars.  So it is
+where pendulums hang from bars that are one rigid body, with a finite MASS, and coordinates x and y
+of the bars.
 """
 
 from tribo.compiler.jit import inlined

@@ -52,8 +52,8 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
-from tribo.kernels.levers import levers, velocities_of_centres
-from tribo.kernels.records import BARS
+from tribo.kernels.levers import levers, pivot_lengths, velocities_of_centres
+from tribo.kernels.records import BARS, PENDULUMS
 
 # Number of accounts in each group, as listed above; POINT is that of internal, field and thermal.
 CONTACT = 4
@@ -328,6 +328,10 @@ def momentum(model, s, v):
         x, y = vectors_if_any(model.bath_momentum, i)
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
+        if s.block == PENDULUMS:
+            about = mass * pivot_lengths(model.pivots, s, i) * block(v, i)
+            tx, ty = vectors(model.directions, i)
+            px, py = px + about * tx, py + about * ty
     return totals(model.members, px), totals(model.members, py)
 
 

@@ -16,9 +16,10 @@ from tribo.kernels.powers import held_torques
 from tribo.kernels.samples import PULL_X, PULL_Y
 
 # Tables of what is found, of vectors: contact, contact within, fields, drive, springs, bath, left
-# and right end, friction; the last has the acceleration of the swing in its first row.
-F1, WITHIN, FIELD, F2, SPRING, BATH, LEFT, RIGHT, FRICTION, SWING = range(10)
-TABLES = 10
+# and right end, friction, the acceleration of the swing in its first row, and the constraint of a
+# rigid body.
+F1, WITHIN, FIELD, F2, SPRING, BATH, LEFT, RIGHT, FRICTION, SWING, BLOCK = range(11)
+TABLES = 11
 
 
 @inlined
@@ -59,6 +60,11 @@ def note_forces(model, s, i, t, q, acceleration, found):
     set_vectors(found[FRICTION], i, *vectors_if_any(model.friction, i))
     set_ends(model, model.left, model.right, s, i, t, q, found)
     set_block(found[SWING, 0], i, block(acceleration, i))
+    if s.block > 0:
+        x, y = vectors(model.internal, i)
+        spring_x, spring_y = vectors(found[SPRING], i)
+        bath_x, bath_y = vectors(found[BATH], i)
+        set_vectors(found[BLOCK], i, x - spring_x - bath_x, y - spring_y - bath_y)
 
 
 def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceleration, found):
@@ -80,6 +86,7 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
                 add_bath(model.internal, found[k], baths[k], i)
+        equations.join_blocks(model, t, q, v)
         equations.accelerate(model, 1.0, t, q, acceleration)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]

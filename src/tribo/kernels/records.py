@@ -66,6 +66,9 @@ EACH_ROWS = 5
 
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
 
+# What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
+RIGID_ASPERITES, PENDULUMS = 1, 2
+
 SURFACE = np.dtype(
     [
         ("start", "i8"),  # columns start <= i < stop
@@ -90,6 +93,12 @@ SURFACE = np.dtype(
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
+        ("block", "i8"),  # RIGID_ASPERITES, PENDULUMS; the drive's numbers are a bar's share
+        ("stiffness_y", "f8"),  # of the pulling spring along y
+        ("damping", "f8"),  # of the damper beside the pulling spring
+        ("damping_y", "f8"),  # of the same along y
+        ("ax", "f8"),  # acceleration of a rigid body, scratch
+        ("ay", "f8"),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -373,7 +382,8 @@ class Tables(NamedTuple):
     displaced: Any = None  # (2, n), scratch: displacement of each bar from its rest
     friction: Any = None  # (2, n), scratch: Langevin friction on each bar without noise
     swing_friction: Any = None  # (1, n), scratch: the same torque on each swing
-    pivots: Any = None  # (1, columns of constants), see `kernels.levers`; None without driven bars
+    # (1, columns of constants), see `kernels.levers`; None without driven bars or such blocks.
+    pivots: Any = None
     left: Any = None  # (2, n), scratch: a plug-in's force on the left end of each bar
     right: Any = None  # (2, n), scratch: on its right end
     box: Any = None  # Box
@@ -393,15 +403,16 @@ class Tables(NamedTuple):
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
 # neighbours, baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads;
+# rigid bodies;
 # and of drifts and kicks, which several loops and units share.
 UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
-    *("share_contacts", "share_step", "drift", "kick"),
+    *("share_contacts", "share_step", "drift", "kick", "join_blocks"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
-SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK = range(10, len(UNITS))
+SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, len(UNITS))
 
 
 class Model(NamedTuple):
@@ -438,6 +449,7 @@ class Model(NamedTuple):
     sums: bool  # whether accounts are sums over asperites
     on_bobs: bool  # whether other forces than contact with other surfaces act on bobs
     on_bars: bool  # whether other forces than f2 act on bars
+    blocks: bool  # whether the bars of any surface are one rigid body, see `kernels.rigid_block`
     species: np.ndarray  # (n,) of each bob, floats; empty where none matters
     pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`
     box: Box

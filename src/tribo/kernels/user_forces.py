@@ -15,12 +15,22 @@ def coordinate(slot, s, i, q):
     return q[slot + i - s.start] if slot >= 0 else 0.0
 
 
+@kernel
+def share_among_bars(model, s, gx, gy):
+    """Set f2 on each bar of a rigid body to these equal parts; s.load is such a part."""
+    for i in range(s.start, s.end):
+        model.drive[rows.X, i] = gx
+        model.drive[rows.Y, i] = s.load if s.loaded else gy
+
+
 def custom_drive_unit(model, plugin, n, t, q, v):
     """Set f2 by a plug-in: a function of time, of the bar's motion, and of the contact force."""
     plugin = fetched(plugin)
     constants = model.constants
     drives = model.drives
     s = model.surfaces[drives.surface[n]]
+    count = float(s.end - s.start)
+    sum_x, sum_y, sum_fx, sum_fy = 0.0, 0.0, 0.0, 0.0
     for i in range(s.start, s.end):
         column = column_of_constants(s, i)
         l1 = constants[rows.L1, column]
@@ -37,9 +47,20 @@ def custom_drive_unit(model, plugin, n, t, q, v):
         vy += s.vy + drives.velocity[n, rows.Y]
         fx, fy = model.f1[rows.X, i], model.f1[rows.Y, i]
         now = now - drives.begun[n]
+        if s.block > 0:
+            # The plug-in drives the whole, from the mean place of the bars and all of contact.
+            sum_x, sum_y = sum_x + x, sum_y + y
+            sum_fx, sum_fy = sum_fx + fx, sum_fy + fy
+            if i < s.end - 1:
+                continue
+            x, y = sum_x / count, sum_y / count
+            fx, fy = sum_fx, sum_fy
         gx, gy = plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
-        model.drive[rows.X, i] = gx
-        model.drive[rows.Y, i] = s.load if s.loaded else gy
+        if s.block > 0:
+            share_among_bars(model, s, gx / count, gy / count)
+        else:
+            model.drive[rows.X, i] = gx
+            model.drive[rows.Y, i] = s.load if s.loaded else gy
     return 0.0
 
 

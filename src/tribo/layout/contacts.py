@@ -137,7 +137,7 @@ def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
         uniform = (drive.holds_bars or drive.cancels_contact) and drive.plugin is None
         acted_on = scene.has_uncancelled_forces(surface) or surface.reservoir("swing") is not None
         turning = surface.bath.inertias.size > 0 or model.surfaces[k].turning
-        eligible.append(uniform and not (acted_on or turning or k in unlisted))
+        eligible.append(uniform and not (drive.block or acted_on or turning or k in unlisted))
     if model.calculators is not None or not any(eligible):
         return ALL_ACTIVE
     count = model.each.shape[1]

@@ -77,7 +77,7 @@ def fill_parameters(
         asperites[name] = each[name]
     if surface.asperite.is_rigid:
         asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
-    if surface.drive.holds_bars:
+    if surface.drive.holds_bars or surface.is_block_of_pendulums:
         asperites["pivot"] = each["l2"]
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
@@ -95,11 +95,15 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     drive = surface.drive
     # A rigid body of one asperite is a free asperite.
     record["drive"] = records.RIGID if surface.moves_as_one else drive.law
+    bars = surface.count if drive.block else 1  # among which the drive's numbers are shared
     for name, value in drive.numbers(surface.velocity[0]).items():
-        record[name] = value
+        record[name] = value if name in ("speed", "loaded") else value / bars
     if drive.load is not None:
         record["loaded"] = 1
-        record["load"] = -drive.load * surface.facing_sign
+        record["load"] = -drive.load * surface.facing_sign / bars
+    if drive.block:
+        rigid = surface.asperite.is_rigid
+        record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
         record[f"{before}gamma"] = reservoir.gamma

@@ -108,7 +108,9 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
         "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
         "acc_user_ends": [s.plugin_at_ends is not None for s in own],
-        "acc_internal": [bool(s.springs or s.bath or scene.has_contact_within(s)) for s in own],
+        "acc_internal": [
+            bool(s.springs or s.bath or s.drive.block or scene.has_contact_within(s)) for s in own
+        ],
         "acc_field": [scene.has_field(s) for s in own],
         "acc_thermal": [s.reservoir("bar") is not None for s in own],
         "acc_swing": [s.reservoir("swing") is not None for s in own],

@@ -70,10 +70,12 @@ def draw_starts(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Seque
         if surface.bars != "clamped":
             v[:, own["dof_phi"]] = drawn(own["i2"])
         if scene.slides_along_x(surface):
-            mass = np.sum(own["mass"]) if surface.moves_as_one else own["mass"]
+            as_one = surface.moves_as_one or surface.drive.block
+            mass = np.sum(own["mass"]) if as_one else own["mass"]
             v[:, own["dof_x"]] = drawn(mass).reshape(len(v), -1)
         if scene.slides_along_y(surface):
-            v[:, own["dof_y"]] = drawn(own["mass"])
+            mass = np.sum(own["mass"]) if surface.drive.block else own["mass"]
+            v[:, own["dof_y"]] = drawn(mass).reshape(len(v), -1)
 
 
 def start_baths(asperites: np.ndarray, scene: Scene, y: np.ndarray, seeds: Sequence[int]) -> None:

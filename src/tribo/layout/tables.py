@@ -51,7 +51,7 @@ def model_tables(
         directions=True,
         f1=True,
         drive=True,
-        internal=True if pulls else None,
+        internal=True if pulls or any(s.drive.block for s in scene.surfaces) else None,
         displaced=True if pulls else None,
         friction=True if on_bars else None,
         swing_friction=True if on_swings else None,
@@ -133,13 +133,14 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
     for row, name in enumerate(records.CONSTANTS):
         if name in (records.ASPERITE.names or ()):
             table[row] = asperites[name]
-    # On driven bars they refer to the bar's centre; see `kernels.levers`.
-    driven = asperites["pivot"] > 0.0
-    a = asperites[driven]
-    table[records.INERTIA, driven] += a["mass"] * a["pivot"] ** 2
-    table[records.MASS, driven] = np.inf
-    table[records.L1, driven] += a["pivot"]
-    table[records.L2, driven] = 0.0
+    # On driven bars and blocks of pendulums they refer to the bar's centre; see `kernels.levers`.
+    about_bar = asperites["pivot"] > 0.0
+    a = asperites[about_bar]
+    table[records.INERTIA, about_bar] += a["mass"] * a["pivot"] ** 2
+    table[records.L1, about_bar] += a["pivot"]
+    table[records.L2, about_bar] = 0.0
+    held = np.array([s.drive.holds_bars for s in scene.surfaces])[asperites["surface"]]
+    table[records.MASS, held] = np.inf
     rigid = np.array([s.asperite.is_rigid for s in scene.surfaces])[asperites["surface"]]
     table[records.INERTIA, rigid] = np.inf
     table[records.INVERSE_MASS] = 1.0 / table[records.MASS]

@@ -117,7 +117,9 @@ def _contact(span: Span, s: np.ndarray) -> Account:
     slide_x, slide_y = account_columns(span, "acc_slide", range(2), s)
     a = span.asperites
     swept = about_x + about_y
-    return Account(a.l1 * swept, jx, jy, slide_x + slide_y + a.pivot * swept)
+    # On driven bars the centre of mass has no velocity but that about the bar.
+    about_bar = np.where(a.acc_slide < 0, a.pivot, 0.0)
+    return Account(a.l1 * swept, jx, jy, slide_x + slide_y + about_bar * swept)
 
 
 def _drive(span: Span, s: np.ndarray) -> Account:
@@ -129,7 +131,8 @@ def _drive(span: Span, s: np.ndarray) -> Account:
     own_jx, own_jy, own_about, own_pseudo = account_columns(span, "acc_drive", range(4), s)
     own = a.acc_drive >= 0
     # On driven bars the reaction does no work in the frame of the surface.
-    own_about = np.where(a.pivot > 0.0, -own_pseudo, -a.l2 * own_about)
+    driven = (a.pivot > 0.0) & (a.acc_slide < 0)
+    own_about = np.where(driven, -own_pseudo, -a.l2 * own_about)
     return Account(
         np.where(own, own_about, a.l2 * (held * about_x + about_y)),
         np.where(own, own_jx, -held * jx),

@@ -68,6 +68,11 @@ FORCES = {
         "force of the bath on the bar",
         acts=lambda scene, surface: surface.bath.masses.size > 0,
     ),
+    "f_block": Force(
+        probe.BLOCK,
+        "force of the constraint on the bar of a block",
+        acts=lambda scene, surface: surface.drive.block,
+    ),
     "fL": Force(probe.LEFT, "force on the bar's left end", "wL"),
     "fR": Force(probe.RIGHT, "force on the bar's right end", "wR"),
     "f_T": Force(

@@ -82,6 +82,11 @@ class Motion:
     vx = _of_centre("dof_x", "_v", 2)
     vy = _of_centre("dof_y", "_v", 3)
 
+    @property
+    def y_of_block(self) -> np.ndarray:
+        """Displacement along y of the bars of a block."""
+        return self._column("dof_y", self._q)
+
     @lazy_property
     def theta(self) -> np.ndarray:
         """The angle of the pendulum."""

@@ -125,7 +125,11 @@ class SurfaceSeries(AsperiteSeries):
             x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)
             return np.asarray((stage - x) ** 2)
 
-        return np.asarray(0.5 * stiffness * self._total(squares))
+        energy = np.asarray(0.5 * stiffness * self._total(squares))
+        stiffness_y = float(self._record.stiffness_y)
+        if stiffness_y > 0.0:  # of a block, whose bars are displaced alike
+            energy = energy + 0.5 * stiffness_y * self._total(lambda e: e.y_of_block**2)
+        return energy
 
     @lazy_property
     def change_of_kinetic(self) -> np.ndarray:

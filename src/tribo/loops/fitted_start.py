@@ -40,6 +40,8 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
             if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
                 moved = f"are displaced by {size:.3g} and move" if size else "move"
                 raise InputError("start", f"{problem}, but they {moved} at {speed:.3g}")
+        if surface.drive.block:
+            _join_bars(table, surface.facing_sign * own.pivot)
         slots = {"swing": np.arange(part.start, part.stop)}
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
         for name, places in slots.items():
@@ -53,6 +55,13 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
                 q[places] = bath[name]
                 v[places] = bath[rate]
     return y
+
+
+def _join_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> None:
+    """Replace the centres of mass of a block by its bars, which are displaced alike."""
+    for name, about in zip(("x", "y", "vx", "vy"), _about_bars(table, arm), strict=True):
+        bars = table[name] - about
+        table[name] = np.full(bars.size, bars[0])
 
 
 def _move_centres(table: dict[str, np.ndarray], own: Any, facing: float, before: Surface) -> None:
@@ -106,6 +115,12 @@ def _held(
     if surface.moves_as_one and not before.moves_as_one:
         problem = f"must have asperites of {name} that move as one, as drive.rigid = true"
         yield problem, 0.0, float(np.ptp(table["vx"]))
+    if surface.drive.block:
+        about = _about_bars(table, surface.facing_sign * own.pivot)
+        each = zip(("x", "y", "vx", "vy"), about, strict=True)
+        x, y, vx, vy = (np.ptp(table[axis] - around) for axis, around in each)
+        problem = f"must have the bars of {name} displaced alike, as drive.block = true joins them"
+        yield problem, max(x, y), max(vx, vy)
     if surface.asperite.is_rigid:
         problem = f"must have asperites of {name} that do not swing, as asperite.kappa = inf"
         yield problem, 0.0, _largest(table["omega"] * (own.l1 + own.l2))

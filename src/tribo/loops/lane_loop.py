@@ -47,6 +47,8 @@ def fit_lanes(layout: Layout, method: Method) -> bool:
         fits = layout.core == layout.coordinates  # oscillators of one member stand side by side
     else:
         fits = method.splits
+    if layout.surfaces.block.any():  # whose sums are over the asperites of one run
+        return False
     small = layout.asperites.size <= MOST_ASPERITES
     return fits and small and layout.model.sums is None and not layout.calculator_calls
 

@@ -86,6 +86,8 @@ def stiffness_of(
     temperature, constants = _of_members(layout, numbers)
     for slots, present, inertia in kinds:
         inertias[..., slots] = constants[inertia][..., present]
+        if inertia == row.MASS:
+            inertias[..., slots] *= _moved_with(layout)[present]
         thermal[..., slots] = temperature[..., present] / inertias[..., slots]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         floor = np.maximum(moved, pairs * step * step * thermal)
@@ -116,6 +118,13 @@ def _kinds(layout: Layout) -> list[tuple[np.ndarray, np.ndarray, int]]:
         (a.dof_y, row.MASS),
     )
     return [(slots[slots >= 0], np.flatnonzero(slots >= 0), inertia) for slots, inertia in each]
+
+
+def _moved_with(layout: Layout) -> np.ndarray:
+    """The mass that moves with each asperite, in units of its own: that of its block."""
+    a = layout.asperites
+    whole = layout.surfaces.mass[a.surface] / a.mass
+    return np.where(layout.surfaces.block[a.surface] > 0, whole, 1.0)
 
 
 def _of_members(layout: Layout, numbers: MemberNumbers | None) -> tuple[np.ndarray, np.ndarray]:

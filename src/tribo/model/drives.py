@@ -8,6 +8,7 @@ about its force.  Its `law` names the formula, one of those in
 import difflib
 import functools
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
@@ -23,6 +24,11 @@ from tribo.validation import InputError
 # Signatures of the methods that plug-ins need, as messages quote them.
 FORCE_ON_BAR = "force_on_bar(self, t, x, y, vx, vy, fx, fy)"
 END_FORCES = "end_forces(self, t, phi, nu, twist)"
+# What a warning, and a note on a scene file, say of `rigid`.
+RIGID_IS_OLD = (
+    "joins asperites along x alone and will be removed in 0.5; block = True makes the bars one "
+    "rigid body along x and y, under one load"
+)
 
 
 class Stage(NamedTuple):
@@ -44,9 +50,12 @@ class Drive:
     """A drive, and the load N that may go with it, which presses every bar to the other surface.
 
     f2_y is then -N on a surface that faces down and +N on one that faces up, in place of -f1_y.
+    Where bars form a `block`, one rigid body, its numbers are those of the whole body, and each bar
+    has an equal part.
     """
 
     load: float | None = None
+    block: bool = False
 
     # The drive's name in scene files, and the keys that its table there must have.
     kind: ClassVar[str] = ""
@@ -99,6 +108,11 @@ class Drive:
         return False
 
     @property
+    def damps(self) -> float:
+        """The largest damping coefficient between a block and its stage; 0 without dampers."""
+        return 0.0
+
+    @property
     def cancels_contact(self) -> bool:
         """Whether f2 = -f1."""
         return self.cancels_x and self.cancels_y and self.load is None
@@ -134,6 +148,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         check.fields(self, load=check.one(unit="force"))
+        check.boolean("block", self.block)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,6 +159,8 @@ class Forced(Drive):
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    block : bool
+        Whether the bars are one rigid body; the load is then that on the whole body.
     """
 
     kind = "forced"
@@ -157,14 +174,17 @@ class Forced(Drive):
 class Free(Drive):
     """f2_x = 0: each asperite slides on its own, or all of them together as one block.
 
-    As one block, f2_x = -f1_x + (M_i / M_surface) sum_j f1_x,j.  Takes keywords only.
+    With `rigid`, f2_x = -f1_x + (M_i / M_surface) sum_j f1_x,j.  Takes keywords only.
 
     Attributes
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    block : bool
+        Whether the bars are one rigid body, which moves along x and y; the load is then that on it.
     rigid : bool
-        Whether all asperites form one block, and share the acceleration of the surface along x.
+        Whether all asperites share the acceleration of the surface along x alone: each has its own
+        motion along y.  Deprecated; `block` joins bars along x and y.
     """
 
     rigid: bool = False
@@ -181,6 +201,14 @@ class Free(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         check.boolean("rigid", self.rigid)
+        if self.rigid and self.block:
+            raise InputError("rigid", "cannot go with block = true, which joins bars along x too")
+        if self.rigid:
+            warnings.warn(f"rigid = True {RIGID_IS_OLD}", DeprecationWarning, stacklevel=3)
+
+
+# Numbers of a pulled block beside stiffness and speed.
+OF_BLOCK = ("stiffness_y", "damping", "damping_y")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,14 +222,28 @@ class Pulled(Drive):
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
+    block : bool
+        Whether the bars are one rigid body, pulled by one spring of stiffness k, as by the
+        cantilever of a microscope; the load is then that on the whole body.
     stiffness : float
-        Stiffness k of each spring [force / length].
+        Stiffness k of each spring, or of that of the block [force / length].
     speed : float
         Velocity v of the stage along x in the laboratory [length / time].
+    stiffness_y : float
+        Of a block with a load: stiffness of its spring along y, about its height at the start
+        [force / length].
+    damping : float
+        Of a block: damping coefficient along x, of its velocity relative to the stage
+        [force time / length].
+    damping_y : float
+        Of a block with a load: damping coefficient along y [force time / length].
     """
 
     stiffness: float = 1.0
     speed: float = 0.0
+    stiffness_y: float = 0.0
+    damping: float = 0.0
+    damping_y: float = 0.0
 
     kind = "pulled"
     required = ("stiffness", "speed")
@@ -220,7 +262,12 @@ class Pulled(Drive):
         return Stage(self.stiffness, self.speed)
 
     def numbers(self, velocity: float) -> dict[str, float]:
-        return {"stiffness": self.stiffness, "speed": self.speed - velocity}
+        own = {name: getattr(self, name) for name in ("stiffness", *OF_BLOCK)}
+        return {"speed": self.speed - velocity, **own}
+
+    @property
+    def damps(self) -> float:
+        return max(self.damping, self.damping_y)
 
     def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
         return np.asarray(self.stiffness * (stage - x))
@@ -228,7 +275,14 @@ class Pulled(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         stiffness = check.one(check.NOT_NEGATIVE, "force / length")
+        damping = check.one(check.NOT_NEGATIVE, "force time / length")
         check.fields(self, stiffness=stiffness, speed=check.one(unit="length / time"))
+        check.fields(self, stiffness_y=stiffness, damping=damping, damping_y=damping)
+        for name in OF_BLOCK:
+            if getattr(self, name) != 0.0 and not self.block:
+                raise InputError(name, "needs block = true, of which it is a number")
+            if name.endswith("_y") and getattr(self, name) != 0.0 and self.load is None:
+                raise InputError(name, "needs a load, of 0 or more: without one f2_y = -f1_y")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,6 +295,8 @@ class Pushed(Drive):
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y.
+    block : bool
+        Whether the bars are one rigid body; load, force and rate are then those on the whole body.
     force : (float, float)
         Force on each bar at t = 0, x and y [force].
     rate : (float, float)
@@ -301,6 +357,8 @@ class DrivenBars(Drive):
     ----------
     load : None
         Must be None: a constraint holds the bars along y too.
+    block : bool
+        Must be False: driven bars move as one anyway.
     """
 
     kind = "bars"
@@ -312,6 +370,8 @@ class DrivenBars(Drive):
     def __post_init__(self) -> None:
         if self.load is not None:
             raise InputError("load", "cannot go with driven bars, which are held along y too")
+        if self.block:
+            raise InputError("block", 'cannot go with kind = "bars": driven bars move as one anyway')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -326,6 +386,10 @@ class Custom(Drive):
     ----------
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of gy.
+    block : bool
+        Whether the bars are one rigid body: the plug-in is then called once for all of them, with
+        the mean of their places and the sum of the contact forces, and its force and the load are
+        those on the whole body.
     force : NamedTuple
         The plug-in: its fields are numbers.
     """
@@ -454,20 +518,32 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         parameters = dict(value)
         name = parameters.pop("kind")
         load = parameters.pop("load", None)
+        block = parameters.pop("block", False)
         force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
-        return Custom(load=load, force=force)
+        return Custom(load=load, block=block, force=force)
     table = check.known_keys(value, value, ["kind"])
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind.holds_bars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
-    return kind(**check.known_keys(table, field_names(kind), kind.required))
+    own = check.known_keys(table, field_names(kind), kind.required)
+    if not own.get("rigid"):
+        return kind(**own)
+    check.boolean("rigid", own.pop("rigid"))
+    drive = kind(**own)
+    if drive.block:
+        raise InputError("rigid", "cannot go with block = true, which joins bars along x too")
+    object.__setattr__(drive, "rigid", True)  # a run has a note in place of Python's warning
+    return drive
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
+        table |= {"block": True} if drive.block else {}
         return table if drive.load is None else table | {"load": drive.load}
-    return {"kind": drive.kind} | {k: v for k, v in table_of(drive).items() if v is not False}
+    absent = () if drive.block else OF_BLOCK
+    own = {k: v for k, v in table_of(drive).items() if v is not False and k not in absent}
+    return {"kind": drive.kind} | own
 
 
 def as_bars(value: object, folder: Path = Path()) -> str | Ends:

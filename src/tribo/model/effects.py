@@ -22,6 +22,12 @@ class Effect(StrEnum):
     SWING = "swing", "pendulums on torsion springs"
     SLIDING = "sliding", "centres of mass that can leave their uniform motion"
     RIGID = "rigid asperites", "asperites whose pendulums are fixed to clamped bars"
+    BLOCK = "block", "a surface whose bars are one rigid body"
+    BLOCK_OF_PENDULUMS = (
+        "block of pendulums",
+        "pendulums that swing on the bars of one rigid body, and accelerate it",
+    )
+    DAMPED_BLOCK = "damped block", "dampers between a block and its stage"
     DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
     TURNING_BARS = "turning bars", "bars that rotate freely"
     CLAMPED_ENDS = (
@@ -134,6 +140,8 @@ def _slides(scene: Any) -> Iterator[str]:
             yield f'surface[{i}].drive is not "forced"'
         elif scene.has_uncancelled_forces(surface):
             yield f"surface[{i}] has forces that its drive does not cancel"
+        elif surface.is_block_of_pendulums:
+            yield f"surface[{i}].drive.block = true, and its pendulums swing"
         else:
             yield f"surface[{i}].drive.load = {drive.load:g}"
 
@@ -183,6 +191,18 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.RIGID: (
         "no asperites have kappa = inf",
         _surfaces("asperite.kappa", lambda s: "inf" if s.asperite.is_rigid else None),
+    ),
+    Effect.BLOCK: (
+        "no drive has block = true",
+        _surfaces("drive.block", lambda s: "true" if s.drive.block else None),
+    ),
+    Effect.BLOCK_OF_PENDULUMS: (
+        "no pendulums swing on a block",
+        _surfaces("asperite.kappa", lambda s: "finite" if s.is_block_of_pendulums else None),
+    ),
+    Effect.DAMPED_BLOCK: (
+        "no block has dampers",
+        _surfaces("drive.damping", lambda s: s.drive.damps or None),
     ),
     Effect.DRIVEN_BARS: ('no drive is "bars"', _drives(Effect.DRIVEN_BARS)),
     Effect.LANGEVIN: ("no surface has langevin on its bars", _reservoirs("bar")),

@@ -197,6 +197,9 @@ class Scene(ComparedByValue):
             instead = "a load frees them"
         if not can_move:
             return f", as the drive holds the asperites along {name[-1]}; {instead}"
+        if surface.drive.block:
+            whole = "bob" if name in ("x", "y") else "velocity"
+            return f" where drive.block = true: all bars move as one; set {whole}"
         alike = name[-1] == "x" and surface.moves_as_one
         return " where drive.rigid = true: all move as one" if alike else ""
 
@@ -326,6 +329,8 @@ class Scene(ComparedByValue):
             pushed = self.has_uncancelled_forces(surface)
             along_x = pushed or not drive.cancels_x
             along_y = pushed or drive.load is not None or not drive.cancels_y
+            if surface.is_block_of_pendulums:  # which their inertia moves
+                along_x, along_y = True, True
             moves = not drive.holds_bars
             found[surface.name] = (moves and along_x, moves and along_y)
         return found

@@ -12,6 +12,7 @@ import numpy as np
 from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
+from tribo.model.block import check_block
 from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
@@ -143,6 +144,7 @@ class Surface(ComparedByValue):
                 getattr(self, key).for_each(self.count)
         self._check_driven_bars()
         self._check_rigid()
+        check_block(self)
         if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):
             raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
@@ -178,6 +180,11 @@ class Surface(ComparedByValue):
     def moves_as_one(self) -> bool:
         """Whether its asperites move along x as one rigid body."""
         return self.drive.moves_as_one and self.count > 1
+
+    @property
+    def is_block_of_pendulums(self) -> bool:
+        """Whether pendulums swing on bars that are one rigid body."""
+        return self.drive.block and not self.asperite.is_rigid
 
     @property
     def plugin_at_ends(self) -> NamedTuple | None:

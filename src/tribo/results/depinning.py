@@ -137,4 +137,4 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     force = drive.force_along_x(x, t - state.begun[index, 0], stage)
     if force is None:
         raise InputError("output.series", f'must have "forces", as "{surface.name}" has {drive}')
-    return force
+    return force / surface.count if drive.block else force

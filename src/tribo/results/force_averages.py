@@ -226,7 +226,7 @@ def has_mean_friction(scene: Scene) -> bool:
 
 def load_of(surface: Surface) -> float:
     """The load on all asperites of a surface; zero without one."""
-    return abs(surface.drive.load or 0.0) * surface.count
+    return abs(surface.drive.load or 0.0) * (1 if surface.drive.block else surface.count)
 
 
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:

@@ -17,6 +17,7 @@ from tribo.ledger.separation import asperite_names, closest_bobs
 from tribo.ledger.sinks import Watched, levers
 from tribo.loops.integrate import Integration, reach_of
 from tribo.loops.resolution import longest_step, pendulum_frequency, turn_of_step
+from tribo.model.drives import RIGID_IS_OLD
 from tribo.model.scene import Scene
 from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
@@ -51,7 +52,15 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
     starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene), *_on_seams(scene)]
+    starts += _on_rigid(scene)
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
+
+
+def _on_rigid(scene: Scene) -> Iterator[str]:
+    """A note on each surface whose asperites move as one along x alone."""
+    for surface in scene.surfaces:
+        if surface.moves_as_one:
+            yield f'"{surface.name}" has drive.rigid = true, which {RIGID_IS_OLD}'
 
 
 def _on_seams(scene: Scene) -> Iterator[str]:

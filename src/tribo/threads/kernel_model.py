@@ -24,6 +24,7 @@ from tribo.kernels import (
     potential_units,
     powers,
     records,
+    rigid_block,
     samples,
     user_forces,
 )
@@ -84,6 +85,7 @@ def model_of(
         on_bobs=any(scratch[name].size for name in ("inner", "external")),
         on_bars=any(scratch[name].size for name in ("internal", "friction", "left", "right")),
         species=room((0,)) if tables.species is None else tables.species,
+        blocks=bool(np.any(tables.surfaces.block > 0)),
         pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
         box=tables.box or Box(0.0, 0.0),
         springs=tables.springs or NO_SPRINGS,
@@ -142,6 +144,7 @@ class Units:
                 powers.torsional_powers,
                 (time, VECTOR, VECTOR, VECTOR),
             ),
+            records.JOIN_BLOCKS: (model.blocks, rigid_block.join_blocks, (time, VECTOR, VECTOR)),
             records.SHARE_CONTACTS: (
                 model.team.counters.size > 0,
                 contact_forces.share_contacts,

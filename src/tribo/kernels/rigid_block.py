@@ -1,0 +1,128 @@
+"""Surfaces whose bars are joined into one rigid body, which moves along x and y: r2_i = R + offset.
+
+With rigid asperites M R'' = F, the sum of the forces on all of them.  Pendulums hang from the
+accelerated bars; their coordinates x and y are those of the bars, see `kernels.levers`.  With the
+unit vector t along which a growing theta moves a bob, and n the one from the bar to the bob,
+
+    sum over i of (m1 + m2) R'' + m1 length (t theta_i'' - n omega_i^2) = F
+    m1 length^2 theta_i'' + m1 length t . R'' = torque_i
+
+so that theta_i'' is eliminated, and R'' follows from the 2 x 2 matrix, sum of m1 + m2 - m1 t t^T.
+The force of the constraint on each bar is what its motion leaves over of all others.
+"""
+
+from tribo.compiler.jit import apart, inlined
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
+from tribo.compiler.lanes_memory import block
+from tribo.kernels import equations_of_motion as equations
+from tribo.kernels import records as rows
+from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
+from tribo.kernels.levers import pivot_lengths
+
+
+@inlined
+def pull_back(model, s, i, v):
+    """The force along n that keeps the bobs of a block of pendulums on their circles."""
+    tx, ty = vectors(model.directions, i)
+    inward = constant(model, rows.MASS, s, i) * pivot_lengths(model.pivots, s, i)
+    inward = inward * block(v, i) * block(v, i)
+    return -inward * ty, inward * tx
+
+
+@apart
+def sum_of_forces(model, s, t, q, v):
+    """R'' of a rigid body, drives in place: the sum of all forces, through its mass matrix."""
+    present = broadcast(0.0)
+    sum_x, sum_y = present, present
+    xx, xy, yy = present, present, present
+    for i in range(s.start, s.stop, LANES):
+        present = block(model.each[rows.PRESENT], i)
+        bob_x, bob_y = equations.bob_forces(model, i)
+        x, y = equations.bar_forces(model, i, vectors(model.drive, i))
+        x = x + bob_x
+        y = y + bob_y
+        if s.block == rows.PENDULUMS:
+            tx, ty = vectors(model.directions, i)
+            length = constant(model, rows.L1, s, i)
+            torque = equations.torques(model, s, i, bob_x, bob_y, x, y)
+            twist = block(q, i) - equations.bar_angles(model, s, i, t, q)
+            along = (torque - constant(model, rows.KAPPA, s, i) * twist) / length
+            back_x, back_y = pull_back(model, s, i, v)
+            x = x - along * tx - back_x
+            y = y - along * ty - back_y
+            mass = present * constant(model, rows.MASS, s, i)
+            bob = present * constant(model, rows.INERTIA, s, i) / (length * length)
+            xx = xx + (mass - bob * tx * tx)
+            xy = xy - bob * tx * ty
+            yy = yy + (mass - bob * ty * ty)
+        sum_x = sum_x + present * x
+        sum_y = sum_y + present * y
+    return (
+        (sum_of_lanes(sum_x), sum_of_lanes(sum_y)),
+        (sum_of_lanes(xx), sum_of_lanes(xy), sum_of_lanes(yy)),
+    )
+
+
+@apart
+def accelerate_blocks(model, t, q, v):
+    """Set R'' of all rigid bodies, all forces on their asperites in place."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.block > 0:
+            total, matrix = sum_of_forces(model, s, t, q, v)
+            x, y = total
+            if s.block == rows.PENDULUMS:
+                xx, xy, yy = matrix
+                determinant = xx * yy - xy * xy
+                s.ax = (yy * x - xy * y) / determinant
+                s.ay = (xx * y - xy * x) / determinant
+            else:
+                # Along an axis without a coordinate, the drive cancels all forces.
+                s.ax = x / s.mass if s.dof_x >= 0 else 0.0
+                s.ay = y / s.mass if s.dof_y >= 0 else 0.0
+
+
+@apart
+def add_constraints(model, t, q, v):
+    """Add the constraint's forces to the internal ones on the bars of all rigid bodies."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.block > 0:
+            for i in range(s.start, s.stop, LANES):
+                drive = vectors(model.drive, i)
+                swing, _, x, y = equations.accelerations(model, s, i, 1.0, t, q, drive)
+                present = block(model.each[rows.PRESENT], i)
+                mass = present * constant(model, rows.MASS, s, i)
+                bob_x, bob_y = equations.bob_forces(model, i)
+                bar_x, bar_y = equations.bar_forces(model, i, drive)
+                fx = mass * x - present * (bob_x + bar_x)
+                fy = mass * y - present * (bob_y + bar_y)
+                if s.block == rows.PENDULUMS:
+                    tx, ty = vectors(model.directions, i)
+                    along = mass * pivot_lengths(model.pivots, s, i) * swing
+                    back_x, back_y = pull_back(model, s, i, v)
+                    fx = fx + along * tx + present * back_x
+                    fy = fy + along * ty + present * back_y
+                add_vectors(model.internal, i, fx, fy)
+
+
+@apart
+def damp_drives(model, v):
+    """Add the dampers between rigid bodies and their stages to the drives."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.block > 0:
+            if s.damping > 0.0 or s.damping_y > 0.0:
+                for i in range(s.start, s.stop, LANES):
+                    present = block(model.each[rows.PRESENT], i)
+                    x = s.damping * (s.speed - coordinates(s.dof_x, s, i, v))
+                    y = -s.damping_y * coordinates(s.dof_y, s, i, v)
+                    add_vectors(model.drive, i, present * x, present * y)
+
+
+def join_blocks(model, t, q, v):
+    """Set R'' of all rigid bodies and their constraints' forces, all other forces in place."""
+    damp_drives(model, v)
+    accelerate_blocks(model, t, q, v)
+    add_constraints(model, t, q, v)
+    return 0.0

@@ -1,0 +1,33 @@
+"""What a block, a surface whose bars are one rigid body, cannot go with; see `kernels.rigid_block`."""
+
+from typing import Any
+
+from tribo.validation import InputError
+
+
+def check_block(surface: Any) -> None:
+    """Refuse what has no equations on the bars of a block.  Raises InputError."""
+    drive = surface.drive
+    if not drive.block:
+        return
+    if surface.bars != "clamped":
+        raise InputError("bars", 'must be "clamped" where drive.block = true')
+    if surface.bath:
+        problem = "cannot go with drive.block = true; langevin damps the bars of a block"
+        raise InputError("bath", problem)
+    if surface.springs and surface.springs.turned:
+        problem = "must be 0 where drive.block = true: springs do not stretch between its bars"
+        raise InputError("springs.turned", problem)
+    along_y = (name for name in ("stiffness_y", "damping_y") if getattr(drive, name, 0.0) != 0.0)
+    for name in along_y:
+        if surface.velocity[1] != 0.0:
+            problem = f"must be 0 along y beside drive.{name}, got {surface.velocity[1]:g}"
+            raise InputError("velocity", problem)
+    if surface.asperite.is_rigid:
+        return
+    if surface.initial.temperature:
+        problem = "cannot go with drive.block = true unless asperite.kappa = inf: the mass matrix "
+        raise InputError("initial.temperature", problem + "of a block depends on its pendulums")
+    if any(reservoir.temperature > 0.0 for reservoir in surface.reservoirs):
+        problem = "must be 0 where drive.block = true unless asperite.kappa = inf: no method here "
+        raise InputError("langevin.temperature", problem + "integrates noise on such pendulums")
