@@ -64,6 +64,9 @@ FREQUENCY, INVERSE_MASS, INVERSE_INERTIA, INVERSE_BAR_LENGTH = range(11, len(CON
 X_START, Y_START, Z, CHARGE, PRESENT = range(5)
 EACH_ROWS = 5
 
+# Numbers of a surface that may follow a schedule; see `tribo.layout.legs`.
+SCHEDULED = ("stage", "load", "push", "heat", "swing_heat")
+
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
 
 SURFACE = np.dtype(
@@ -90,6 +93,9 @@ SURFACE = np.dtype(
         ("stiffness", "f8"),  # of the pulling spring
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
+        # Rows of the table of schedules that take the place of these numbers; 0 where none does.
+        # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.
+        *((f"{name}_schedule", "i8") for name in SCHEDULED),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -111,6 +117,8 @@ SURFACE = np.dtype(
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
         *((group, "i8") for group in GROUPS),  # those of its first asperite
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
+        # Of the work of a stage that follows a schedule, at its velocity relative to the surface's.
+        ("acc_stage", "i8"),
     ],
     align=True,
 )
@@ -151,6 +159,7 @@ CLOCK = np.dtype(
         ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
         ("passing", "i8"),  # the bobs that did so last
         ("passed", "i8"),
+        ("leg", "i8"),  # kinks of schedules that were passed
     ],
     align=True,
 )
@@ -389,6 +398,7 @@ class Tables(NamedTuple):
     members: Any = None
     own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
+    schedules: Any = None  # (1 + schedules, COLUMNS) in the first leg, see `kernels.schedule`
 
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
@@ -450,3 +460,4 @@ class Model(NamedTuple):
     # ensemble, one asperite of each; empty where the asperites of a block are of one run.
     members: np.ndarray
     own: np.ndarray  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
+    schedules: np.ndarray  # (rows, COLUMNS) in the present leg, see `kernels.schedule`

@@ -1,12 +1,14 @@
 """Forces of plug-ins on the bars and on their ends, asperite by asperite."""
 
 from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.schedule import scheduled
 
 
 @kernel
@@ -39,7 +41,11 @@ def custom_drive_unit(model, plugin, n, t, q, v):
         now = now - drives.begun[n]
         gx, gy = plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
         model.drive[rows.X, i] = gx
-        model.drive[rows.Y, i] = s.load if s.loaded else gy
+        if s.load_schedule > 0:
+            gy = lane_of(scheduled(model.schedules, s.load_schedule, t), i % LANES)
+        elif s.loaded:
+            gy = s.load
+        model.drive[rows.Y, i] = gy
     return 0.0
 
 

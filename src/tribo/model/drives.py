@@ -5,6 +5,8 @@ about its force.  Its `law` names the formula, one of those in
 :func:`tribo.kernels.equations_of_motion.drive_of_block`, or its `plugin` has the formula.
 """
 
+from __future__ import annotations
+
 import difflib
 import functools
 import math
@@ -16,6 +18,7 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.kernels import records
+from tribo.model.schedule import Number, Schedule, as_schedule, at_time, number_or_schedule
 from tribo.model.tables import field_names, table_of
 from tribo.plugins import classes as plugins
 from tribo.validation import InputError
@@ -29,13 +32,29 @@ class Stage(NamedTuple):
     """A stage that moves along x, and the springs from it to every bar."""
 
     stiffness: float  # [force / length]
-    speed: float  # in the laboratory [length / time]
+    speed: Number  # in the laboratory [length / time]
+    position: Schedule | None = None  # instead of the speed: displacement from rest [length]
+
+    @property
+    def follows_schedule(self) -> bool:
+        """Whether its motion is not uniform."""
+        return self.position is not None or isinstance(self.speed, Schedule)
+
+    def moves_as(self, other: Stage) -> bool:
+        """Whether another stage moves alike."""
+        return self.speed == other.speed and self.position == other.position
+
+    def displacement(self, t: Any) -> Any:
+        """How far it has moved at times t since t = 0, or from its rest, in the laboratory."""
+        if self.position is not None:
+            return self.position.at(t)
+        return self.speed.integral(t) if isinstance(self.speed, Schedule) else self.speed * t
 
 
 class Ramp(NamedTuple):
-    """A force on every bar that grows at a constant rate, x and y."""
+    """A force on every bar that grows at a constant rate, or follows a schedule, x and y."""
 
-    force: tuple[float, float]  # when the drive begins [force]
+    force: tuple[Number, Number]  # when the drive begins [force]
     rate: tuple[float, float]  # [force / time]
 
 
@@ -46,7 +65,7 @@ class Drive:
     f2_y is then -N on a surface that faces down and +N on one that faces up, in place of -f1_y.
     """
 
-    load: float | None = None
+    load: Number | None = None
 
     # The drive's name in scene files, and the keys that its table there must have.
     kind: ClassVar[str] = ""
@@ -133,7 +152,7 @@ class Drive:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        check.fields(self, load=check.one(unit="force"))
+        check.fields(self, load=number_or_schedule(unit="force"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,16 +211,20 @@ class Pulled(Drive):
 
     Attributes
     ----------
-    load : float, optional
+    load : float or Schedule, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     stiffness : float
         Stiffness k of each spring [force / length].
-    speed : float
+    speed : float or Schedule
         Velocity v of the stage along x in the laboratory [length / time].
+    position : Schedule, optional
+        Displacement of the stage along x from where the springs are relaxed, in the laboratory,
+        instead of the speed [length]; without steps.
     """
 
     stiffness: float = 1.0
-    speed: float = 0.0
+    speed: Number = 0.0
+    position: Schedule | None = None
 
     kind = "pulled"
     required = ("stiffness", "speed")
@@ -217,10 +240,12 @@ class Pulled(Drive):
 
     @property
     def stage(self) -> Stage:
-        return Stage(self.stiffness, self.speed)
+        return Stage(self.stiffness, self.speed, self.position)
 
     def numbers(self, velocity: float) -> dict[str, float]:
-        return {"stiffness": self.stiffness, "speed": self.speed - velocity}
+        uniform = not self.stage.follows_schedule
+        speed = self.speed - velocity if uniform else 0.0  # type: ignore[operator]
+        return {"stiffness": self.stiffness, "speed": speed}
 
     def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
         return np.asarray(self.stiffness * (stage - x))
@@ -228,7 +253,16 @@ class Pulled(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         stiffness = check.one(check.NOT_NEGATIVE, "force / length")
-        check.fields(self, stiffness=stiffness, speed=check.one(unit="length / time"))
+        check.fields(self, stiffness=stiffness, speed=number_or_schedule(unit="length / time"))
+        if self.position is None:
+            return
+        if self.speed != 0.0:
+            raise InputError("position", "cannot go with a speed; give one or the other")
+        with check.inside("position"):
+            position = as_schedule(self.position)
+            if position.jumps:
+                raise InputError("", "must have no steps; a stage that jumps has no power")
+        object.__setattr__(self, "position", position)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -242,12 +276,12 @@ class Pushed(Drive):
     load : float, optional
         Force N on each asperite towards the other surface [force], in place of f2_y.
     force : (float, float)
-        Force on each bar at t = 0, x and y [force].
+        Force on each bar at t = 0, x and y [force]; either may be a Schedule.
     rate : (float, float)
-        Growth of that force, x and y [force / time].
+        Growth of that force, x and y [force / time]; zero beside a schedule.
     """
 
-    force: tuple[float, float] = (0.0, 0.0)
+    force: tuple[Number, Number] = (0.0, 0.0)
     rate: tuple[float, float] = (0.0, 0.0)
 
     kind = "push"
@@ -267,13 +301,13 @@ class Pushed(Drive):
         return Ramp(self.force, self.rate)
 
     def numbers(self, velocity: float) -> dict[str, float]:
-        push, load = self.force
+        push, load = (0.0 if isinstance(each, Schedule) else each for each in self.force)
         push_rate, load_rate = self.rate
         own = {"push": push, "push_rate": push_rate, "load": load, "load_rate": load_rate}
         return {"loaded": 1.0, **own}
 
     def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(self.force[0] + self.rate[0] * begun, x.shape)
+        return np.broadcast_to(at_time(self.force[0], begun) + self.rate[0] * begun, x.shape)
 
     @property
     def presses(self) -> bool:
@@ -282,10 +316,25 @@ class Pushed(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.fields(self, force=check.pair(unit="force"), rate=check.pair(unit="force / time"))
+        check.fields(self, force=_force_of_push, rate=check.pair(unit="force / time"))
+        for k, (force, rate) in enumerate(zip(self.force, self.rate, strict=True)):
+            if isinstance(force, Schedule) and rate != 0.0:
+                raise InputError(f"rate[{k}]", f"must be zero beside a schedule, got {rate:g}")
         for name, (_, along_y) in (("force", self.force), ("rate", self.rate)):
             if self.load is not None and along_y != 0.0:
                 raise InputError(name, f"must be zero along y beside a load, got {along_y:g}")
+
+
+def _force_of_push(field: str, value: Any) -> tuple[Number, Number]:
+    """The x and y of a push, of which each is a number or a schedule."""
+    points = check.is_list(value) and len(value) > 0 and check.is_list(value[0])
+    numbers = points and len(value[0]) > 0 and not check.is_list(value[0][0])
+    if not check.is_list(value) or len(value) != 2 or numbers:
+        wanted = "2 numbers [force], each of which may be a schedule, as [[[0, 0], [10, 1]], 0]"
+        raise check.must_be(field, wanted, value)
+    checked = number_or_schedule(unit="force")
+    x, y = (checked(f"{field}[{k}]", each) for k, each in enumerate(value))
+    return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -460,7 +509,9 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind.holds_bars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
-    return kind(**check.known_keys(table, field_names(kind), kind.required))
+    replaced = ("speed",) if "position" in table else ()
+    required = [name for name in kind.required if name not in replaced]
+    return kind(**check.known_keys(table, field_names(kind), required))
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
