@@ -38,6 +38,7 @@ from tribo.model.rows import (
     periodic_rows as periodic_rows,
 )
 from tribo.model.scene import Scene as Scene
+from tribo.model.schedule import Schedule as Schedule
 from tribo.model.scene_file import load_scene as load_scene
 from tribo.model.settings import Numerics as Numerics, Output as Output
 from tribo.model.spectrum import Spectrum as Spectrum

@@ -33,6 +33,7 @@ from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.neighbours import crowded, has_lists, refresh
 from tribo.kernels.records import BARS, FORCED, PENDULUMS, PULLED, PUSHED, RIGID, RIGID_ASPERITES
+from tribo.kernels.schedule import number_or_scheduled, scheduled
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces, has_customs
 
@@ -139,6 +140,14 @@ def gathered_contact(members, s):
 
 
 @inlined
+def load_of_block(model, s, i, t):
+    """f2_y on a block of loaded or pushed bars."""
+    if s.load_schedule > 0:
+        return scheduled(model.schedules, s.load_schedule, t)
+    return own_number(model.own, rows.OWN_LOAD, s.load, i) + s.load_rate * t
+
+
+@inlined
 def drive_of_block(model, s, i, t, q):
     """f2 on a block of bars, contact forces in place."""
     fx, fy = vectors(model.f1, i)
@@ -151,14 +160,17 @@ def drive_of_block(model, s, i, t, q):
         bar = constant(model, rows.L2, s, i) * block(model.directions[rows.Y], i)
         bar = coordinates(s.dof_x, s, i, q) - bar
         stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
-        speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
-        gx = stiffness * ((s.anchor + speed * t) - bar)
+        if s.stage_schedule > 0:
+            gx = stiffness * ((s.anchor + scheduled(model.schedules, s.stage_schedule, t)) - bar)
+        else:
+            speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
+            gx = stiffness * ((s.anchor + speed * t) - bar)
     elif s.drive == PUSHED:
-        gx = broadcast(s.push + s.push_rate * t)
+        push = broadcast(s.push + s.push_rate * t)
+        gx = number_or_scheduled(model.schedules, s.push_schedule, push, t)
     else:
         gx = broadcast(0.0)
-    load = own_number(model.own, rows.OWN_LOAD, s.load, i)
-    gy = load + s.load_rate * t if s.loaded else -fy
+    gy = load_of_block(model, s, i, t) if s.loaded else -fy
     if s.stiffness_y > 0.0:
         gy = gy - s.stiffness_y * coordinates(s.dof_y, s, i, q)
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):

@@ -17,6 +17,7 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
     swing      Langevin on the swing: work
     moving     of a field: work of the agent that moves it through the laboratory
+    stage      of a surface: work of a stage that follows a schedule
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
@@ -54,6 +55,7 @@ from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths, velocities_of_centres
 from tribo.kernels.records import BARS, PENDULUMS
+from tribo.kernels.schedule import rate_of_schedule
 
 # Number of accounts in each group, as listed above; POINT is that of internal, field and thermal.
 CONTACT = 4
@@ -349,6 +351,15 @@ def external_force(model, s):
 
 
 @apart
+def power_of_stage(model, s, t):
+    """Power of a stage that follows a schedule, in its surface's first frame; Lanes of members."""
+    force = broadcast(0.0)
+    for i in range(s.start, s.stop, LANES):
+        force = force + block(model.drive[rows.X], i)
+    return totals(model.members, force * rate_of_schedule(model.schedules, s.stage_schedule, t))
+
+
+@apart
 def shared_powers(model, ledger, t, v, power):
     """Set the powers of the accounts that are of no asperite, if there is a ledger."""
     if ledger:
@@ -362,6 +373,9 @@ def shared_powers(model, ledger, t, v, power):
                 px, py = momentum(model, s, v)
                 x = (fx * px + fy * py) * s.inverse_total_mass
                 write_total(model.members, power.accounts, power.tau, s.acc_block, x)
+            if s.acc_stage >= 0:
+                x = power_of_stage(model, s, t)
+                write_total(model.members, power.accounts, power.tau, s.acc_stage, x)
 
 
 @apart

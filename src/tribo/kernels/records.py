@@ -64,6 +64,9 @@ FREQUENCY, INVERSE_MASS, INVERSE_INERTIA, INVERSE_BAR_LENGTH = range(11, len(CON
 X_START, Y_START, Z, CHARGE, PRESENT = range(5)
 EACH_ROWS = 5
 
+# Numbers of a surface that may follow a schedule; see `tribo.layout.legs`.
+SCHEDULED = ("stage", "load", "push", "heat", "swing_heat")
+
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
 
 # What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
@@ -99,6 +102,9 @@ SURFACE = np.dtype(
         ("damping_y", "f8"),  # of the same along y
         ("ax", "f8"),  # acceleration of a rigid body, scratch
         ("ay", "f8"),
+        # Rows of the table of schedules that take the place of these numbers; 0 where none does.
+        # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.
+        *((f"{name}_schedule", "i8") for name in SCHEDULED),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -120,6 +126,8 @@ SURFACE = np.dtype(
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
         *((group, "i8") for group in GROUPS),  # those of its first asperite
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
+        # Of the work of a stage that follows a schedule, at its velocity relative to the surface's.
+        ("acc_stage", "i8"),
     ],
     align=True,
 )
@@ -160,6 +168,7 @@ CLOCK = np.dtype(
         ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
         ("passing", "i8"),  # the bobs that did so last
         ("passed", "i8"),
+        ("leg", "i8"),  # kinks of schedules that were passed
     ],
     align=True,
 )
@@ -399,6 +408,7 @@ class Tables(NamedTuple):
     members: Any = None
     own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
+    schedules: Any = None  # (1 + schedules, COLUMNS) in the first leg, see `kernels.schedule`
 
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
@@ -462,3 +472,4 @@ class Model(NamedTuple):
     # ensemble, one asperite of each; empty where the asperites of a block are of one run.
     members: np.ndarray
     own: np.ndarray  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
+    schedules: np.ndarray  # (rows, COLUMNS) in the present leg, see `kernels.schedule`

@@ -174,6 +174,7 @@ def splitting_members(
     clock = clocks[0]
     splitting, times, watch, noise = pointers((splitting, times, watch, noise))
     last = times[times.size - 1]
+    rows = record.contact.size // LANES  # of a member; `times` may end before them
     q, v = halves(state.y)
     clear(model.friction)
     clear(model.swing_friction)
@@ -188,7 +189,7 @@ def splitting_members(
             arrive(model, neighbours, clock, state, work)
         while left <= 0.0:
             for lane in range(LANES):
-                k = lane * times.size + clock.sample
+                k = lane * rows + clock.sample
                 write_row(model, neighbours, clock.t, state, record, k, lane)
             clock.sample += 1
             if clock.sample == times.size:

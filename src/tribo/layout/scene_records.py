@@ -12,8 +12,10 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
+from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -43,6 +45,7 @@ class MemberNumbers(NamedTuple):
 def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The asperites, whose surfaces have `bobs` (n, 3), and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
+    scheduled = scheduled_numbers(scene)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         own = asperites[scene.parts[surface.name]]
@@ -60,6 +63,8 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         record["inverse_total_mass"] = 1.0 / record["total_mass"]
         record["turning"] = np.any(own["nu"] != 0.0)
         record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
+    for row, each in enumerate(scheduled, start=1):
+        surfaces[each.surface][f"{each.name}_schedule"] = row
     return asperites, surfaces
 
 
@@ -100,14 +105,16 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record[name] = value if name in ("speed", "loaded") else value / bars
     if drive.load is not None:
         record["loaded"] = 1
-        record["load"] = -drive.load * surface.facing_sign / bars
+        record["load"] = 0.0
+        if not isinstance(drive.load, Schedule):
+            record["load"] = -drive.load * surface.facing_sign / bars
     if drive.block:
         rigid = surface.asperite.is_rigid
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
         record[f"{before}gamma"] = reservoir.gamma
-        record[f"{before}temperature"] = reservoir.temperature
+        record[f"{before}temperature"] = reservoir.warmest
         if reservoir.velocity is not None:
             record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
             record["reservoir_y"] = reservoir.velocity[1] - surface.velocity[1]

@@ -332,7 +332,7 @@ def _least_energy(scene: Scene, interaction: Interaction) -> float:
     stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
     torsion = 0.5 * float(np.min(stiffness[np.isfinite(stiffness)], initial=np.inf))  # by 1 rad
     warm = [surface.bath.temperature for surface in surfaces]
-    warm += [each.temperature for surface in surfaces for each in surface.reservoirs]
+    warm += [each.warmest for surface in surfaces for each in surface.reservoirs]
     return IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
 
 

@@ -105,21 +105,29 @@ class SurfaceSeries(AsperiteSeries):
         return 0.0 - self.sum_over(integrals, ("w1",), Account.boost)
 
     def work_of_stage(self, integrals: Integrals) -> np.ndarray:
-        """The work of the stage that pulls the surface: its speed times the impulse along x."""
+        """The work of the stage that pulls the surface: its speed times the impulse along x.
+
+        Of a stage that follows a schedule, the work at its velocity relative to the surface's has
+        an account.
+        """
         layout = self._layout
         index = self._index
-        speed = layout.velocity_of(index)[0] + layout.number_of(index, "speed")
+        speed = layout.velocity_of(index)[0]
+        slot = self._record.acc_stage
+        if slot < 0:
+            speed = speed + layout.number_of(index, "speed")
         every = (integrals[span] for span in self._accounted)
-        return np.asarray(speed * _sum(each.whole(each["w2"].jx) for each in every))
+        own = integrals.s[:, slot] if slot >= 0 else 0.0
+        return np.asarray(own + speed * _sum(each.whole(each["w2"].jx) for each in every))
 
     @property
     def energy_of_pull(self) -> np.ndarray:
         """The energy of the springs between the bars and the stage."""
         layout = self._layout
         index = self._index
-        stiffness, speed = (layout.number_of(index, name) for name in ("stiffness", "speed"))
+        stiffness = layout.number_of(index, "stiffness")
         anchor = float(layout.model.surfaces[index].anchor)
-        stage = np.asarray(anchor + speed * self.samples.t)[:, None]
+        stage = np.asarray(anchor + layout.stage_moved(index, self.samples.t))[:, None]
 
         def squares(motion: Motion) -> np.ndarray:
             x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)

@@ -227,8 +227,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        return self._entry(*self._arguments(times, columns, budget))
+    def _call(self, arguments: tuple[Any, ...]) -> int:
+        return self._entry(*arguments)
 
     def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""

@@ -22,6 +22,7 @@ from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.loops.legs import LegsOfLoop
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -56,6 +57,8 @@ class GeneralLoop(TimeLoop):
         self.layout = layout
         self._neighbours = layout.neighbours(method.splits)
         self.model, self.calls = own_model(layout)
+        self._legs = LegsOfLoop(layout, self.model)
+        self._keeps_rates = not method.splits
         self._kept = keep(self.model)
         self._lists = keep(self._neighbours)
         self._assistants = threads - 1
@@ -96,9 +99,18 @@ class GeneralLoop(TimeLoop):
         return sample_columns(self.layout, samples)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        arguments = self._arguments(times, columns, budget)
+        if self._legs.is_one:
+            return self._call(self._arguments(times, columns, budget))
+
+        def call(times: np.ndarray, budget: int) -> int:
+            return self._call(self._arguments(times, columns, budget))
+
+        return self._legs.advance(self.clocks[0], times, budget, call, self._keeps_rates)
+
+    def _call(self, arguments: tuple[Any, ...]) -> int:
         with assisted(self.model.team, self._assistants, self.assist):
-            return self.compiled(self._kept, *arguments)
+            code: int = self.compiled(self._kept, *arguments)
+        return code
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""

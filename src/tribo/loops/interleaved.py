@@ -46,9 +46,11 @@ def interleaved(
     old = layout.model
     mine = np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
-    shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
+    own = mine["acc_block"].tolist() + mine["acc_stage"].tolist()
+    shared = max([-1, *own, *layout.accounts_of_fields]) + 1
     surfaces = mine.copy()
-    surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
+    for name in ("acc_block", "acc_stage"):
+        surfaces[name] *= np.where(surfaces[name] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
     places = []

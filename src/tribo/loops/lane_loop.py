@@ -27,6 +27,7 @@ from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop,
 from tribo.loops.general import remembered, unit_setting
 from tribo.loops.integrate import Columns, Setting, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
+from tribo.loops.legs import LegsOfLoop
 from tribo.threads.kernel_model import set_step_units
 from tribo.threads.writable_memory import shared_loop
 
@@ -50,6 +51,8 @@ def fit_lanes(layout: Layout, method: Method) -> bool:
     if layout.surfaces.block.any():  # whose sums are over the asperites of one run
         return False
     small = layout.asperites.size <= MOST_ASPERITES
+    # Adaptive steps of members pass kinks at times of their own.
+    fits = fits and (method.splits or layout.legs.kinks.size == 0)
     return fits and small and layout.model.sums is None and not layout.calculator_calls
 
 
@@ -76,6 +79,7 @@ class LaneLoop(RecordingLoop):
         self._order = method.order
         self.eight = eight = interleaved(layout, own_numbers, not method.splits)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
+        self._legs = LegsOfLoop(layout, eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -218,7 +222,8 @@ class SplittingLanes(LaneLoop):
         set_step_units(self.eight.model, self._state, self._work, nothing)
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
-        examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
+        times = self.layout.times
+        examples = self._arguments(setting, times, columns, 0, np.empty((0, LANES)))
         self._entry = EntryPoint(shared_loop(splitting_members), self._kept, examples)
 
     def run_in_lanes(
@@ -257,23 +262,37 @@ class SplittingLanes(LaneLoop):
         self.forget()
         self._state.y[self._places] = starts
         generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
-        left = int(np.sum(count_of_steps(np.diff(self.layout.times), step)))
-        code = PAUSED
-        while code == PAUSED:
-            budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
-            deviates = np.empty((budget * self._draws, LANES))
-            for lane, generator in enumerate(generators):
-                deviates[:, lane] = generator.standard_normal(len(deviates))
-            code = self._entry(*self._arguments(step, columns, budget, deviates))
-            left -= budget
+        code = COMPLETED
+        begin = self.layout.times[0]
+        for leg, stops, is_sample in self._legs.each(self.layout.times):
+            self._legs.set_leg(leg)
+            ahead = np.append(begin, stops[stops > begin])
+            begin = stops[-1]
+            left = int(np.sum(count_of_steps(np.diff(ahead), step)))
+            code = PAUSED
+            while code == PAUSED:
+                budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
+                deviates = np.empty((budget * self._draws, LANES))
+                for lane, generator in enumerate(generators):
+                    deviates[:, lane] = generator.standard_normal(len(deviates))
+                code = self._entry(*self._arguments(step, stops, columns, budget, deviates))
+                left -= budget
+            if code != COMPLETED:
+                break
+            if not is_sample:
+                self._clocks[0].sample -= 1
         return np.asarray((self._watch[LOST] > 0.0) | (code != COMPLETED))
 
     def _arguments(
-        self, step: float, columns: Columns, budget: int, deviates: np.ndarray
+        self,
+        step: float,
+        times: np.ndarray,
+        columns: Columns,
+        budget: int,
+        deviates: np.ndarray,
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         state = keep(self._state)
-        times = self.layout.times
         record = self.record(columns)
         run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))

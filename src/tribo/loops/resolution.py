@@ -11,6 +11,7 @@ from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import curvature_of
@@ -60,6 +61,12 @@ def bath_frequency(layout: Layout) -> float:
     return max(fastest, default=0.0)
 
 
+def schedule_frequency(layout: Layout) -> float:
+    """The largest angular frequency of a schedule that is a sine [rad / time]; or 0."""
+    numbers = scheduled_numbers(layout.scene)
+    return max((each.schedule.frequency for each in numbers), default=0.0)
+
+
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a field that states its curvature [rad / time]."""
     mobility = _mobility(layout.constants, row.L1)
@@ -86,7 +93,7 @@ def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     a = {name: own[name] for name in ("kappa", "inertia", "i2")}
     mobility = np.maximum(1.0 / a["inertia"], 1.0 / a["i2"])
     pendulum = float(np.max(np.sqrt(a["kappa"] * mobility)))
-    fastest = max(pendulum, bath_frequency(layout))
+    fastest = max(pendulum, bath_frequency(layout), schedule_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 
 
@@ -133,7 +140,7 @@ def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) 
 
 def longest_step(layout: Layout, step: float) -> float:
     """The longest of equal parts of the times between samples, of at most `step` [time]."""
-    intervals = np.diff(layout.times)
+    intervals = np.diff(layout.stops)
     return float(np.max(intervals / count_of_steps(intervals, step)))
 
 

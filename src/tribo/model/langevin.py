@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from tribo import validation as check
+from tribo.model.schedule import Number, highest, number_or_schedule
 from tribo.model.tables import from_table
 from tribo.validation import InputError, inside, is_list
 
@@ -26,7 +27,7 @@ class Langevin:
     ----------
     gamma : float
         Damping coefficient [mass / time], or of the swing [torque time].
-    temperature : float
+    temperature : float or Schedule
         Temperature T [energy], with k_B = 1.
     velocity : (float, float), optional
         Velocity u of the reservoir in the laboratory; None for the surface's initial velocity.
@@ -41,19 +42,25 @@ class Langevin:
     """
 
     gamma: float
-    temperature: float = 0.0
+    temperature: Number = 0.0
     velocity: tuple[float, float] | None = None
     on: str = "bar"
 
     def __post_init__(self) -> None:
         gamma = check.one(check.NOT_NEGATIVE, PLACES[check.choice("on", self.on, PLACES)])
-        check.fields(self, gamma=gamma, temperature=check.one(check.NOT_NEGATIVE, "energy"))
+        temperature = number_or_schedule(check.NOT_NEGATIVE, "energy")
+        check.fields(self, gamma=gamma, temperature=temperature)
         if self.velocity is not None and self.on == "swing":
             raise InputError("velocity", 'cannot go with on = "swing"')
         check.fields(self, velocity=check.pair(unit="length / time"))
 
     def __bool__(self) -> bool:
         return self.gamma > 0.0
+
+    @property
+    def warmest(self) -> float:
+        """The highest temperature at any time [energy]; there is noise where it is above 0."""
+        return highest(self.temperature)
 
 
 def as_langevin(value: object) -> Langevin | tuple[Langevin, Langevin] | None:

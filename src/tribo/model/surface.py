@@ -209,7 +209,7 @@ class Surface(ComparedByValue):
     @property
     def noisy_forces(self) -> tuple[str, ...]:
         """The forces on its asperites that have white noise."""
-        noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.temperature > 0.0]
+        noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.warmest > 0.0]
         if "bar" in noisy:
             return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
         return ("f2",) if noisy and self.drive.holds_bars else ()

@@ -95,6 +95,7 @@ def model_of(
         calculators=tables.calculators,
         members=room((0,)) if tables.members is None else tables.members,
         own=room((1, 0)) if tables.own is None else tables.own,
+        schedules=_copied(tables.schedules),
     )
     units = Units(scene, model, times_in_lanes)
     units.set_own(listed)
@@ -257,6 +258,13 @@ class Known:
         """The address of a unit of the plug-in.  Raises InputError."""
         with compiling_units(plugins_of(self._scene)):
             return address_of(function, kinds, self._stamp, self._version, returns)
+
+
+def _copied(table: np.ndarray) -> np.ndarray:
+    """A table in memory of its own."""
+    own = room(table.shape)
+    own[:] = table
+    return own
 
 
 def _addresses(count: int) -> np.ndarray:

@@ -87,9 +87,16 @@ class Probe:
         """The model, whose units are compiled with the first arrangements."""
         return own_model(self._layout)
 
-    def __call__(self, count: int, *arguments: Any) -> None:
-        """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
-        done = 0
+    def set_schedules(self, table: np.ndarray) -> None:
+        """Let numbers that follow schedules be those of a leg, a table of `Legs`."""
+        self._model[0].schedules[...] = table
+
+    def __call__(self, count: int, *arguments: Any, begin: int = 0) -> None:
+        """Compute the arrangements from `begin` up to `count`.
+
+        Raises InputError if a plug-in or a calculator fails.
+        """
+        done = begin
         model, calls = self._model
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
