@@ -72,6 +72,7 @@ from tribo.result import Result as Result
 from tribo.result import load_result as load_result
 from tribo.loops.saved_state import State as State
 from tribo.simulation import prepare as prepare, simulate as simulate
+from tribo.fitting import Fit as Fit, fit as fit
 from tribo.sliders import play as play
 from tribo.sweeps import sweep as sweep
 from tribo.validation import InputError as InputError, TriboWarning as TriboWarning

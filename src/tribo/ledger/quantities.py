@@ -36,6 +36,7 @@ UNITS = {
     "power": "energy time^-1",
     "force": "force",
     "share": "1",
+    "number": "1",
 }
 
 
@@ -241,6 +242,12 @@ FURTHER_OF_ASPERITES = {
     for name, force in FORCES.items()
     for axis, along in enumerate("xy")
 } | {
+    "in_contact": Quantity(
+        "share",
+        "1 where the bob and one of another surface repel each other, else 0",
+        lambda whole: whole.in_contact,
+        has_contact_distance,
+    ),
     "k_trans": _moving("energy", "translational kinetic energy", lambda e: e.translation),
     "k_swing": _moving(
         "energy", "kinetic energy of the pendulum's rotation", lambda e: e.energies[0]
@@ -260,6 +267,28 @@ FURTHER_OF_SURFACES = {
         lambda whole: whole.without_contact,
         has_contact_distance,
     ),
+    "normal_force": Quantity(
+        "force",
+        "contact force on the surface along y, away from what it faces",
+        lambda whole: np.sum(whole.normal_forces, axis=1),
+    ),
+    "load_bearing_share": Quantity(
+        "share",
+        "share of asperites whose contact force points away from what the surface faces",
+        lambda whole: np.mean(whole.normal_forces > 0.0, axis=1),
+    ),
+    "contact_number": Quantity(
+        "number",
+        "number of pairs of a bob and one of another surface that repel each other",
+        lambda whole: whole.contact_number,
+        has_contact_distance,
+    ),
+    "contact_share": Quantity(
+        "share",
+        "share of asperites in contact",
+        lambda whole: np.mean(whole.in_contact, axis=1),
+        has_contact_distance,
+    ),
     "e_springs": _energy(
         "energy of the lattice springs",
         lambda whole: whole.stored[:, SPRINGS],
@@ -274,6 +303,8 @@ FURTHER_OF_SURFACES = {
     "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
     "heat_bath": _energy("heat given to the bath", Summed(lambda w: w.heat_of_bath), _has_bath),
 }
+# Those that follow from the places of bobs alone.
+CONTACTS = ("in_contact", "contact_number", "contact_share")
 # Of each pulled surface as a whole, without an accuracy.
 PULLED_QUANTITIES = {
     "stage_work": _energy(
@@ -286,7 +317,11 @@ PULLED_QUANTITIES = {
     ),
 }
 # Those of which the average over time is kept at the end of a run, not the value at that time.
-AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
+AVERAGED = tuple(
+    name
+    for name, each in FURTHER_OF_SURFACES.items()
+    if each.kind == "force" or name in ("load_bearing_share", *CONTACTS)
+)
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
     "field_energy": _energy(
@@ -319,10 +354,12 @@ def _on_request(*kinds: str) -> dict[str, Quantity]:
     return found
 
 
+_FORCES = _on_request("force", "share")
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
-    "forces": _on_request("force", "share"),
+    "forces": {n: each for n, each in _FORCES.items() if n not in CONTACTS},
     "energies": _on_request("energy"),
+    "contacts": {n: each for n, each in EVERY_QUANTITY.items() if n in CONTACTS},
     "own": OWN_SERIES,
 }
 

@@ -147,7 +147,7 @@ def touching(
 
     Only surfaces that have a reach count.  With `repelling`, whether the bobs are in contact.
     """
-    reaches = _repulsions_of(layout) if repelling else _reaches_of(layout)
+    reaches = repulsions_of(layout) if repelling else _reaches_of(layout)
     pairs = {pair: reach for pair, reach in reaches.items() if counts(pair)}
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
@@ -207,7 +207,7 @@ def _reaches_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
 
 
 @once_per_layout
-def _repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
+def repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
     return _reaches(layout.scene, repelling=True)
 
 

@@ -12,11 +12,12 @@ from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
+from tribo.ledger.contact_pairs import counts_of_contacts
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
-from tribo.ledger.separation import touching
+from tribo.ledger.separation import bob_places, touching
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
@@ -169,6 +170,30 @@ class SurfaceSeries(AsperiteSeries):
 
         met = touching(self._layout, self.samples, is_mine, repelling=True)
         return (~np.any(met, axis=1)).astype(float)
+
+    @lazy_property
+    def _contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts of each asperite, (times, asperites), and of the surface, (times,)."""
+        layout = self._layout
+        part = list(layout.parts.values())[self._index]
+        places = bob_places(layout, self.samples)
+        return counts_of_contacts(layout, places, self._index, part)
+
+    @property
+    def in_contact(self) -> np.ndarray:
+        """1 where a bob and one of another surface repel each other, else 0, (times, asperites)."""
+        return (self._contacts[0] > 0).astype(float)
+
+    @property
+    def contact_number(self) -> np.ndarray:
+        """The number of pairs of a bob and one of another surface that repel each other."""
+        return self._contacts[1].astype(float)
+
+    @property
+    def normal_forces(self) -> np.ndarray:
+        """The contact force on each bob away from what its surface faces, (times, asperites)."""
+        facing = self._layout.scene.surfaces[self._index].facing_sign
+        return facing * self.force("f1", 1)
 
     @property
     def stored(self) -> np.ndarray:
