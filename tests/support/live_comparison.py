@@ -120,7 +120,7 @@ def compared(scene):
         error = float(np.max(np.abs(series[row] - values.reshape(times.size, -1)[:, 0]))) / size
         if error > worst:
             worst, worst_of = error, name
-    own = own_settings(host, numbers, run.samples._record, times.size)
+    own = own_settings(host, numbers, scene)
     return {
         "status": [code, str(run.status)],
         "same": same,
@@ -131,12 +131,13 @@ def compared(scene):
     }
 
 
-def own_settings(host, numbers, record, samples):
+def own_settings(host, numbers, scene):
     """The run at the page's own settings: its errors, in units of what it says of them."""
     accurate = host.get("series").copy()
     options = np.zeros(program.OPTIONS)
     options[program.LEVEL], options[program.NEAR] = program.level_of(1e-8), program.NEAR_FINE
     options[program.MOST_STEPS], options[program.ESTIMATE] = 1e5, 1.0
+    options[program.ROUGH] = np.isfinite(scene.smoothness)
     code = host.run(numbers=numbers, options=options)
     errors = np.abs(host.get("series") - accurate).max(axis=1)
     said = host.get("errors") + ACCURACY * np.abs(accurate).max(axis=1)

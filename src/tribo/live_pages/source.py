@@ -34,7 +34,7 @@ MOST_STEPS = 20_000
 # Options of the program that the page's script reads and writes.
 PLACES = (
     *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
-    *("AMPLITUDE", "PHASE1", "PHASE2"),
+    *("AMPLITUDE", "PHASE1", "PHASE2", "ROUGH"),
 )
 # Meanings of what only live pages show.
 MEANINGS_HERE = {
@@ -114,6 +114,7 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
         "level": program.level_of(accuracy),
         "near": program.NEAR_FINE,
         "most": MOST_STEPS,
+        "rough": bool(np.isfinite(scene.smoothness)),
         "places": {name: getattr(program, name) for name in PLACES},
         "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
         "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,
