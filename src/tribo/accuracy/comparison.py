@@ -32,7 +32,8 @@ from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.quantities import needs_accounts
 from tribo.ledger.samples import Samples
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
+from tribo.loops.setting import Setting
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random
