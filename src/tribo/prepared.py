@@ -26,10 +26,11 @@ from tribo.ledger.ledger import Ledger, SampledLedger, assemble
 from tribo.ledger.samples import are_among
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.origin import digest_of
 from tribo.loops.saved_state import state_of
 from tribo.loops.select import Integrator, up_to_passing
+from tribo.loops.setting import Setting
 from tribo.model.identity import changes, settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
@@ -73,7 +74,7 @@ class Simulation:
         self.why = plan.why
         self.compile_seconds = integrator.compile_seconds
         self.integrator = integrator
-        step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
+        step = plan.setting.step if plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._settings |= coefficients_of(plan.method)
@@ -208,18 +209,18 @@ class Simulation:
         run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes: tuple[str, ...] = ()
         while tries > 0 and run.status in REPEATED:
-            assert isinstance(setting, float)
             tries -= 1
-            shorter = 0.5 * setting if run.stiffness is None else run.stiffness.shorter(setting)
+            step = setting.of_equal_steps()
+            shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
             shorter = self.plan.divided(shorter)
-            notes = (notes_on.repeat_note(layout, run, setting, shorter),)
-            setting = shorter
+            notes = (notes_on.repeat_note(layout, run, step, shorter),)
+            setting = Setting(step=shorter)
             run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         if run.passages[0] > 0:
             notes = (*notes, *notes_on.passage_notes(layout, run))
         if self._noisy and run.stiffness is not None:
-            assert isinstance(setting, float)
-            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(setting)), setting))
+            step = setting.of_equal_steps()
+            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(step)), step))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -236,8 +237,8 @@ class Simulation:
         One whose steps have to be `resolved` stops where they are too long.
         """
         layout = self.layout
-        if self._noisy and isinstance(setting, float):
-            layout = replace(layout, noisy_step=setting)
+        if self._noisy and setting.step is not None:
+            layout = replace(layout, noisy_step=setting.step)
         if not self._streams:
             run = self.integrator(setting, times, y, resolved=resolved)
             if self._may_pass:
@@ -373,7 +374,7 @@ class Simulation:
             bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings
         if self.plan.automatic and setting is not None:
-            settings = {**settings, "step": setting}
+            settings = {**settings, "step": setting.step}
         if run.status != Status.COMPLETED:
             notes = (*notes_on.stop_notes(layout, run), *notes)
         if keep is not None:

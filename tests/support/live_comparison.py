@@ -92,11 +92,12 @@ def compared(scene):
     simulation = tribo.prepare(scene, accuracy=ACCURACY, method="gauss-radau-15")
     layout, pair = simulation.layout, simulation.integrator.pair
     potential, setting = layout.model.contacts[0].potential, simulation.plan.setting
+    tolerance = setting.of_adaptive_steps()
     times = layout.times
     memory = pair.rows()
-    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(setting)
+    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(tolerance)
     options = np.zeros(program.OPTIONS)
-    options[program.GIVEN], options[program.NEAR] = 1.0, setting.encounter_fraction
+    options[program.GIVEN], options[program.NEAR] = 1.0, tolerance.encounter_fraction
     options[program.MOST_STEPS] = 1e6
     host = Machine(module_of(potential), potential, times.size, CLOCK.itemsize)
     numbers = inputs_of(lay_out(scene))

@@ -16,8 +16,9 @@ from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns, StopTimes
 from tribo.kernels.status import Status
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.validation import InputError
 
 # First level, in units of that of the method, which is for estimates of two differences, not three.

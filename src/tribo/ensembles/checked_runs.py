@@ -30,7 +30,7 @@ from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS, STEPS
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
-from tribo.loops.integrate import Setting
+from tribo.loops.setting import Setting
 from tribo.prepared import Simulation
 
 # The first members, by which the setting is chosen; all are checked: few of a million.

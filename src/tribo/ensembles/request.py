@@ -137,5 +137,5 @@ class Request(NamedTuple):
         if self.keep is None or self.at != END or not (noisy(scene) and equal):
             return simulation
         plan = replace(simulation.plan, interval=float(intervals[0]))
-        assert isinstance(plan.setting, float)
-        return Simulation(plan.with_step(plan.setting), simulation.integrator)
+        step = plan.setting.of_equal_steps()
+        return Simulation(plan.with_step(step), simulation.integrator)

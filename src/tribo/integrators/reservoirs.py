@@ -29,8 +29,8 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
-from tribo.kernels.schedule import scheduled
 from tribo.kernels.powers import add_total, add_works, momentum
+from tribo.kernels.schedule import scheduled
 
 
 @inlined

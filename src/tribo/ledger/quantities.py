@@ -3,11 +3,13 @@
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
+from tribo.ledger import accounts
+from tribo.ledger.accounts import APPLIED, EXTERNAL, OfAccounts
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.separation import has_contact_distance
@@ -67,6 +69,13 @@ PART = Role("total")
 POTENTIAL = Role("total", ("potential",))
 
 
+class Summary(NamedTuple):
+    """How a quantity stands in the summary of a result."""
+
+    heading: str  # above it in a notebook's table
+    form: str = ""  # format of its value in the text; without one the text leaves it out
+
+
 @dataclass(frozen=True)
 class Quantity:
     kind: str  # a key of `UNITS`
@@ -74,6 +83,10 @@ class Quantity:
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
     present: Has = always  # whether it can be asked for
     role: Role = OWN_SCALE
+    # The sum of terms of accounts whose rounding it has; None where it is no such sum.
+    terms: OfAccounts | None = None
+    is_summed: bool = False  # whether ensembles keep its sum over the asperites of a surface
+    summary: Summary | None = None  # None: results do not show it in their summary
 
     @property
     def units(self) -> str:
@@ -86,19 +99,30 @@ def _moving(
     return Quantity(kind, long_name, Moving(value), role=role)
 
 
-def _accounted(name: str, long_name: str, present: Has = always, role: Role = WORK) -> Quantity:
-    of = Linear(partial(AsperiteSeries.accounted, name=name))
-    return _energy(long_name, of, present, role)
+def _accounted(
+    terms: OfAccounts,
+    long_name: str,
+    present: Has = always,
+    role: Role = WORK,
+    is_summed: bool = False,
+) -> Quantity:
+    of = Linear(partial(AsperiteSeries.accounted, quantity=terms))
+    return _energy(long_name, of, present, role, terms=terms, is_summed=is_summed)
 
 
 def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
     """The works of agents, and behind them the pseudoworks but those of single ends."""
-    works = {name: _accounted(name, f"work of {agent}", present) for name, agent in agents.items()}
-    return works | {
-        f"{name}_ps": _accounted(f"{name}_ps", f"pseudowork of {agent}", present)
-        for name, agent in agents.items()
-        if name not in ("wL", "wR")
-    }
+    works: dict[str, Quantity] = {}
+    pseudoworks: dict[str, Quantity] = {}
+    for name, agent in agents.items():
+        is_total = name not in accounts.FORCES
+        forces = tuple(accounts.FORCES) if is_total else (name,)
+        work = OfAccounts(forces, accounts.WORK)
+        pseudowork = OfAccounts(forces, accounts.PSEUDOWORK)
+        works[name] = _accounted(work, f"work of {agent}", present, is_summed=not is_total)
+        if name not in ("wL", "wR"):
+            pseudoworks[f"{name}_ps"] = _accounted(pseudowork, f"pseudowork of {agent}", present)
+    return works | pseudoworks
 
 
 def _has_reservoir(scene: Scene, surface: Surface) -> bool:
@@ -110,8 +134,9 @@ def _energy(
     of: Callable[..., np.ndarray],
     present: Has = always,
     role: Role = OWN_SCALE,
+    **others: Any,
 ) -> Quantity:
-    return Quantity("energy", long_name, of, present, role)
+    return Quantity("energy", long_name, of, present, role, **others)
 
 
 # Of each asperite, in the order in which they are reported.
@@ -157,36 +182,54 @@ ASPERITE_QUANTITIES = {
 OPTIONAL_QUANTITIES = {
     **_works({"w_field": "external fields"}, Scene.has_field),
     **_works({"w_T": "the reservoir"}, _has_reservoir),
-    "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir, CHANGE),
+    "heat": _accounted(
+        OfAccounts(("w_T",), accounts.HEAT),
+        "heat given to the reservoirs",
+        _has_reservoir,
+        CHANGE,
+        is_summed=True,
+    ),
     "heat_swing": _accounted(
-        "heat_swing",
+        OfAccounts(("w_T",), accounts.HEAT_OF_SWING),
         "heat given to the reservoir on the swing",
         lambda scene, surface: surface.reservoir("swing") is not None,
         CHANGE,
+        is_summed=True,
     ),
 }
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work), role=TOTAL),
+    "W": _energy(
+        "work of external forces on the surface",
+        Linear(SurfaceSeries.work),
+        role=TOTAL,
+        terms=OfAccounts(EXTERNAL, accounts.WORK),
+        summary=Summary("work", " .6g"),
+    ),
     "W_ps": _energy(
         "pseudowork of external forces on the surface",
         Linear(SurfaceSeries.pseudowork),
         role=TOTAL,
+        terms=OfAccounts(EXTERNAL, accounts.WORK),
+        summary=Summary("pseudowork", " .6g"),
     ),
     "delta_K": _energy(
         "change of the surface's bulk kinetic energy",
         Summed(lambda whole: whole.change_of_kinetic),
         role=TOTAL,
+        summary=Summary("bulk kinetic energy"),
     ),
     "delta_E_int": _energy(
         "change of the surface's internal energy",
         Summed(lambda whole: whole.change_of_internal),
         role=TOTAL,
+        summary=Summary("internal energy", "+.6g"),
     ),
     "friction_work": _energy(
         "minus the initial velocity times the impulse of the contact forces",
         Linear(SurfaceSeries.friction),
         role=PART,
+        terms=OfAccounts(("w1",), accounts.BOOST),
     ),
 }
 # Of the whole system.
@@ -203,6 +246,7 @@ SYSTEM_QUANTITIES = {
         "work of drives, ends, reservoirs and moving fields",
         Linear(SystemSeries.applied),
         role=TOTAL,
+        terms=OfAccounts(APPLIED, accounts.WORK),
     ),
 }
 # Those that have an accuracy.
@@ -389,10 +433,12 @@ def built_in_names(scene: Scene, surface: Surface) -> frozenset[str]:
 # The sums over the asperites of a surface, by the names of what is summed.
 SUMMED_QUANTITIES = {
     name: _energy(
-        f"{quantity.long_name}, all asperites", Linear(partial(SurfaceSeries.summed, name=name))
+        f"{quantity.long_name}, all asperites",
+        Linear(partial(SurfaceSeries.summed, quantity=quantity.terms)),
+        is_summed=quantity.is_summed,
     )
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
-    if needs_accounts(name)
+    if quantity.terms is not None
 }
 
 

@@ -11,7 +11,7 @@ from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
-from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
+from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, OfAccounts, Part
 from tribo.ledger.contact_pairs import counts_of_contacts
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
@@ -41,9 +41,9 @@ class AsperiteSeries:
         """A quantity of all asperites, (times, asperites)."""
         return _side_by_side([value(motion) for motion in self.motions])
 
-    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
+    def accounted(self, integrals: Integrals, quantity: OfAccounts) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals[span], name) for span in self.spans])
+        return _side_by_side([quantity.series(integrals[span]) for span in self.spans])
 
 
 class SurfaceSeries(AsperiteSeries):
@@ -84,9 +84,9 @@ class SurfaceSeries(AsperiteSeries):
         """The layout, and the index of the surface there."""
         return self._layout, self._index
 
-    def summed(self, integrals: Integrals, name: str) -> np.ndarray:
+    def summed(self, integrals: Integrals, quantity: OfAccounts) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        return _sum(accounted(integrals[span], name) for span in self._accounted)
+        return _sum(quantity.series(integrals[span]) for span in self._accounted)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""

@@ -14,8 +14,8 @@ from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
-from tribo.loops.integrate import Setting
 from tribo.loops.pair import Pair, factors_of, record_of
+from tribo.loops.setting import Setting
 from tribo.pair import lanes
 from tribo.pair.forces import PAIR_NUMBERS, PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
@@ -43,9 +43,9 @@ class PairMembers:
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members; those whose start the loop cannot have are PAUSED."""
-        assert isinstance(setting, Tolerance)
-        self._rows[LIMITS:STATE] = self._pair.limits(setting)
-        self._clocks["encounter_fraction"] = setting.encounter_fraction
+        tolerance = setting.of_adaptive_steps()
+        self._rows[LIMITS:STATE] = self._pair.limits(tolerance)
+        self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         record = self._record
         addresses = self._numbers
         numbers = starts.numbers
@@ -126,7 +126,6 @@ class PairLanes:
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""
-        assert isinstance(setting, Tolerance)
         y = np.ascontiguousarray(starts.y)
         numbers = starts.numbers
         scenes = None
@@ -135,7 +134,7 @@ class PairLanes:
             records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
-        arguments = self._arguments(scenes, self._limits(setting), y)
+        arguments = self._arguments(scenes, self._limits(setting.of_adaptive_steps()), y)
         self._loop(*arguments)
         samples, queue = arguments[-3:-1]
         queue.counts[others, CODE] = PAUSED

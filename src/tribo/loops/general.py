@@ -21,8 +21,9 @@ from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
-from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.loops.integrate import Columns, Memory, TimeLoop
 from tribo.loops.legs import LegsOfLoop
+from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -65,8 +66,8 @@ class GeneralLoop(TimeLoop):
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step if method.adaptive else 0.0
-        if isinstance(setting, Tolerance):
-            self.clocks.encounter_fraction = setting.encounter_fraction
+        if setting.tolerance is not None:
+            self.clocks.encounter_fraction = setting.tolerance.encounter_fraction
         coordinates, accounts = layout.room
         places = layout.places
         n = layout.coordinates
@@ -227,24 +228,26 @@ def is_damped(layout: Layout) -> bool:
 def unit_setting(layout: Layout, method: Method) -> Setting:
     """A step of 1, or tolerances of 1, of the type that a method takes."""
     if not method.adaptive:
-        return 1.0
-    return Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
+        return Setting(step=1.0)
+    ones = np.ones(2 * layout.coordinates), np.ones(layout.accounts)
+    return Setting(tolerance=Tolerance(*ones, 1.0, 1.0))
 
 
-def in_blocks(setting: Setting, layout: Layout) -> Setting:
+def in_blocks(setting: Setting, layout: Layout) -> float | Tolerance:
     """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
-    if not isinstance(setting, Tolerance):
-        return setting
+    tolerance = setting.tolerance
+    if tolerance is None:
+        return setting.of_equal_steps()
     coordinates, accounts = layout.room
     y = room((2 * coordinates,))
     s = room((accounts,))
     n = layout.coordinates
     y[:] = 1.0
     s[:] = 1.0
-    y[layout.places.q] = setting.y[:n]
-    y[coordinates + layout.places.q] = setting.y[n:]
-    s[layout.places.s] = setting.s
-    return setting._replace(y=y, s=s)
+    y[layout.places.q] = tolerance.y[:n]
+    y[coordinates + layout.places.q] = tolerance.y[n:]
+    s[layout.places.s] = tolerance.s
+    return tolerance._replace(y=y, s=s)
 
 
 def numbers_of_clock(clocks: np.ndarray) -> np.ndarray:

@@ -25,9 +25,10 @@ from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.general import remembered, unit_setting
-from tribo.loops.integrate import Columns, Setting, first_step_at
+from tribo.loops.integrate import Columns, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.loops.legs import LegsOfLoop
+from tribo.loops.setting import Setting
 from tribo.threads.kernel_model import set_step_units
 from tribo.threads.writable_memory import shared_loop
 
@@ -151,7 +152,6 @@ class LaneLoop(RecordingLoop):
 class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep a clock for each lane and memory of trials, and compile the loop."""
-        assert isinstance(setting, Tolerance)
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
         speeds = room((3, self.eight.model.each.shape[1]))
         layout = self.layout
@@ -162,7 +162,8 @@ class NystromLanes(LaneLoop):
         )
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
-        examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
+        tolerance = setting.of_adaptive_steps()
+        examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
         self._entry = EntryPoint(shared_loop(nystrom_members), self._kept, examples)
 
     def run_in_lanes(
@@ -174,12 +175,12 @@ class NystromLanes(LaneLoop):
         sums: np.ndarray,
     ) -> np.ndarray:
         """Run members side by side; their motion has no noise, and takes no seeds."""
-        assert isinstance(setting, Tolerance)
+        tolerance = setting.of_adaptive_steps()
         self.forget()
-        self._clocks["encounter_fraction"] = setting.encounter_fraction
+        self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         queue = queue_of(len(starts.y), LANES)
         y = np.ascontiguousarray(starts.y)
-        arguments = self._arguments(setting, queue, y, numbers, columns, TRIALS)
+        arguments = self._arguments(tolerance, queue, y, numbers, columns, TRIALS)
         while self._entry(*arguments) == PAUSED:
             pass
         return queue.counts
@@ -212,7 +213,6 @@ class NystromLanes(LaneLoop):
 class SplittingLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep one clock for all lanes and count deviates of a step, and compile the loop."""
-        assert isinstance(setting, float)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
@@ -222,8 +222,9 @@ class SplittingLanes(LaneLoop):
         set_step_units(self.eight.model, self._state, self._work, nothing)
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
+        step = setting.of_equal_steps()
         times = self.layout.times
-        examples = self._arguments(setting, times, columns, 0, np.empty((0, LANES)))
+        examples = self._arguments(step, times, columns, 0, np.empty((0, LANES)))
         self._entry = EntryPoint(shared_loop(splitting_members), self._kept, examples)
 
     def run_in_lanes(
@@ -235,7 +236,7 @@ class SplittingLanes(LaneLoop):
         sums: np.ndarray,
     ) -> np.ndarray:
         """Run members eight by eight: with equal steps, all of them end together."""
-        assert isinstance(setting, float)
+        step = setting.of_equal_steps()
         members = len(starts.y)
         times = self.layout.times.size
         chosen = np.arange(padded(members)).clip(max=members - 1)
@@ -245,7 +246,7 @@ class SplittingLanes(LaneLoop):
             rows = slice(first * times, (first + LANES) * times)
             some = tuple(each[rows] for each in columns)
             self.eight.memory[self.eight.numbers] = numbers[own]
-            lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
+            lost = self._run_eight(step, starts.y[own], starts.seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
             counts[own, STEPS] = clock.steps

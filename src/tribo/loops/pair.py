@@ -35,11 +35,11 @@ from tribo.loops.integrate import (
     Integration,
     Memory,
     Progress,
-    Setting,
     TimeLoop,
     first_step_at,
     integrate,
 )
+from tribo.loops.setting import Setting
 from tribo.model.effects import Effect
 from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
@@ -274,7 +274,7 @@ class Pair:
 
     def integrate(
         self,
-        tolerance: Setting,
+        setting: Setting,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
@@ -282,7 +282,7 @@ class Pair:
         most: float | None = None,
     ) -> Integration:
         """Integrate from `start`, y, with `most` evaluations, or those of the scene without it."""
-        loop = PairLoop(self, self.beginning(tolerance), start)
+        loop = PairLoop(self, self.beginning(setting.of_adaptive_steps()), start)
         if progress is not None or checkpoints is not None:
             return integrate(loop, times, progress, None, checkpoints, most=most)
         return loop.undisturbed(times, most)
@@ -295,7 +295,7 @@ class Pair:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
         return self.beginning(tolerance).rows[step_rows.LIMITS : step_rows.STATE]
 
-    def beginning(self, tolerance: Setting) -> Beginning:
+    def beginning(self, tolerance: Tolerance) -> Beginning:
         """The memory of a loop before runs with some tolerances.
 
         The last ones are kept: a run with an estimate takes three by two tolerances.
@@ -303,7 +303,6 @@ class Pair:
         for known in self._beginnings:
             if known.tolerance is tolerance:
                 return known
-        assert isinstance(tolerance, Tolerance)
         rows = self.rows()
         rows[step_rows.LIMITS : step_rows.STATE] = self._limits_of(tolerance)
         clocks = np.zeros(1, CLOCK)

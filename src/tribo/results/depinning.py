@@ -10,7 +10,6 @@ from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
 
-
 # Relative size of a motion backwards that is round-off.
 ROUNDING = 1e-12
 
