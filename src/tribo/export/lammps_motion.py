@@ -103,6 +103,7 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
         if drive.stage.follows_schedule:
             forces[0] = f"{stiffness!r}*({_displacement(drive.stage)})"
         else:
+            assert not isinstance(speed, Schedule)
             forces[0] = f"{stiffness * speed!r}*time"
         yield f"fix {group}_spring {group} spring/self {stiffness!r} x"
     if drive.ramp is not None:
