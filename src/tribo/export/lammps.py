@@ -20,7 +20,7 @@ from tribo.layout.layout import lay_out
 from tribo.loops.resolution import corrugation_frequency, spring_frequency
 from tribo.model.scene import Scene
 from tribo.plugins.classes import parts
-from tribo.validation import as_path, must_be
+from tribo.validation import InputError, as_path, must_be
 
 # Names of the files: atoms, the commands for their forces, and those for a run, which read both.
 DATA = "scene.data"
