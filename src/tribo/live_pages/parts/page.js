@@ -676,7 +676,7 @@ async function startPage(element, source) {
   }).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
-  openTab(0);
+  openTab(Math.max(0, tabs.findIndex((panel) => panel.dataset.tab === source.panel)));
   let wrong = null;
   try {
     state.set(readAddress(state));
