@@ -89,8 +89,10 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
     controls : mapping or str or Path, optional
         The values that have sliders, in their order: key -> range (low, high), or None for the
         usual one, or a table with `range` and `label`; beside them "title", "introduction" and
-        "questions" in Markdown.  Or the name of a TOML file with the same.  By default the strength
-        of the force, the gap, the velocity, stiffness, masses, length, drive and duration.
+        "questions" in Markdown, and "panel", the panel that is open at first: "End value",
+        "Energy", "Numbers", "Many starts" or "Files".  Or the name of a TOML file with the same.
+        By default the strength of the force, the gap, the velocity, stiffness, masses, length,
+        drive and duration.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import inputs, program
 from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
-from tribo.live_pages.controls import Controls, controls_of, least
+from tribo.live_pages.controls import PANELS, Controls, controls_of, least
 from tribo.live_pages.keys import numbers_of
 from tribo.live_pages.quantities import OfAsperite, OfSystem
 from tribo.loops.pair import KNOWN, is_pair
@@ -90,6 +90,7 @@ def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
         "title": controls.words.get("title") or scene.title or "A scene of tribo",
         "introduction": controls.words.get("introduction", ""),
         "questions": controls.words.get("questions", ""),
+        "panel": controls.words.get("panel", PANELS[0]),
         "toml": scene.to_toml(),
     }
 

@@ -105,21 +105,24 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
     size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
     if moving.count == 1:
         motion = "the motion of the bob relative to the centre of mass"
-        bobs = "the bob moves"
+        them = "that motion"
     else:
         motion = "the motions of the bobs relative to the centres of mass of their asperites"
-        bobs = "the bobs move"
+        them = "those motions"
     if abs(work - pseudowork) <= EQUAL * size:
         return (
             f'The work of friction on "{moving.name}" equals its pseudowork: friction does no net '
             f"work on {motion}."
         )
     more = work > pseudowork
+    drives, holds = f"drives {them}", f"holds {them} back"
+    sign = f"positive: friction {drives} more than it {holds}"
+    if not more:
+        sign = f"negative: friction {holds} more than it {drives}"
     return (
         f'Friction does {"more" if more else "less"} work on "{moving.name}" ({work:.3g}) than '
         f"pseudowork ({pseudowork:.3g}). The difference, {work - pseudowork:.3g}, is its work on "
-        f"{motion}: weighted by the force, {bobs} {'more' if more else 'less'} along the force "
-        "than against it."
+        f"{motion}. It is {sign}."
     )
 
 

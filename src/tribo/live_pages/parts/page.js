@@ -15,6 +15,7 @@ const BODY = `
     <input type="range" min="0" step="any" aria-label="Time" data-part="time">
     <output data-part="clock"></output>
     <label><input type="checkbox" checked data-part="forces"> Forces</label>
+    <label><input type="checkbox" data-part="velocities"> Velocities</label>
     <label><input type="checkbox" data-part="traces"> Traces</label>
     <button type="button" data-part="mark" title="Displacements are measured from the present time">Mark</button>
     <button type="button" aria-pressed="false" data-part="keep">Keep beside</button>
@@ -33,7 +34,7 @@ const BODY = `
 <section class="panel" aria-label="Results">
   <div class="tabs" role="tablist" data-part="tabs"></div>
   <div role="tabpanel" tabindex="0" data-part="endPanel" data-tab="End value">
-    <label>End of <select data-part="endQuantity"></select></label> <label>against <select data-part="endKey"></select></label>
+    <label>End of <select data-part="endQuantity"></select></label> <label>against <select data-part="endKey"></select></label> <label>and <select data-part="endSecond"><option value="">no other</option></select></label>
     <canvas class="end" role="img" aria-label="End value against a control" data-part="end"></canvas>
     <label><input type="checkbox" checked data-part="lengthen"> each run until the bobs have passed</label>
   </div>
@@ -105,8 +106,9 @@ async function startPage(element, source) {
   const short = makeProgram(machine, source, 2);
   const state = makeState(source);
   const force = { size: 0 }; // of all arrows in the page
-  const drawScene = makeDrawing(part("scene"), force);
-  const drawKept = makeDrawing(part("keptScene"), force);
+  const speed = { size: 0 };
+  const drawScene = makeDrawing(part("scene"), force, speed);
+  const drawKept = makeDrawing(part("keptScene"), force, speed);
   const curves = makeCurves(part("curves"));
   const drawn = new Set(["w1", "w1_ps", "w2", "w2_ps", "total_energy_change", "applied_work"]);
   const widgets = [];
@@ -119,7 +121,7 @@ async function startPage(element, source) {
   let marked = null;
   let group = source.surfaces[0].name;
   let observer = 0;
-  let pointAt = null; // a value of the key below a point of the end panel
+  let pointAt = null; // the values of keys below a point of the end panel
   let view = null;
 
   const withObserver = (numbers) => {
@@ -152,7 +154,7 @@ async function startPage(element, source) {
       const w1 = run.tables.map((table) => table.w1[table.w1.length - 1]);
       const ps = run.tables.map((table) => table.w1_ps[table.w1_ps.length - 1]);
       const which = source.subject;
-      status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${worst.toExponential(0)}. Run to t = ${shownShort(run.last)}.`;
+      status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${shownError(worst)}. Run to t = ${shownShort(run.last)}.`;
     }
   }
 
@@ -176,7 +178,7 @@ async function startPage(element, source) {
 
   function show() {
     waiting = false;
-    const shown = { forces: part("forces").checked, traces: part("traces").checked, displacements: false };
+    const shown = { forces: part("forces").checked, velocities: part("velocities").checked, traces: part("traces").checked, displacements: false };
     view = drawScene(run, Math.min(t, run.last), shown);
     if (kept) drawKept(kept, Math.min(t, kept.last), shown);
     const index = run.groups.findIndex(({ name }) => name === group);
@@ -348,16 +350,25 @@ async function startPage(element, source) {
     }
   }
 
-  // The end value against a control.
+  // The end value against a control, or against two as a map.
+  const controlOf = (key) => source.controls.find((each) => each.key === key);
+  const chosen = () => [part("endKey").value, part("endSecond").value].filter((key, k, keys) => key && keys.indexOf(key) === k);
   const scan = makeScan((points) => {
-    const key = part("endKey").value;
-    const label = source.controls.find((each) => each.key === key).label;
-    pointAt = drawPoints(part("end"), points, state.value(key), label);
+    const keys = chosen();
+    const axes = keys.map((key) => ({ ...controlOf(key), present: state.value(key) }));
+    const [x, y] = axes;
+    if (y) {
+      const at = drawMap(part("end"), points, x, y);
+      pointAt = (px, py) => at(px, py);
+    } else {
+      const at = drawPoints(part("end"), points, x.present, x.label);
+      pointAt = at && ((px) => ({ [x.key]: at(px) }));
+    }
   });
   source.surfaces.forEach(({ name }) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans"].forEach((quantity) => {
     part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
   }));
-  for (const { key, label } of source.controls) if (!state.choices.has(key)) part("endKey").add(new Option(label, key));
+  for (const { key, label } of source.controls) if (!state.choices.has(key)) ["endKey", "endSecond"].forEach((name) => part(name).add(new Option(label, key)));
   part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
   part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
 
@@ -378,21 +389,25 @@ async function startPage(element, source) {
 
   panels.push((isNew) => {
     if (!isNew || !isOpen("endPanel") || !part("endKey").value) return;
-    const key = part("endKey").value;
-    const { low, high } = source.controls.find((each) => each.key === key);
+    const keys = chosen();
     const [surface, quantity] = part("endQuantity").value.split(".");
-    const values = Array.from({ length: POINTS }, (_, k) => low + (k / (POINTS - 1)) * (high - low));
-    scan(values, (value) => {
+    scan(gridOf(keys.map(controlOf)), (values) => {
+      const [x, y] = values;
       try {
-        const result = endOf(state.numbersWith({ [key]: value }));
-        return { x: value, y: valueAtEnd(result, surface, quantity), shown: result.passed };
+        const result = endOf(state.numbersWith(Object.fromEntries(keys.map((key, k) => [key, values[k]]))));
+        const value = valueAtEnd(result, surface, quantity);
+        return y === undefined ? { x, y: value, shown: result.passed } : { x, y, value, shown: result.passed };
       } catch {
-        return { x: value, y: NaN, shown: false };
+        return y === undefined ? { x, y: NaN, shown: false } : { x, y, value: NaN, shown: false };
       }
     });
   });
-  for (const name of ["endQuantity", "endKey", "lengthen"]) part(name).addEventListener("change", () => panels.forEach((panel) => panel(true)));
-  part("end").addEventListener("click", (event) => { if (pointAt) change({ [part("endKey").value]: Number(pointAt(event.offsetX).toPrecision(3)) }); });
+  for (const name of ["endQuantity", "endKey", "endSecond", "lengthen"]) part(name).addEventListener("change", () => panels.forEach((panel) => panel(true)));
+  part("end").addEventListener("click", (event) => {
+    if (!pointAt) return;
+    const values = Object.entries(pointAt(event.offsetX, event.offsetY));
+    change(Object.fromEntries(values.map(([key, value]) => [key, Number(value.toPrecision(3))])));
+  });
 
   // Energies and powers.
   const scale = { energy: 0, power: 0 };
@@ -430,7 +445,7 @@ async function startPage(element, source) {
       head.title = source.meanings[name] ?? "work less pseudowork: the same for every observer";
       if (name in table) head.append(typeset(name));
       else head.append(typeset("w1"), " − ", typeset("w1_ps"));
-      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? (value === 0 ? "0" : value.toExponential(0)) : shownNumber(value) })));
+      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? shownError(value) : shownNumber(value) })));
       return row;
     }));
   });
@@ -563,7 +578,7 @@ async function startPage(element, source) {
     setPlaying(false);
     setTime(Number(part("time").value));
   });
-  for (const name of ["forces", "traces"]) part(name).addEventListener("change", update);
+  for (const name of ["forces", "velocities", "traces"]) part(name).addEventListener("change", update);
   part("mark").addEventListener("click", () => {
     marked = marked === null ? t : null;
     part("mark").textContent = marked === null ? "Mark" : "Unmark";
@@ -657,12 +672,11 @@ async function startPage(element, source) {
   });
   new ResizeObserver(() => {
     update();
-    // A page that embeds this one in a frame may fit the frame to it.
-    if (window.parent !== window) window.parent.postMessage({ triboHeight: document.documentElement.scrollHeight }, "*");
+    tellHeight();
   }).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
-  openTab(0);
+  openTab(Math.max(0, tabs.findIndex((panel) => panel.dataset.tab === source.panel)));
   let wrong = null;
   try {
     state.set(readAddress(state));
