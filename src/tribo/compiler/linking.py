@@ -7,13 +7,26 @@ front end leaves it until the time loop that contains it is optimised.
 """
 
 import ctypes
+from types import FunctionType
 from typing import Any
 
-from tribo.compiler.numba_private import JITCodeLibrary, Lower, _dynfunc, compiler
+from tribo.compiler.numba_private import CFunc, JITCodeLibrary, Lower, _dynfunc, compiler
 from tribo.compiler.numba_private import compiler_machinery as machinery
 from tribo.compiler.numba_private import typed_passes as typed
 from tribo.compiler.numba_private import untyped_passes as untyped
-from tribo.compiler.tuple_types import TupleLibrary
+from tribo.compiler.tuple_types import Module
+
+
+class TupleLibrary(JITCodeLibrary):
+    """Code whose functions may have named tuples of kernels as arguments."""
+
+    def create_ir_module(self, name: str) -> Any:
+        """An empty module that declares what it uses."""
+        plain = super().create_ir_module(name)
+        module = Module(plain.name)
+        module.triple = plain.triple
+        module.data_layout = plain.data_layout
+        return module
 
 
 class LinkedLibrary(TupleLibrary):
@@ -181,3 +194,8 @@ class LoopCompiler(KernelCompiler):
     """numba's compiler of time loops."""
 
     lowering = LoopLowering
+
+
+def unit_of(function: FunctionType, kinds: Any, result: Any, options: dict[str, Any]) -> Any:
+    """A function that is compiled as a time loop is, and called by its address."""
+    return CFunc(function, (kinds, result), {}, options, pipeline_class=LoopCompiler)  # type: ignore[arg-type]
