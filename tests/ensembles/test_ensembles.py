@@ -18,6 +18,7 @@ from tribo import (
     InputError,
     Langevin,
     Output,
+    Roughness,
     Scene,
     Surface,
     ensemble,
@@ -28,7 +29,6 @@ from tribo.ensembles import batches
 from tribo.ensembles.dataset import COUNTS
 from tribo.ensembles.figure import mean_band
 from tribo.ensembles.means import FIRST_STAGE
-from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
 from tribo.results.averages import interval, members_needed
 

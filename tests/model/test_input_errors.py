@@ -379,7 +379,7 @@ WRONG = [
     ("surface[0].name", "a/b", "must be a word"),
     ("surface[0].name", "a\nb", "must be a word"),
     ("surface[1].name", "upper", '"upper" is the name of another surface; give each name once'),
-    ("interaction[0].potential", "mose", 'must be "coulomb", "morse", "lennard-jones"'),
+    ("interaction[0].potential", "mose", 'must be "coulomb", "yukawa"'),
     (
         "interaction[0].between",
         ["upper", "middle"],

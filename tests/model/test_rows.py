@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
-from tribo import Asperite, Coulomb, InputError, Scene, simulate
-from tribo.model.rows import (
-    GOLDEN_MEAN,
-    approximant,
+from tribo import (
+    Asperite,
+    Coulomb,
+    InputError,
+    Scene,
     commensurate_rows,
     incommensurate_rows,
     periodic_rows,
+    simulate,
 )
+from tribo.model.rows import GOLDEN_MEAN, approximant
 
 
 def x_of(surface):

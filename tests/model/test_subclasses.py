@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import pytest
 
 import tribo
-from tribo.model.drives import Custom, Drive
+from tribo import Custom, InputError
+from tribo.model.drives import Drive
 from tribo.potentials import as_potential, from_points
 from tribo.potentials.spline import Table
-from tribo.validation import InputError
 
 
 class Own(tribo.Potential):

@@ -7,15 +7,28 @@ front end leaves it until the time loop that contains it is optimised.
 """
 
 import ctypes
+from types import FunctionType
 from typing import Any
 
 from llvmlite import ir
 
-from tribo.compiler.numba_private import JITCodeLibrary, Lower, _dynfunc, compiler
+from tribo.compiler.numba_private import CFunc, JITCodeLibrary, Lower, _dynfunc, compiler
 from tribo.compiler.numba_private import compiler_machinery as machinery
 from tribo.compiler.numba_private import typed_passes as typed
 from tribo.compiler.numba_private import untyped_passes as untyped
-from tribo.compiler.tuple_types import TupleLibrary
+from tribo.compiler.tuple_types import Module
+
+
+class TupleLibrary(JITCodeLibrary):
+    """Code whose functions may have named tuples of kernels as arguments."""
+
+    def create_ir_module(self, name: str) -> Any:
+        """An empty module that declares what it uses."""
+        plain = super().create_ir_module(name)
+        module = Module(plain.name)
+        module.triple = plain.triple
+        module.data_layout = plain.data_layout
+        return module
 
 
 class LinkedLibrary(TupleLibrary):
@@ -225,3 +238,8 @@ class UnitCompiler(KernelCompiler):
     """numba's compiler of units."""
 
     lowering = UnitLowering
+
+
+def unit_of(function: FunctionType, kinds: Any, result: Any, options: dict[str, Any]) -> Any:
+    """A function that is called by its address."""
+    return CFunc(function, (kinds, result), {}, options, pipeline_class=UnitCompiler)  # type: ignore[arg-type]

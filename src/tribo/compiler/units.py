@@ -29,8 +29,7 @@ from tribo.compiler.pointers import pointer_to
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
-    from tribo.compiler.linking import UnitCompiler
-    from tribo.compiler.numba_private import CFunc
+    from tribo.compiler.linking import unit_of
 
 _WORD = ir.IntType(64)
 
@@ -171,10 +170,7 @@ def _compiled(function: FunctionType, sig: Any, stamp: str | None) -> Any:
         clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}_plain")
         return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
     clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
-    options = {**NUMPY_ERRORS, **UNCOUNTED}
-    kinds = sig.args
-    result = sig.return_type
-    unit: Any = CFunc(clone, (kinds, result), {}, options, pipeline_class=UnitCompiler)  # type: ignore[arg-type]
+    unit = unit_of(clone, sig.args, sig.return_type, {**NUMPY_ERRORS, **UNCOUNTED})
     if stamp is not None:
         remove_stale(function)
         # With no folder that can be written, each process compiles.

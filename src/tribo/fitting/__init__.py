@@ -211,9 +211,7 @@ def fit(
     tried = search.starts(residuals, size, number_of_starts, seed)
     if residuals.impossible == len(tried):
         raise InputError("scene", "completes at none of the starts in the ranges; give others")
-    minima = search.distinct(
-        [search.local(residuals, each.parts) for each in tried[:SEARCHED]]
-    )
+    minima = search.distinct([search.local(residuals, each.parts) for each in tried[:SEARCHED]])
     best = minima[0]
     scale = 1.0 if sigma is not None else float(np.sqrt(best.chi2 / degrees))
     curvature = search.curvature(residuals, best.parts, scale)
@@ -280,9 +278,7 @@ def _over_time(trace: Trace, values: np.ndarray, quantity: str) -> xarray.DataAr
     return xarray.DataArray(values, {"time": trace.t}, ("time",), "residuals", about)
 
 
-def _profile(
-    box: Box, index: int, found: Sequence[search.Minimum], scale: float
-) -> xarray.Dataset:
+def _profile(box: Box, index: int, found: Sequence[search.Minimum], scale: float) -> xarray.Dataset:
     import xarray
 
     values = box.values(np.array([each.parts for each in found]))[:, index]

@@ -420,7 +420,9 @@ class DrivenBars(Drive):
         if self.load is not None:
             raise InputError("load", "cannot go with driven bars, which are held along y too")
         if self.block:
-            raise InputError("block", 'cannot go with kind = "bars": driven bars move as one anyway')
+            raise InputError(
+                "block", 'cannot go with kind = "bars": driven bars move as one anyway'
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -125,8 +125,9 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
         steps = along * np.diff(moved)
         if drive.stage.follows_schedule and np.any(steps < -ROUNDING * np.max(np.abs(moved))):
             raise InputError(
-                f"{surface.name}.drive", "must have a stage that does not turn back, to start one "
-                "slide; simulate the part of its schedule with the slide alone"
+                f"{surface.name}.drive",
+                "must have a stage that does not turn back, to start one "
+                "slide; simulate the part of its schedule with the slide alone",
             )
     if along == 0.0:
         raise InputError(
