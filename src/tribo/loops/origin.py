@@ -24,6 +24,9 @@ NO_PHYSICS = ("title", "duration", "output", "numerics")
 # What a loop remembers in arrays whose lengths depend on the run, and which it reads accordingly.
 OF_ANY_LENGTH = ("noise", "neighbours_index")
 
+# Largest relative difference of a coordinate from one that is computed from a centre of mass.
+ROUNDING = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Origin:
@@ -84,8 +87,11 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
     layout = lay_out(scene)
     _check_arrays(layout, state, same_scene)
     start = fitted_start(layout, state)
-    if same_scene and not np.array_equal(state.y, start):
-        raise InputError("start", "must be a whole state, but its y is not that of its surfaces")
+    if same_scene:
+        if np.max(np.abs(state.y - start) / (1.0 + np.abs(start)), initial=0.0) > ROUNDING:
+            problem = "must be a whole state, but its y is not that of its surfaces"
+            raise InputError("start", problem)
+        start = state.y  # bars of blocks were found from centres of mass, with rounding errors
     anchors = state.anchors
     begun = state.begun
     if not same_scene:
