@@ -31,6 +31,7 @@ from tribo.kernels.blocks import (
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.levers import lever_mass
 from tribo.kernels.neighbours import crowded, has_lists, refresh
 from tribo.kernels.records import BARS, FORCED, PENDULUMS, PULLED, PUSHED, RIGID, RIGID_ASPERITES
 from tribo.kernels.schedule import number_or_scheduled, scheduled
@@ -261,7 +262,8 @@ def joined(model, s, i, swing, x, y):
         y = present * s.ay
         if s.block == PENDULUMS:
             tx, ty = vectors(model.directions, i)
-            swing = swing - (tx * x + ty * y) / constant(model, rows.L1, s, i)
+            inverse_length = lever_mass(model, s, i) * constant(model, rows.INVERSE_INERTIA, s, i)
+            swing = swing - (tx * x + ty * y) * inverse_length
     return swing, x, y
 
 

@@ -12,7 +12,7 @@ from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block
 from tribo.kernels.blocks import absent, column_of_constants, constant, vectors
-from tribo.kernels.records import L1, L2
+from tribo.kernels.records import L1, L2, MASS
 
 
 @inlined
@@ -30,6 +30,12 @@ def pivot_lengths(pivots, s, i):
     if absent(pivots):
         return broadcast(0.0)
     return block(pivots[0], column_of_constants(s, i))
+
+
+@inlined
+def lever_mass(model, s, i):
+    """m1 length of a block of pendulums on rigid bars; 0 of asperites that fill a block."""
+    return constant(model, MASS, s, i) * pivot_lengths(model.pivots, s, i)
 
 
 @inlined

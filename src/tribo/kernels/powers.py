@@ -53,7 +53,7 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.fields import field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
-from tribo.kernels.levers import levers, pivot_lengths, velocities_of_centres
+from tribo.kernels.levers import lever_mass, levers, velocities_of_centres
 from tribo.kernels.records import BARS, PENDULUMS
 from tribo.kernels.schedule import rate_of_schedule
 
@@ -331,7 +331,7 @@ def momentum(model, s, v):
         px = px + (x + mass * coordinates(s.dof_x, s, i, v))
         py = py + (y + mass * coordinates(s.dof_y, s, i, v))
         if s.block == PENDULUMS:
-            about = mass * pivot_lengths(model.pivots, s, i) * block(v, i)
+            about = lever_mass(model, s, i) * block(v, i)
             tx, ty = vectors(model.directions, i)
             px, py = px + about * tx, py + about * ty
     return totals(model.members, px), totals(model.members, py)

@@ -17,7 +17,7 @@ from tribo.compiler.lanes_memory import block
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
-from tribo.kernels.levers import pivot_lengths
+from tribo.kernels.levers import lever_mass
 from tribo.kernels.schedule import rate_of_schedule
 
 
@@ -25,8 +25,7 @@ from tribo.kernels.schedule import rate_of_schedule
 def pull_back(model, s, i, v):
     """The force along n that keeps the bobs of a block of pendulums on their circles."""
     tx, ty = vectors(model.directions, i)
-    inward = constant(model, rows.MASS, s, i) * pivot_lengths(model.pivots, s, i)
-    inward = inward * block(v, i) * block(v, i)
+    inward = lever_mass(model, s, i) * block(v, i) * block(v, i)
     return -inward * ty, inward * tx
 
 
@@ -44,15 +43,16 @@ def sum_of_forces(model, s, t, q, v):
         y = y + bob_y
         if s.block == rows.PENDULUMS:
             tx, ty = vectors(model.directions, i)
-            length = constant(model, rows.L1, s, i)
+            lever = lever_mass(model, s, i)
+            inverse_length = lever * constant(model, rows.INVERSE_INERTIA, s, i)
             torque = equations.torques(model, s, i, bob_x, bob_y, x, y)
             twist = block(q, i) - equations.bar_angles(model, s, i, t, q)
-            along = (torque - constant(model, rows.KAPPA, s, i) * twist) / length
+            along = (torque - constant(model, rows.KAPPA, s, i) * twist) * inverse_length
             back_x, back_y = pull_back(model, s, i, v)
             x = x - along * tx - back_x
             y = y - along * ty - back_y
             mass = present * constant(model, rows.MASS, s, i)
-            bob = present * constant(model, rows.INERTIA, s, i) / (length * length)
+            bob = lever * inverse_length  # m1
             xx = xx + (mass - bob * tx * tx)
             xy = xy - bob * tx * ty
             yy = yy + (mass - bob * ty * ty)
@@ -100,7 +100,7 @@ def add_constraints(model, t, q, v):
                 fy = mass * y - present * (bob_y + bar_y)
                 if s.block == rows.PENDULUMS:
                     tx, ty = vectors(model.directions, i)
-                    along = mass * pivot_lengths(model.pivots, s, i) * swing
+                    along = lever_mass(model, s, i) * swing
                     back_x, back_y = pull_back(model, s, i, v)
                     fx = fx + along * tx + present * back_x
                     fy = fy + along * ty + present * back_y

@@ -154,7 +154,8 @@ class Motion:
     def swinging(self) -> np.ndarray:
         """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
         a = self.span.asperites
-        return np.asarray(self.energy + 0.5 * a.mass * (a.pivot * self.omega) ** 2)
+        driven = np.where(a.dof_x < 0, a.pivot, 0.0)  # on a block, centres of mass have slots
+        return np.asarray(self.energy + 0.5 * a.mass * (driven * self.omega) ** 2)
 
     @lazy_property
     def internal(self) -> np.ndarray:
