@@ -72,7 +72,9 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     try:
         table = [[float(row[k]) for k in columns] for row in rows]
     except (ValueError, IndexError):
-        raise InputError("data", f"{path} must have numbers in two columns, time and value") from None
+        raise InputError(
+            "data", f"{path} must have numbers in two columns, time and value"
+        ) from None
     if not table:
         raise InputError("data", f"{path} has no rows")
     t, values = np.array(table).T

@@ -1,4 +1,4 @@
-"""The series of a scene at the times of a measurement, for many values of its parameters at once."""
+"""The series of a scene at the times of a measurement, for many values of parameters at once."""
 
 from __future__ import annotations
 
@@ -32,14 +32,18 @@ class Box(NamedTuple):
     def of(cls, ranges: object) -> Box:
         """The box of a mapping from keys to (low, high).  Raises InputError."""
         if not isinstance(ranges, Mapping) or not ranges:
-            raise InputError("ranges", 'must map keys to (low, high), as {"field.amplitude": (0.1, 0.4)}')
+            raise InputError(
+                "ranges", 'must map keys to (low, high), as {"field.amplitude": (0.1, 0.4)}'
+            )
         bounds = []
         for key, pair in ranges.items():
             if not is_list(pair) or len(pair) != 2:
                 raise InputError(f"ranges.{key}", "must be (low, high)")
             low, high = (number(f"ranges.{key}", each) for each in pair)
             if not low < high:
-                raise InputError(f"ranges.{key}", f"must grow from low to high, got {low:g}, {high:g}")
+                raise InputError(
+                    f"ranges.{key}", f"must grow from low to high, got {low:g}, {high:g}"
+                )
             bounds.append((low, high))
         return cls(tuple(map(str, ranges)), *np.array(bounds).T)
 
@@ -81,8 +85,8 @@ class Model:
         if self.random and members is None:
             raise InputError(
                 "members",
-                "is missing: the scene has noise, so that means over members are fitted; give their "
-                "number",
+                "is missing: the scene has noise, so that means over members are fitted; give the "
+                "number of members",
             )
         if members is not None and not self.random:
             raise InputError("members", "cannot be given: nothing in the scene is random")
@@ -104,7 +108,9 @@ class Model:
         rows = self._box.values(unique)
         single = len(keys) == 1
         swept: dict[Any, Sequence[Any]]
-        swept = {keys[0]: rows[:, 0].tolist()} if single else {keys: list(map(tuple, rows.tolist()))}
+        swept = (
+            {keys[0]: rows[:, 0].tolist()} if single else {keys: list(map(tuple, rows.tolist()))}
+        )
         data = sweep(
             self.scene,
             swept,
@@ -131,7 +137,8 @@ class Model:
         found = table.values.reshape(*table.shape[:2], -1)
         if found.shape[2] != 1:
             raise InputError(
-                "quantity", f'must have one value at a time; "{self._quantity}" has {found.shape[2]}'
+                "quantity",
+                f'must have one value at a time; "{self._quantity}" has {found.shape[2]}',
             )
         recorded = self.scene.times
         at = np.minimum(np.searchsorted(recorded, self._trace.t), recorded.size - 1)
@@ -159,10 +166,10 @@ class Model:
             except InputError:  # too long, or no scene for this method
                 length *= 0.5
                 continue
-            if coarse is not None and np.all(np.isfinite(fine)):
-                if np.max(np.abs(fine - coarse)) <= tolerance:
-                    self._settings = settings
-                    return self
+            change = np.inf if coarse is None else float(np.max(np.abs(fine - coarse)))
+            if change <= tolerance:  # not where either has no value
+                self._settings = settings
+                return self
             coarse = fine
             length *= 0.5
         return self

@@ -49,9 +49,9 @@ def sweep_lines(
     data = with_single_asperites_as_numbers(data)
     dimensions = keys_of(data)
     one_of("name", name, quantities(data))
-    places_of = {key: dimension for dimension in dimensions for key in dimension.split(",")}
+    places_of = {key: dimension for dimension in dimensions for key in keys_on(data, dimension)}
     if against in dimensions:  # also by the name of keys that are swept together
-        against = against.split(",")[0]
+        against = keys_on(data, against)[0]
     key = next(iter(places_of)) if against is None else one_of("against", against, places_of)
     drawn, bars, meaning = _points(data, name, averaged=places_of[key] != SEED)
     others = [other for other in dimensions if other != places_of[key] and other in drawn.dims]
@@ -99,8 +99,19 @@ def ends(data: xarray.Dataset) -> xarray.DataArray:
 
 
 def keys_of(data: xarray.Dataset) -> list[str]:
-    """The dimensions of the points: keys, or several with commas that are swept together."""
+    """The dimensions of the points: keys, or a short name of several that are swept together."""
     return [str(key) for key in ends(data).dims if key != "member"]
+
+
+def keys_on(data: xarray.Dataset, dimension: str) -> list[str]:
+    """The keys whose values are along a dimension of the points, in order.
+
+    Before version 0.3 the dimension of several keys had their names, with commas.
+    """
+    if dimension in data.coords:
+        return [dimension]
+    own = [str(name) for name in data.coords if data[name].dims == (dimension,)]
+    return own or dimension.split(",")
 
 
 def with_single_asperites_as_numbers(data: xarray.Dataset) -> xarray.Dataset:
