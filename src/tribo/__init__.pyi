@@ -76,6 +76,7 @@ from tribo.fitting import fit as fit
 from tribo.fitting.found import Fit as Fit
 from tribo.sliders import play as play
 from tribo.sweeps import sweep as sweep
+from tribo.sweeps.friction_law import friction_law as friction_law
 from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
 
 __version__: str

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import cycle, product
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.curves import DASHES, legend
-from tribo.plotting.style import NOTE_SIZE, WIDE, drawing_on
+from tribo.plotting.curves import COLOURS, DASHES, legend
+from tribo.plotting.style import COLUMN, NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, one_of
 
@@ -128,3 +130,50 @@ def quantities(data: xarray.Dataset) -> list[str]:
     names = [str(name) for name in data.data_vars if data[name].dims == keys]
     means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
+
+
+# Labels of the axes of friction laws.
+LAW_LABELS = {
+    "load": "load on each asperite",
+    "speed": "speed",
+    "temperature": "temperature",
+}
+
+
+def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw a friction law, one line with its 95 % intervals for each of the other values.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        The data set that :func:`tribo.friction_law` returns.
+    against : str, optional
+        "load", "speed" or "temperature"; by default the first that has several values.  Speeds
+        are on a logarithmic axis if they range over a decade or more.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure of the width of a column.
+    """
+    names = [str(name) for name in data["friction"].dims]
+    several = [name for name in names if data.sizes[name] > 1]
+    name = (several or names)[0] if against is None else one_of("against", against, names)
+    others = [other for other in names if other != name]
+    lines = list(product(*(range(data.sizes[other]) for other in others)))
+    if len(lines) > 12:  # more cannot be told apart
+        raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
+    with drawing_on(ax, COLUMN, 0.75 * COLUMN) as ax:
+        places = data[name].values
+        for indices, colour in zip(lines, cycle(COLOURS), strict=False):
+            at = dict(zip(others, indices, strict=True))
+            own = data.isel(at)
+            labels = [f"{LAW_LABELS[k]} {data[k].values[at[k]]:g}" for k in others]
+            half_width = own["friction_half_width"].values
+            style: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
+            style |= {"color": colour, "label": ", ".join(labels)}
+            ax.errorbar(places, own["friction"].values, half_width, **style)
+        unit = data[name].attrs["units"]
+        ax.set(xlabel=f"{LAW_LABELS[name]} ({unit})", ylabel=f"friction on {data.attrs['surface']}")
+        if name == "speed" and np.ptp(np.log10(np.abs(places))) >= 1.0:
+            ax.set_xscale("log")
+        if others:
+            legend(ax)
+    return ax
