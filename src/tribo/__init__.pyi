@@ -6,6 +6,7 @@ from tribo import (
     potentials as potentials,
     units as units,
 )
+from tribo.derivatives import sensitivity as sensitivity
 from tribo.ensembles import ensemble as ensemble, ensemble_member as ensemble_member
 from tribo.ensembles.swing_states import (
     Canonical as Canonical,
@@ -72,9 +73,11 @@ from tribo.result import Result as Result
 from tribo.result import load_result as load_result
 from tribo.loops.saved_state import State as State
 from tribo.simulation import prepare as prepare, simulate as simulate
-from tribo.fitting import Fit as Fit, fit as fit
+from tribo.fitting import fit as fit
+from tribo.fitting.found import Fit as Fit
 from tribo.sliders import play as play
 from tribo.sweeps import sweep as sweep
+from tribo.sweeps.friction_law import friction_law as friction_law
 from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
 
 __version__: str

@@ -6,20 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tribo.fitting.data import Trace
 from tribo.plotting.curves import ASPECT, COLOURS, legend
 from tribo.plotting.style import INK, WIDE, drawing_on
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from tribo.fitting import Fit
 
-
-def draw(found: Fit, ax: Axes | None) -> Axes:
+def draw(trace: Trace, rest: np.ndarray, quantity: str, ax: Axes | None) -> Axes:
     """Draw data, fit and residuals; these are below the curves, around a line of their own."""
-    t = found.trace.t
-    values = found.trace.values
-    rest = found.residuals.values
+    t = trace.t
+    values = trace.values
     with drawing_on(ax, WIDE, ASPECT * WIDE) as ax:
         floor = float(np.min(values)) - 2.0 * float(np.max(np.abs(rest)))
         floor -= 0.1 * float(np.ptp(values))
@@ -28,6 +26,6 @@ def draw(found: Fit, ax: Axes | None) -> Axes:
         ax.plot(t, values - rest, color=COLOURS[0], linewidth=1.1, label="fit")
         ax.axhline(floor, color=INK, linewidth=0.5)
         ax.plot(t, floor + rest, color=COLOURS[1], linewidth=0.6, label="residuals")
-        ax.set(xlabel="$t$", ylabel=found.quantity, xlim=(t[0], t[-1]))
+        ax.set(xlabel="$t$", ylabel=quantity, xlim=(t[0], t[-1]))
         legend(ax)
     return ax

@@ -1,4 +1,4 @@
-"""The series of a scene at the times of a measurement, for many values of its parameters at once."""
+"""The series of a scene at the times of a measurement, for many values of parameters at once."""
 
 from __future__ import annotations
 
@@ -85,8 +85,8 @@ class Model:
         if self.random and members is None:
             raise InputError(
                 "members",
-                "is missing: the scene has noise, so that means over members are fitted; give their "
-                "number",
+                "is missing: the scene has noise, so that means over members are fitted; give the "
+                "number of members",
             )
         if members is not None and not self.random:
             raise InputError("members", "cannot be given: nothing in the scene is random")
@@ -166,10 +166,10 @@ class Model:
             except InputError:  # too long, or no scene for this method
                 length *= 0.5
                 continue
-            if coarse is not None and np.all(np.isfinite(fine)):
-                if np.max(np.abs(fine - coarse)) <= tolerance:
-                    self._settings = settings
-                    return self
+            change = np.inf if coarse is None else float(np.max(np.abs(fine - coarse)))
+            if change <= tolerance:  # not where either has no value
+                self._settings = settings
+                return self
             coarse = fine
             length *= 0.5
         return self

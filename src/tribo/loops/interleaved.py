@@ -125,7 +125,8 @@ def rows_of_numbers(scene: Scene, numbers: MemberNumbers) -> np.ndarray:
     others = np.stack([a["x"], y, numbers.charges])
     of_surfaces = np.moveaxis(numbers.of_surfaces[:, a["surface"][0]], 2, 0)
     tables = np.concatenate([constants, others, of_surfaces]).swapaxes(0, 1)
-    return np.concatenate([tables.reshape(len(a), -1), numbers.potential], axis=1)
+    rows = np.concatenate([tables.reshape(len(a), -1), numbers.potential], axis=1)
+    return np.ascontiguousarray(rows)  # those of one asperite come by columns
 
 
 def _unlisted(contact: Contact) -> Contact:
