@@ -152,8 +152,8 @@ def address_of(
 ) -> Any:
     """The address of a unit for arguments of these types, compiled or loaded at its first use.
 
-    `stamp` and `version` are those of plug-ins as for `tribo.compiler.jit.time_loop`.  Raises
-    numba's errors.
+    `stamp` is the hash of what a plug-in is compiled from; with None nothing is kept on disk.
+    `version` tells plug-ins without a stamp apart.  Raises numba's errors.
     """
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return function

@@ -27,7 +27,7 @@ from tribo.validation import InputError
 
 def shared_loop(function: Any) -> Any:
     """A time loop that knows plug-ins by their units alone: the same for all scenes."""
-    return time_loop(function, "")
+    return time_loop(function)
 
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call, ...]]:
