@@ -8,7 +8,9 @@ import numpy as np
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import between_lanes, broadcast, maximum
 from tribo.compiler.lanes_memory import block
+from tribo.compiler.units import call_unit
 from tribo.kernels import blocks
+from tribo.kernels import records as rows
 from tribo.kernels.contact import acting, block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
 from tribo.kernels.potential_units import clearance_at, energy_at
@@ -117,9 +119,18 @@ def encounter_of_contact(model, n, neighbours, speeds, found, lane):
     found[IGNORED] = ignored
 
 
-@apart
+@kernel
 def next_encounter(model, neighbours, speeds, lane):
-    """The next encounters of all pairs, or of one member of an ensemble; bobs in place.
+    """The next encounters of all pairs, or of one member of an ensemble; bobs in place."""
+    call_unit(model.units[rows.ENCOUNTERS], (model, neighbours, speeds, lane))
+    found = model.found
+    one = int(found[ONE])
+    other = int(found[OTHER])
+    return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
+
+
+def encounters_unit(model, neighbours, speeds, lane):
+    """The unit of :func:`next_encounter`, which leaves what it finds in the model.
 
     A potential's clearance_between(r, one, other) is the distance that a pair of charges at r may
     move before its force changes; where there is no force there is no encounter.  Pairs that are
@@ -137,9 +148,7 @@ def next_encounter(model, neighbours, speeds, lane):
     found[THERMAL] = thermal_energy(model, model.own, lane)
     for n in range(model.contacts.clearance.size):
         encounter_of_contact(model, n, neighbours, speeds, found, lane)
-    one = int(found[ONE])
-    other = int(found[OTHER])
-    return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
+    return 0.0
 
 
 @apart

@@ -21,6 +21,7 @@ from tribo.kernels.blocks import (
     column_of,
     constant,
     coordinates,
+    halves,
     own_number,
     plus,
     plus_if_any,
@@ -320,9 +321,14 @@ def all_forces(model, neighbours, t, q, v):
         custom_forces(model, t, q, v)
 
 
-@apart
+@kernel
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
+    call_unit(model.units[rows.RATES], (model, neighbours, t, q, v, acceleration))
+
+
+def rates_unit(model, neighbours, t, q, v, acceleration):
+    """The unit of :func:`equations_of_motion`, which all methods share that need q''."""
     place_bobs(model, t, q)
     if has_lists(neighbours):
         refresh(model, neighbours)
@@ -333,16 +339,24 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     accelerate(model, 1.0, t, q, acceleration)
     if not absent(model.torsional):
         call_unit(model.units[rows.TORSIONAL_ACCELERATIONS], (model, t, q, acceleration))
+    return 0.0
 
 
-@apart
-def top_speeds(model, active, t, q, v, speeds):
+@kernel
+def top_speeds(model, neighbours, t, y, speeds):
+    """Set the speeds of bobs, see :func:`speeds_unit`."""
+    q, v = halves(y)
+    call_unit(model.units[rows.SPEEDS], (model, neighbours, t, q, v, speeds))
+
+
+def speeds_unit(model, neighbours, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
     the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
     not set.
     """
+    active = active_of(neighbours)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for n in range(*active_range(active, s, k)):
@@ -357,3 +371,4 @@ def top_speeds(model, active, t, q, v, speeds):
             set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
             set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
+    return 0.0

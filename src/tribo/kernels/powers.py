@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import apart, inlined
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
@@ -378,17 +378,23 @@ def shared_powers(model, ledger, t, v, power):
                 write_total(model.members, power.accounts, power.tau, s.acc_stage, x)
 
 
-@apart
-def all_powers(model, ledger, t, q, v, accounts):
+@kernel
+def all_powers(model, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
-    if ledger:
-        power = Powers(accounts, model.sums, None)
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.stop, LANES):
-                velocities = all_coordinates(s, i, v)
-                powers_of_block(model, s, i, 1.0, t, q, velocities, power)
-        set_bath_momenta(model, v)
-        shared_powers(model, ledger, t, v, power)
-        if not absent(model.torsional):
-            call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))
+    if model.ledger:
+        call_unit(model.units[rows.POWERS], (model, t, q, v, accounts))
+
+
+def powers_unit(model, t, q, v, accounts):
+    """The unit of :func:`all_powers`, which all methods share that need rates of change."""
+    power = Powers(accounts, model.sums, None)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            velocities = all_coordinates(s, i, v)
+            powers_of_block(model, s, i, 1.0, t, q, velocities, power)
+    set_bath_momenta(model, v)
+    shared_powers(model, model.ledger, t, v, power)
+    if not absent(model.torsional):
+        call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))
+    return 0.0

@@ -419,10 +419,12 @@ UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
     *("share_contacts", "share_step", "drift", "kick", "join_blocks"),
+    *("rates", "powers", "speeds", "encounters", "sample"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
-SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, len(UNITS))
+SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, 15)
+RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(15, len(UNITS))
 
 
 class Model(NamedTuple):

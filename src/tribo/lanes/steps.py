@@ -13,7 +13,7 @@ from tribo.integrators.drift import settle_end_works
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import active_of, clear, halves
+from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
@@ -126,7 +126,7 @@ def nystrom_members(
         end = block(tried[END], 0)
         error = try_step(method, model, neighbours, t, h, end, state, new, tolerance, work)
         set_block(tried[ERROR], 0, error)
-        top_speeds(model, active_of(neighbours), end, *halves(new.y), speeds)
+        top_speeds(model, neighbours, end, new.y, speeds)
         for lane in range(LANES):
             taken = False
             if queue.held[lane] >= 0:
@@ -152,7 +152,7 @@ def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
         if not (near or all_of_them):
             continue
         if not known:
-            top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
+            top_speeds(model, neighbours, t, y, speeds)
             known = True
         found = next_encounter(model, neighbours, speeds, lane)
         watch[RATE, lane] = found.rate

@@ -27,7 +27,7 @@ from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.threads.kernel_model import set_step_units
+from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.shared_run import assisted
 from tribo.threads.writable_memory import arrays_in, own_model, shared_loop
 
@@ -79,9 +79,12 @@ class GeneralLoop(TimeLoop):
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(self.model, self.state)
+        set_loop_units(self.model)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
             set_step_units(self.model, self.state, work, 0)
+        else:
+            set_rate_units(self.model)
         speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)

@@ -29,7 +29,7 @@ from tribo.loops.integrate import Columns, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.loops.legs import LegsOfLoop
 from tribo.loops.setting import Setting
-from tribo.threads.kernel_model import set_step_units
+from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.writable_memory import shared_loop
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
@@ -80,6 +80,7 @@ class LaneLoop(RecordingLoop):
         self._order = method.order
         self.eight = eight = interleaved(layout, own_numbers, not method.splits)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
+        set_loop_units(eight.model, times_in_lanes=not method.splits)
         self._legs = LegsOfLoop(layout, eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
@@ -153,6 +154,7 @@ class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep a clock for each lane and memory of trials, and compile the loop."""
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
+        set_rate_units(self.eight.model, times_in_lanes=True)
         speeds = room((3, self.eight.model.each.shape[1]))
         layout = self.layout
         tried = room((TRIED, LANES))

@@ -19,6 +19,7 @@ from tribo.kernels import (
     contact,
     contact_forces,
     encounters,
+    equations_of_motion,
     fields,
     neighbours,
     potential_units,
@@ -187,6 +188,46 @@ class Units:
         known = Known(self._scene, plugin)
         kinds = self._model, known.kind, types.int64, self._time, VECTOR, VECTOR
         customs.forces[n] = known.unit(unit, kinds)
+
+
+def set_loop_units(model: Model, times_in_lanes: bool = False) -> None:
+    """Those of this package that all time loops need."""
+    time = lanes if times_in_lanes else types.float64
+    lists = _kind(NO_NEIGHBOURS)
+    number = types.int64
+    kept = _kind(samples.EXAMPLE_OF_STATE), _kind(samples.EXAMPLE_OF_RECORD)
+    own = {
+        records.SPEEDS: (
+            True,
+            equations_of_motion.speeds_unit,
+            (lists, time, VECTOR, VECTOR, TABLE),
+        ),
+        records.ENCOUNTERS: (True, encounters.encounters_unit, (lists, TABLE, number)),
+        records.SAMPLE: (
+            True,
+            samples.sample_unit,
+            (lists, types.float64, *kept, number, number),
+        ),
+    }
+    _set_units(model, _kind(model), own)
+
+
+def set_rate_units(model: Model, times_in_lanes: bool = False) -> None:
+    """Those of this package that methods need which are given rates of change."""
+    time = lanes if times_in_lanes else types.float64
+    own = {
+        records.RATES: (
+            True,
+            equations_of_motion.rates_unit,
+            (_kind(NO_NEIGHBOURS), time, VECTOR, VECTOR, VECTOR),
+        ),
+        records.POWERS: (
+            model.ledger,
+            powers.powers_unit,
+            (time, VECTOR, VECTOR, VECTOR),
+        ),
+    }
+    _set_units(model, _kind(model), own)
 
 
 def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:

@@ -3,7 +3,7 @@
 A layout is only read, so that several threads can run it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -77,15 +77,22 @@ class Probe:
     the number of those that are done: fewer than all where the list needs more room.
     """
 
-    def __init__(self, layout: Layout, kernel: Any) -> None:
+    def __init__(
+        self, layout: Layout, kernel: Any, units: Callable[[Model], None] | None = None
+    ) -> None:
+        """Prepare for a layout; `units` sets those that the kernel needs beyond plug-ins."""
         self._layout = layout
+        self._units = units
         self._neighbours = layout.neighbours()
         self._kernel = shared_loop(kernel)
 
     @cached_property
     def _model(self) -> tuple[Model, tuple[Call, ...]]:
         """The model, whose units are compiled with the first arrangements."""
-        return own_model(self._layout)
+        model, calls = own_model(self._layout)
+        if self._units is not None:
+            self._units(model)
+        return model, calls
 
     def set_schedules(self, table: np.ndarray) -> None:
         """Let numbers that follow schedules be those of a leg, a table of `Legs`."""
