@@ -67,6 +67,15 @@ SCENES = {
     ),
     "free": (pair(drive=Free()), {"sliding"}, set()),
     "rigid": (pair(drive=Free(rigid=True)), {"sliding"}, set()),
+    "block": (pair(drive=Free(block=True)), {"sliding", "block", "block of pendulums"}, set()),
+    "damped block": (
+        pair(
+            asperite=Asperite(kappa=np.inf),
+            drive=Pulled(stiffness=1.0, speed=0.1, damping=0.2, block=True),
+        ),
+        {"sliding", "pull", "block", "damped block", "rigid asperites"},
+        set(),
+    ),
     "pulled": (pair(drive=Pulled(stiffness=1.0, speed=0.1)), {"sliding", "pull"}, set()),
     "loaded": (pair(drive=Forced(load=0.1)), {"sliding", "load"}, set()),
     "no load": (pair(drive=Forced(load=0.0)), {"sliding", "load"}, set()),

@@ -32,7 +32,7 @@ _BLOCK_VELOCITIES = {
 }
 _BLOCK_IN_DRIFTS = {
     "block of pendulums": (
-        "lets every pendulum swing alone in its drifts; those of a block are coupled by it: "
+        "lets pendulums swing one by one in its drifts; those of a block are coupled by it: "
         '"gauss-radau-15" and "dop853" integrate them, and any method does with kappa = inf'
     ),
     "damped block": "has no dampers of blocks; langevin damps their bars",

@@ -52,7 +52,7 @@ def sum_of_forces(model, s, t, q, v):
             x = x - along * tx - back_x
             y = y - along * ty - back_y
             mass = present * constant(model, rows.MASS, s, i)
-            bob = lever * inverse_length  # m1
+            bob = present * lever * inverse_length  # m1
             xx = xx + (mass - bob * tx * tx)
             xy = xy - bob * tx * ty
             yy = yy + (mass - bob * ty * ty)
@@ -100,7 +100,7 @@ def add_constraints(model, t, q, v):
                 fy = mass * y - present * (bob_y + bar_y)
                 if s.block == rows.PENDULUMS:
                     tx, ty = vectors(model.directions, i)
-                    along = lever_mass(model, s, i) * swing
+                    along = present * lever_mass(model, s, i) * swing
                     back_x, back_y = pull_back(model, s, i, v)
                     fx = fx + along * tx + present * back_x
                     fy = fy + along * ty + present * back_y

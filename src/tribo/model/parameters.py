@@ -349,10 +349,10 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
     """A part with other values, read as from the table of a scene file."""
     if isinstance(present, Custom):
-        own = {"load": present.load} | own
-        load = own.pop("load")
+        own = {"load": present.load, "block": present.block} | own
+        of_drive = {name: own.pop(name) for name in ("load", "block")}
         parameters = present.force._asdict() | own
-        return Custom(load=load, force=instance(type(present.force), parameters))
+        return Custom(**of_drive, force=instance(type(present.force), parameters))
     if part == "drive":
         return as_drive(drive_table(present) | own)
     if part == "bath":
