@@ -1,4 +1,4 @@
-"""Blocks, whose bars are one rigid body: equations, ledger, methods, reservoirs, what they refuse."""
+"""Blocks, whose bars are one rigid body: equations, ledger, methods, reservoirs, refusals."""
 
 import math
 from dataclasses import replace
@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support.laws import identities, tables
-from support.transformations import boosted, reflected, translated
 
 import tribo
+from support.laws import identities, tables
+from support.transformations import boosted, reflected, translated
 from tribo import (
     Asperite,
     Corrugation,
@@ -139,7 +139,7 @@ def test_motion_of_pendulums_on_a_block_is_that_of_constrained_points():
     result = tribo.simulate(given, method="gauss-radau-15", accuracy=1e-9)
     block = given.surfaces[0]
     each = block.each
-    m1, length, kappa = each["m1"], each["length"], each["kappa"]
+    length, kappa = each["length"], each["kappa"]
     mass, inertia, l1, l2 = (each[name] for name in ("mass", "inertia", "l1", "l2"))
     table = given.surfaces[1]
     sites = table.resting_bobs()[:, :2]
@@ -424,7 +424,7 @@ def test_noise_closes_the_ledger_and_keeps_bars_together():
 @pytest.mark.parametrize(
     ("given", "numerics"),
     [
-        (KINDS["pulled pendulums"], {"method": "dop853", "accuracy": 1e-6}),
+        (KINDS["pulled pendulums"], {"method": "rk4", "step": 0.05}),
         (scene(RIGID, langevin=Langevin(0.3, 0.4)), {"method": "verlet", "step": 0.01}),
     ],
 )
@@ -528,7 +528,7 @@ def test_rough_block_carries_its_load_as_greenwood_and_williamson_say():
     given = Scene((block,), (), 40.0, fields=(wall,), output=output)
     result = tribo.simulate(given, accuracy=1e-6)
     own = result["block"]
-    assert abs(np.sum(own["f_field_y"][-1]) - load) <= 1e-3
+    assert abs(np.sum(own["f_field_y"][-1]) - load) <= 2e-4 * load
     assert np.ptp(own["y_bob"][-1] - heights) <= 1e-12
     separation = float(np.mean(own["y_bob"][-1] - heights))
     contacts = np.count_nonzero(own["f_field_y"][-1] > 0.0)
@@ -572,7 +572,7 @@ class Twist(NamedTuple):
     ("settings", "problem"),
     [
         bad("bars: must be", bars="free"),
-        bad("bars: must be \"clamped\"", bars=Ends(Twist(1.0))),
+        bad('bars: must be "clamped"', bars=Ends(Twist(1.0))),
         bad("bath", bath={"masses": [1.0], "frequencies": [1.0]}),
         bad("langevin.temperature", langevin=Langevin(0.1, 0.2)),
         bad("initial.temperature", initial=Initial(temperature=0.1)),
@@ -609,5 +609,5 @@ def test_methods_that_cannot_take_pendulums_say_what_can(method):
 
 
 def test_lammps_is_refused(tmp_path):
-    with pytest.raises(InputError, match="drive.block"):
+    with pytest.raises(InputError, match="LAMMPS"):
         to_lammps(scene(RIGID), tmp_path)

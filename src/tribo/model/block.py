@@ -1,4 +1,4 @@
-"""What a block, a surface whose bars are one rigid body, cannot go with; see `kernels.rigid_block`."""
+"""What a block cannot go with: a surface whose bars are one rigid body, `kernels.rigid_block`."""
 
 from typing import Any
 
