@@ -108,7 +108,9 @@ def check_kinks(layout: Layout, step: float) -> None:
     advice = "add that time to output.times"
     if found is not None:
         digit = 10.0 ** (math.floor(math.log10(found)) - 5)
-        advice = f"{digit * math.ceil(found / digit - MET):.6g} does, or {advice}"  # as few steps fit
+        advice = (
+            f"{digit * math.ceil(found / digit - MET):.6g} does, or {advice}"  # as few steps fit
+        )
     raise InputError(
         "step",
         f"must end at the kink of a schedule at t = {missed:.10g}, as steps are equal parts of the "

@@ -22,8 +22,8 @@ from tribo.kernels import records as rows
 from tribo.kernels.blocks import absent, constant, own_number, vectors
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
-from tribo.kernels.schedule import scheduled
 from tribo.kernels.powers import add_total, add_works, momentum
+from tribo.kernels.schedule import scheduled
 
 
 @inlined

@@ -15,7 +15,7 @@ from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule
+from tribo.model.schedule import changes
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -64,6 +64,8 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         record["turning"] = np.any(own["nu"] != 0.0)
         record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
     for row, each in enumerate(scheduled, start=1):
+        if each.field >= 0:
+            continue
         surfaces[each.surface][f"{each.name}_schedule"] = row
     return asperites, surfaces
 
@@ -105,11 +107,11 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     if drive.load is not None:
         record["loaded"] = 1
         record["load"] = 0.0
-        if not isinstance(drive.load, Schedule):
+        if not changes(drive.load):
             record["load"] = -drive.load * surface.facing_sign
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
-        record[f"{before}gamma"] = reservoir.gamma
+        record[f"{before}gamma"] = reservoir.strongest
         record[f"{before}temperature"] = reservoir.warmest
         if reservoir.velocity is not None:
             record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
@@ -127,10 +129,13 @@ def fields_on_surfaces(
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
-    for item in scene.fields:
+    each = enumerate(scheduled_numbers(scene), start=1)
+    rows = {one.field: row for row, one in each if one.field >= 0}
+    for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
         on = np.array([names.index(name) for name in item.on])
-        moves = accounts is not None and bool(np.any(drift != 0.0))
+        changes = bool(np.any(drift != 0.0)) or item.modulation is not None
+        moves = accounts is not None and changes
         field = FieldOn(
             potential=item.potential,
             surfaces=on,
@@ -139,6 +144,7 @@ def fields_on_surfaces(
             drift=drift,
             anchor=np.zeros(2),
             account=count if moves else -1,
+            modulation=rows.get(number, 0),
         )
         fields.append(field)
         count += moves

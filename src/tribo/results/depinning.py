@@ -10,7 +10,6 @@ from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
 
-
 # Relative size of a motion backwards that is round-off.
 ROUNDING = 1e-12
 
@@ -126,8 +125,9 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
         steps = along * np.diff(moved)
         if drive.stage.follows_schedule and np.any(steps < -ROUNDING * np.max(np.abs(moved))):
             raise InputError(
-                f"{surface.name}.drive", "must have a stage that does not turn back, to start one "
-                "slide; simulate the part of its schedule with the slide alone"
+                f"{surface.name}.drive",
+                "must have a stage that does not turn back, to start one "
+                "slide; simulate the part of its schedule with the slide alone",
             )
     if along == 0.0:
         raise InputError(
