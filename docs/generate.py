@@ -44,7 +44,7 @@ HERE = Path(__file__).resolve().parent
 PUBLIC_PARTS = (paper, plotting, potentials, units)
 PAGES_WITH_PICTURES = [
     *notebooks.PAGES,
-    *(HERE / "how-to" / f"{name}.md" for name in ("afm", "ensembles")),
+    *(HERE / "how-to" / f"{name}.md" for name in ("afm", "ensembles", "schedules")),
 ]
 
 

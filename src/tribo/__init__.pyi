@@ -25,6 +25,7 @@ from tribo.model.drives import (
     Ends as Ends,
     Forced as Forced,
     Free as Free,
+    Moved as Moved,
     Pulled as Pulled,
     Pushed as Pushed,
 )

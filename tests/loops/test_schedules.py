@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import tribo
 from tribo.loops import integrate
@@ -104,12 +105,8 @@ def test_push_and_load():
     force = tribo.Schedule([[0, 0], [4, 1.0], [4, 0.2]])
     load = tribo.Schedule.sine(0.5, 0.3, 3.0)
     run = tribo.simulate(scene_of(tribo.Pushed(force=[force, 0.0], load=load)), method="rkn8")
-    np.testing.assert_allclose(
-        run["tip"]["vx_cm"][:, 0], force.integral(run.t) / MASS, atol=1e-9
-    )
-    np.testing.assert_allclose(
-        run["tip"]["vy_cm"][:, 0], -load.integral(run.t) / MASS, atol=1e-9
-    )
+    np.testing.assert_allclose(run["tip"]["vx_cm"][:, 0], force.integral(run.t) / MASS, atol=1e-9)
+    np.testing.assert_allclose(run["tip"]["vy_cm"][:, 0], -load.integral(run.t) / MASS, atol=1e-9)
     kinetic = 0.5 * MASS * (run["tip"]["vx_cm"] ** 2 + run["tip"]["vy_cm"] ** 2)
     np.testing.assert_allclose(run["tip"]["w2"], kinetic, atol=1e-9)
     own = tribo.simulate(scene_of(tribo.Pushed(force=[force, load])), method="rkn8")
@@ -192,12 +189,12 @@ def test_temperature(kind):
     langevin = tribo.Langevin(gamma, temperature)
     scene = scene_of(tribo.Free(), duration=6.0, samples=7, langevin=langevin)
     scene = replace(scene, numerics=tribo.Numerics(method="verlet", step=0.05))
-    members = 4000
+    members = 1000
     keep = ["tip.vx_cm", "tip.heat"]
     data = tribo.ensemble(scene, members, keep=keep, at="samples", seed=3, progress=False)
     t = data["time"].values
     rate = 2.0 * gamma / MASS
-    fine = np.linspace(0.0, 6.0, 60001)
+    fine = np.linspace(0.0, 6.0, 6001)
     v2 = np.zeros(fine.size)
     h = fine[1]
     for k in range(1, fine.size):
@@ -209,7 +206,7 @@ def test_temperature(kind):
     error = np.std(v**2, axis=0) / np.sqrt(members)
     assert np.all(np.abs(found - wanted) <= 4.0 * error + 1e-12)
     lost = -np.mean(data["tip.heat"].values.reshape(members, t.size)[:, -1])
-    assert lost == pytest.approx(MASS * wanted[-1], abs=0.05)
+    assert lost == pytest.approx(MASS * wanted[-1], abs=0.1)
 
 
 def test_members_side_by_side():
@@ -231,15 +228,13 @@ def test_members_side_by_side():
 def test_sweep_of_points():
     scene = scene_of(tribo.Pulled(stiffness=STIFFNESS, speed=POINTS))
     values = [0.1, 0.3]
-    data = tribo.sweep(
-        scene, {"tip.drive.speed.1.1": values}, keep=["tip.stage_work"], progress=False
-    )
+    data = tribo.sweep(scene, {"tip.drive.speed.1.1": values}, keep=["tip.w2"], progress=False)
     for k, value in enumerate(values):
         points = [list(point) for point in POINTS]
         points[1][1] = value
         run = tribo.simulate(scene_of(tribo.Pulled(stiffness=STIFFNESS, speed=points)))
-        found = data["tip.stage_work"].values.ravel()[k]
-        assert found == pytest.approx(run["tip"]["stage_work"][-1], abs=1e-8)
+        found = data["tip.w2"].values.ravel()[k]
+        assert found == pytest.approx(run["tip"]["w2"][-1, 0], abs=1e-8)
 
 
 def test_steps_have_to_meet_kinks():
@@ -260,3 +255,175 @@ def test_refused_averages():
         result.friction_coefficient("tip")
     with pytest.raises(tribo.InputError, match="does not turn back"):
         result.depinning("tip")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"method": "gauss-radau-15", "accuracy": 1e-10},
+        {"method": "rkn8", "accuracy": 1e-10},
+        {"method": "kahan-li-8", "step": 0.02},
+    ],
+)
+@pytest.mark.parametrize("velocity", [0.0, 0.3])
+def test_modulated_field(settings, velocity):
+    """A pendulum's equation with a strength that changes; and the energy that this puts in."""
+    modulation = tribo.Schedule([[0.0, 1.0], [2.3, 1.8], [5.0, 0.2], [8.0, 0.5]])
+    field = tribo.Field(
+        tribo.Corrugation(0.4, 2.0), on=["tip"], velocity=(velocity, 0.0), modulation=modulation
+    )
+    scene = replace(scene_of(tribo.Free(), initial={"x": 0.3}), fields=[field])
+    result = tribo.simulate(scene, **settings)
+
+    def rates(t, y):
+        force = -0.4 * np.pi * np.sin(np.pi * (y[0] - velocity * t)) * modulation.at(t)
+        return y[1], force / MASS
+
+    x, v = np.array([0.3]), np.zeros(1)
+    state = [0.3, 0.0]
+    for begin, end in ((0.0, 2.3), (2.3, 5.0), (5.0, 8.0)):
+        inside = np.arange(np.floor(begin) + 1.0, end + 1e-9)
+        stops = np.unique([*inside, end])
+        found = solve_ivp(rates, (begin, end), state, "DOP853", stops, rtol=1e-12, atol=1e-12)
+        whole = np.isin(stops, inside)
+        x = np.append(x, found.y[0, whole])
+        v = np.append(v, found.y[1, whole])
+        state = found.y[:, -1]
+    np.testing.assert_allclose(result["tip"]["x_cm"][:, 0], x, atol=1e-8)
+    system = result.system
+    np.testing.assert_allclose(system["total_energy_change"], system["applied_work"], atol=1e-8)
+    assert np.max(np.abs(system["applied_work"])) > 0.01
+
+
+def test_members_in_a_modulated_field():
+    """Lanes with steps of their own, and with equal ones, agree with single runs."""
+    sine = tribo.Schedule.sine(1.0, 0.5, 3.0)
+    field = tribo.Field(tribo.Corrugation(0.4, 2.0), on=["tip"], modulation=sine)
+    scene = replace(scene_of(tribo.Free(), initial={"x": 0.2}), fields=[field])
+    starts = [0.1, 0.3, 0.5]
+    for numerics in (
+        tribo.Numerics(accuracy=1e-9, method="rkn8"),
+        tribo.Numerics(method="verlet", step=0.01),
+    ):
+        own = replace(scene, numerics=numerics)
+        data = tribo.ensemble(
+            own, 3, {"tip.x": starts}, keep=["tip.x_cm", "applied_work"], progress=False
+        )
+        for k, start in enumerate(starts):
+            run = tribo.simulate(replace(own, surfaces=[tip(tribo.Free(), initial={"x": start})]))
+            for name, found in (
+                ("tip.x_cm", run["tip"]["x_cm"][-1, 0]),
+                ("applied_work", run.system["applied_work"][-1]),
+            ):
+                assert data[name].values.ravel()[k] == pytest.approx(found, abs=1e-7)
+
+
+def test_field_from_a_state():
+    sine = tribo.Schedule.sine(1.0, 0.5, 3.0)
+    field = tribo.Field(tribo.Corrugation(0.4, 2.0), on=["tip"], modulation=sine)
+    scene = replace(scene_of(tribo.Free(), initial={"x": 0.3}), fields=[field])
+    state = tribo.simulate(scene, method="rkn8").state()
+    longer = replace(scene, duration=12.0)
+    rest = tribo.simulate(longer, start=state, method="rkn8")
+    whole = tribo.simulate(longer, method="rkn8")
+    assert rest["tip"]["x_cm"][-1, 0] == pytest.approx(whole["tip"]["x_cm"][-1, 0], abs=1e-7)
+    other = replace(longer, seed=3, fields=[replace(field, velocity=(0.1, 0.0))])
+    with pytest.raises(tribo.InputError, match="cannot continue from a state of another scene"):
+        tribo.simulate(other, start=state, method="rkn8")
+
+
+MORSE = tribo.Morse(D=0.3, alpha=2.0, r0=1.2)
+WALL = tribo.Surface("wall", facing="up", drive="bars", asperite=RIGID)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"method": "gauss-radau-15", "accuracy": 1e-10},
+        {"method": "rkn8", "accuracy": 1e-10},
+        {"method": "kahan-li-8", "step": 0.05},
+    ],
+)
+def test_given_motion(settings):
+    """A tip that is pressed in and pulled back: its motion, its forces and its work."""
+    along = tribo.Schedule.sine(0.0, 0.2, 5.0, phase=0.5)
+    down = tribo.Schedule([[0.0, -0.1], [9.5, -0.1], [10.5, 0.1]])
+    start = 0.2 * np.sin(0.5)
+    drive = tribo.Moved(speed=[along, down])
+    surface = tip(drive, bob=(0.0, 2.0), velocity=(start, -0.1))
+    output = tribo.Output(samples=41, series=["forces", "energies"])
+    scene = tribo.Scene([surface, WALL], MORSE, 20.0, output=output)
+    result = tribo.simulate(scene, **settings)
+    series = result["tip"]
+    x, y = along.integral(result.t), 2.0 + down.integral(result.t)
+    np.testing.assert_allclose(series["x_bob"][:, 0], x, atol=1e-8)
+    np.testing.assert_allclose(series["y_bob"][:, 0], y, atol=1e-8)
+    r = np.hypot(x, y)
+    e = np.exp(-2.0 * (r - 1.2))
+    force = 2.0 * 0.3 * 2.0 * (e * e - e)  # repulsion
+    np.testing.assert_allclose(series["f1_y"][:, 0], force * y / r, atol=1e-7)
+    omega = 2.0 * np.pi / 5.0
+    pull = MASS * 0.2 * omega * np.cos(omega * result.t + 0.5)
+    np.testing.assert_allclose(series["f2_x"][:, 0], pull - series["f1_x"][:, 0], atol=1e-7)
+    energy = result.system["contact_energy"] + series["k_trans"][:, 0]
+    np.testing.assert_allclose(series["w2"][:, 0], energy - energy[0], atol=1e-7)
+    system = result.system
+    np.testing.assert_allclose(system["total_energy_change"], system["applied_work"], atol=1e-7)
+
+
+def test_given_motion_of_springs_and_members():
+    """Springs and fields do not change a given motion; lanes have the bits of runs alone."""
+    speed = tribo.Schedule([[0.0, 0.3], [3.25, 0.3], [4.25, -0.1]])
+    row = tribo.Surface(
+        "row",
+        shape=(3, 1),
+        spacing=(1.0, 0.0),
+        velocity=(0.3, 0.0),
+        drive=tribo.Moved(speed=[speed, 0.0]),
+        springs=tribo.Springs(stiffness=2.0),
+        asperite=tribo.Asperite(m1=[1.0, 2.0, 3.0], kappa=np.inf),
+    )
+    warm = tribo.Surface(
+        "warm",
+        facing="up",
+        drive=tribo.Pulled(stiffness=1.0, speed=0.0),
+        asperite=RIGID,
+        langevin=tribo.Langevin(0.5, 0.1),
+    )
+    field = tribo.Field(tribo.Corrugation(0.4, 1.7), on=["row", "warm"])
+    numerics = tribo.Numerics(method="verlet", step=0.125)
+    scene = tribo.Scene(
+        [row, warm], [], 8.0, fields=[field], numerics=numerics, output=tribo.Output(samples=9)
+    )
+    result = tribo.simulate(scene)
+    wanted = np.arange(3) + speed.integral(result.t)[:, None]
+    np.testing.assert_allclose(result["row"]["x_bob"], wanted, atol=1e-12)
+    alone = replace(scene, output=replace(scene.output, series=["forces"]))
+    keep = ["row.w2", "warm.x_cm", "row.x_cm"]
+    one, other = (
+        tribo.ensemble(each, 9, keep=keep, at="samples", seed=5, progress=False)
+        for each in (scene, alone)
+    )
+    for name in keep:
+        np.testing.assert_array_equal(one[name].values, other[name].values)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"drive": tribo.Moved(speed=[0.1, 0.0])}, "velocity: must be .*0.1, 0.0.*at t = 0"),
+        ({"asperite": tribo.Asperite()}, "asperite.kappa: must be inf"),
+        ({"langevin": {"gamma": 1.0}}, "langevin: cannot go"),
+        ({"initial": {"vx": 0.1}}, "gives their motion"),
+        ({"initial": {"temperature": 0.1}}, "initial.temperature: cannot go"),
+    ],
+)
+def test_refused_given_motion(settings, message):
+    given = {"drive": tribo.Moved(speed=[0.0, 0.0]), "asperite": RIGID} | settings
+    with pytest.raises(tribo.InputError, match=message):
+        tribo.Scene([tribo.Surface("tip", **given)], [], 1.0)
+
+
+def test_refused_steps_of_a_motion():
+    with pytest.raises(tribo.InputError, match=r"speed\[1\]: must have no steps"):
+        tribo.Moved(speed=[0.0, tribo.Schedule([[0, 0.1], [1, 0.2]], kind="steps")])

@@ -124,17 +124,26 @@ def test_refused_keys(values, message):
         (lambda: tribo.Schedule([]), "must be a list of .t, value."),
         (lambda: tribo.Schedule([[0, 1]], "cubic"), 'must be "linear" or "steps"'),
         (lambda: tribo.Schedule.sine(1.0, 1.0, 0.0), "period: must be positive"),
-        (lambda: tribo.Pulled(stiffness=1.0, speed=[[0, "a"]]), r"speed\[0\]\[1\]: must be a number"),
+        (
+            lambda: tribo.Pulled(stiffness=1.0, speed=[[0, "a"]]),
+            r"speed\[0\]\[1\]: must be a number",
+        ),
         (lambda: tribo.Pulled(stiffness=1.0, speed={"mean": 1.0, "amplitude": 1.0}), "period"),
         (lambda: tribo.Langevin(1.0, [[0, 1.0], [1, -1.0]]), "temperature.*must not be negative"),
         (lambda: tribo.Langevin(1.0, tribo.Schedule.sine(1.0, 2.0, 1.0)), "must not be negative"),
         (lambda: tribo.Pushed(force=[[0, 1], [2, 3]]), "each of which may be a schedule"),
-        (lambda: tribo.Pushed(force=[[[0, 1]], 0.0], rate=[1, 0]), "must be zero beside a schedule"),
+        (
+            lambda: tribo.Pushed(force=[[[0, 1]], 0.0], rate=[1, 0]),
+            "must be zero beside a schedule",
+        ),
         (
             lambda: tribo.Pulled(stiffness=1.0, position=tribo.Schedule([[0, 0], [1, 1]], "steps")),
             "must have no steps",
         ),
-        (lambda: tribo.Pulled(stiffness=1.0, speed=1.0, position=[[0, 0]]), "cannot go with a speed"),
+        (
+            lambda: tribo.Pulled(stiffness=1.0, speed=1.0, position=[[0, 0]]),
+            "cannot go with a speed",
+        ),
     ],
 )
 def test_refused(make, message):

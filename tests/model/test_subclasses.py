@@ -42,6 +42,7 @@ DRIVES = [
     tribo.Pulled(stiffness=2.0, speed=1.0),
     tribo.Pushed(force=(0.1, 0.0), rate=(0.2, 0.0)),
     tribo.DrivenBars(),
+    tribo.Moved(speed=(0.1, 0.0)),
 ]
 
 

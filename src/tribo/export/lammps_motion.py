@@ -11,7 +11,7 @@ from tribo.export.lammps_atoms import Atoms
 from tribo.model.drives import Stage
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule
+from tribo.model.schedule import Schedule, changes
 from tribo.model.surface import Surface
 
 
@@ -67,6 +67,9 @@ def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.reservoir("swing") is not None,
+        "reservoirs that differ between asperites": not all(
+            each.is_uniform for each in surface.reservoirs
+        ),
         "the temperature of the start": bool(surface.initial.temperature),
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
     }
@@ -109,7 +112,7 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
     if drive.ramp is not None:
         pairs = zip(drive.ramp.force, drive.ramp.rate, strict=True)
         forces = [
-            _formula(force) if isinstance(force, Schedule) else f"{force!r}+{rate!r}*time"
+            _formula(force) if changes(force) else f"{force!r}+{rate!r}*time"
             for force, rate in pairs
         ]
     if isinstance(drive.load, Schedule):
@@ -123,7 +126,7 @@ def _displacement(stage: Stage) -> str:
     """How far a stage is from its rest, as a formula."""
     if stage.position is not None:
         return _formula(stage.position)
-    assert isinstance(stage.speed, Schedule)
+    assert changes(stage.speed)
     return _formula(stage.speed, integral=True)
 
 
@@ -156,9 +159,9 @@ def _added(group: str, name: str, style: str, forces: Sequence[str]) -> Iterator
 def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> Iterator[str]:
     """Friction and noise at the bars; LAMMPS has the ratio of mass and friction."""
     reservoir = surface.reservoir("bar")
-    if reservoir is None or reservoir.gamma == 0.0:
+    if reservoir is None or not reservoir.is_uniform:
         return
-    gamma = reservoir.gamma
+    gamma = reservoir.strongest
     temperature = reservoir.warmest
     types = atoms.types_of(index)
     masses = [atoms.kinds[i - 1].mass for i in types]
@@ -166,7 +169,7 @@ def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int
     if temperature > 0.0:
         number = 1 + (1000 * seed + index) % 900_000_000  # LAMMPS's largest seed
         ends = f"{temperature!r} {temperature!r}"
-        if isinstance(reservoir.temperature, Schedule):
+        if changes(reservoir.temperature):
             yield f'variable {group}_temperature equal "{_formula(reservoir.temperature)}"'
             ends = f"v_{group}_temperature {temperature!r}"
         line = f"fix {group}_friction {group} langevin {ends} {masses[0] / gamma!r} {number}"
@@ -183,6 +186,8 @@ def _fields(scene: Scene, surface: Surface, group: str) -> Iterator[str]:
         if surface.name in item.on and type(item.potential) in FORCES:
             x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
             force = FORCES[type(item.potential)](item.potential, x)
+            if item.modulation is not None:
+                force = f"({_formula(item.modulation)})*({force})"
             yield from _added(group, f"field{number}", "atom", [force, "0"])
 
 

@@ -49,9 +49,11 @@ def thermal_energy(model, own, lane):
             bar = s.temperature
             swing = s.swing_temperature
             if not blocks.absent(own):
-                i = blocks.column_range(s, lane)[0]
-                bar = own[OWN_TEMPERATURE, i]
-                swing = own[OWN_SWING_TEMPERATURE, i]
+                bar = 0.0
+                swing = 0.0
+                for i in range(*blocks.column_range(s, lane)):
+                    bar = max(bar, own[OWN_TEMPERATURE, i])
+                    swing = max(swing, own[OWN_SWING_TEMPERATURE, i])
             energy = max(energy, bar, swing)
     return energy
 

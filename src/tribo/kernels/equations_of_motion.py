@@ -28,14 +28,24 @@ from tribo.kernels.blocks import (
     set_all,
     set_vectors,
     vectors,
+    vectors_if_any,
 )
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.levers import lever_mass
 from tribo.kernels.neighbours import crowded, has_lists, refresh
-from tribo.kernels.records import BARS, FORCED, PENDULUMS, PULLED, PUSHED, RIGID, RIGID_ASPERITES
-from tribo.kernels.schedule import number_or_scheduled, scheduled
+from tribo.kernels.records import (
+    BARS,
+    FORCED,
+    MOVED,
+    PENDULUMS,
+    PULLED,
+    PUSHED,
+    RIGID,
+    RIGID_ASPERITES,
+)
+from tribo.kernels.schedule import number_or_scheduled, rate_of_schedule, scheduled
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces, has_customs
 
@@ -107,15 +117,17 @@ def friction_forces(model, friction, swing_friction, v):
         for i in range(s.start, s.stop, LANES):
             if not absent(friction):
                 vx, vy = velocities_of_bars(model, s, i, v)
-                fx = -s.gamma * (vx - s.reservoir_x)
-                fy = -s.gamma * (vy - s.reservoir_y)
+                gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
+                fx = -gamma * (vx - s.reservoir_x)
+                fy = -gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
                 if s.block == RIGID_ASPERITES:  # as `integrators.reservoirs` shares it
                     share = (s.end - s.start) / s.mass
                     present = present * share * constant(model, rows.MASS, s, i)
                 set_vectors(friction, i, present * fx, present * fy)
             if not absent(swing_friction):
-                set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
+                gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+                set_block(swing_friction[0], i, -gamma * block(v, i))
 
 
 @apart
@@ -139,6 +151,31 @@ def gathered_contact(members, s):
     if members.size == 0:
         return broadcast(s.fx)
     return block(members, s.start)
+
+
+@inlined
+def bob_forces(model, i):
+    """Force on a block of bobs: f1, contact within the surface, and external fields."""
+    f1 = vectors(model.f1, i)
+    if not model.on_bobs:
+        return f1
+    return plus_if_any(plus_if_any(f1, model.inner, i), model.external, i)
+
+
+@apart
+def moving_force(model, s, i, t):
+    """f2 that gives a block of rigid asperites the acceleration of a motion, forces in place."""
+    x, y = bob_forces(model, i)
+    bar_x, bar_y = vectors_if_any(model.internal, i)
+    mass = constant(model, rows.MASS, s, i)
+    ax = broadcast(0.0)
+    ay = broadcast(0.0)
+    if s.push_schedule > 0:
+        ax = rate_of_schedule(model.schedules, s.push_schedule, t)
+    if s.load_schedule > 0:
+        ay = rate_of_schedule(model.schedules, s.load_schedule, t)
+    present = block(model.each[rows.PRESENT], i)
+    return present * (mass * ax - x - bar_x), present * (mass * ay - y - bar_y)
 
 
 @inlined
@@ -170,6 +207,8 @@ def drive_of_block(model, s, i, t, q):
     elif s.drive == PUSHED:
         push = broadcast(s.push + s.push_rate * t)
         gx = number_or_scheduled(model.schedules, s.push_schedule, push, t)
+    elif s.drive == MOVED:
+        return moving_force(model, s, i, t)
     else:
         gx = broadcast(0.0)
     gy = load_of_block(model, s, i, t) if s.loaded else -fy
@@ -232,15 +271,6 @@ def bar_forces(model, i, drive):
     if absent(model.left):
         return force
     return plus(force, plus(vectors(model.left, i), vectors(model.right, i)))
-
-
-@inlined
-def bob_forces(model, i):
-    """Force on a block of bobs: f1, contact within the surface, and external fields."""
-    f1 = vectors(model.f1, i)
-    if not model.on_bobs:
-        return f1
-    return plus_if_any(plus_if_any(f1, model.inner, i), model.external, i)
 
 
 @inlined

@@ -16,7 +16,7 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     field      external fields on the bob: Jx, Jy, about, pseudowork
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
     swing      Langevin on the swing: work
-    moving     of a field: work of the agent that moves it through the laboratory
+    moving     of a field: work of the agent that moves it through the laboratory, or modulates it
     stage      of a surface: work of a stage that follows a schedule
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 
@@ -51,7 +51,7 @@ from tribo.kernels.blocks import (
     vectors,
     vectors_if_any,
 )
-from tribo.kernels.fields import field_shift
+from tribo.kernels.fields import factor_of_field, field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import lever_mass, levers, velocities_of_centres
 from tribo.kernels.records import BARS, PENDULUMS
@@ -265,13 +265,17 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
 
 
 def field_power_unit(model, potential, n, t, accounts, tau):
-    """Write the power of the agent that moves the nth field through the laboratory.
+    """Write the power of the agent that moves the nth field, or modulates it.
 
     `tau` is nan for powers, or the time in which they do work.
     """
     potential = fetched(potential)
     fields = model.fields
     total = broadcast(0.0)
+    factor = factor_of_field(model, n, t)
+    growth = broadcast(0.0)
+    if fields.modulation[n] > 0:
+        growth = rate_of_schedule(model.schedules, fields.modulation[n], t)
     shift_x, shift_y = field_shift(fields, n, t)
     for k in range(fields.first[n], fields.first[n + 1]):
         s = model.surfaces[fields.surfaces[k]]
@@ -280,7 +284,11 @@ def field_power_unit(model, potential, n, t, accounts, tau):
             y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
             fx, fy = potential.force_at(x, y)
             place = i % LANES
-            done = lane(total, place) + fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            moved = fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            if fields.modulation[n] > 0:
+                moved = lane_of(factor, i) * moved
+                moved += lane_of(growth, i) * potential.energy_at(x, y)
+            done = lane(total, place) + moved
             total = with_lane(total, place, done)
     x = totals(model.members, total)
     if math.isnan(tau):

@@ -67,7 +67,7 @@ EACH_ROWS = 5
 # Numbers of a surface that may follow a schedule; see `tribo.layout.legs`.
 SCHEDULED = ("stage", "load", "push", "heat", "swing_heat")
 
-FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
+FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED = range(8)
 
 # What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
 RIGID_ASPERITES, PENDULUMS = 1, 2
@@ -82,7 +82,7 @@ SURFACE = np.dtype(
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
         ("tilted", "i8"),  # 1 where the angles of bars at the start, or their rates, are not 0
-        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED
         ("user_ends", "i8"),  # 1 where a plug-in exerts the forces on the ends of bars
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
@@ -103,7 +103,8 @@ SURFACE = np.dtype(
         ("ax", "f8"),  # acceleration of a rigid body, scratch
         ("ay", "f8"),
         # Rows of the table of schedules that take the place of these numbers; 0 where none does.
-        # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.
+        # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.  Of
+        # a surface with a given motion, "push" and "load" are its velocities along x and y.
         *((f"{name}_schedule", "i8") for name in SCHEDULED),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
@@ -247,7 +248,8 @@ class FieldOn(NamedTuple):
     velocity: np.ndarray  # (2,) of the first surface, in the field's own frame
     drift: np.ndarray  # (2,) velocity of the field in the laboratory
     anchor: np.ndarray  # (2,) displacement of the field at t = 0, included in `origin`
-    account: int  # of the work done by moving it; -1 where it stands
+    account: int  # of the work done by moving or modulating it; -1 where it stands
+    modulation: int = 0  # row of the schedule of its factor; 0 where that is 1
 
 
 class Fields(NamedTuple):
@@ -264,6 +266,7 @@ class Fields(NamedTuple):
     velocity: np.ndarray  # (n, 2)
     drift: np.ndarray  # (n, 2)
     account: np.ndarray  # (n,)
+    modulation: np.ndarray  # (n,)
 
 
 class Custom(NamedTuple):

@@ -16,7 +16,7 @@ from tribo.kernels import records
 from tribo.kernels.records import OF_MEMBERS, Neighbours, Tables
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
-from tribo.layout.legs import BEGUN, SAME, Legs, Scheduled, legs_of, scheduled_numbers
+from tribo.layout.legs import BEGUN, SAME, Legs, Scheduled, begun_of, legs_of, scheduled_numbers
 from tribo.layout.scene_records import (
     MemberNumbers,
     fields_on_surfaces,
@@ -149,7 +149,7 @@ class Layout:
         """How far the pulling stage of a surface is from its anchor at times t, likewise."""
         for each in self._scheduled:
             if each.surface == index and each.name == "stage":
-                return each.at(t, float(self.begun[index, BEGUN.index(each.clock)]))
+                return each.at(t, begun_of(each, self.begun))
         return self.number_of(index, "speed") * np.asarray(t)
 
     @cached_property
@@ -168,6 +168,11 @@ class Layout:
         since = begun[:, BEGUN.index("drive")]
         surfaces.push -= surfaces.push_rate * since
         surfaces.load -= surfaces.load_rate * since
+        own = model.own
+        if own is not None:
+            own = own.copy()
+            for surface in surfaces:
+                own[records.OWN_LOAD, surface.start : surface.end] = surface.load
         drives = _begun_at(model.drives, since)
         ends = _begun_at(model.ends, begun[:, BEGUN.index("ends")])
         moved = tuple(
@@ -175,7 +180,11 @@ class Layout:
             for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
         )
         model = model._replace(
-            surfaces=surfaces, fields=moved or None, drives=drives or None, ends=ends or None
+            surfaces=surfaces,
+            fields=moved or None,
+            drives=drives or None,
+            ends=ends or None,
+            own=own,
         )
         begun_then = replace(self, model=model, begun=begun)
         model = model._replace(schedules=begun_then.legs.tables[0])

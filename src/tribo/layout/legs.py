@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.kernels.schedule import COLUMNS
-from tribo.model.drives import Pushed
 from tribo.model.scene import Scene
-from tribo.model.schedule import Piece, Schedule
+from tribo.model.schedule import Piece, Schedule, changes
 from tribo.model.surface import Surface
 
 # Times that differ by less than this fraction of the duration are one.
@@ -34,6 +33,7 @@ class Scheduled(NamedTuple):
     clock: str  # one of BEGUN
     is_integral: bool = False  # whether kernels need the integral of the schedule
     drift: float = 0.0  # what is subtracted for each unit of time
+    field: int = -1  # of a field in place of a surface
 
     def piece(self, inside: float, begun: float) -> Piece:
         """The numbers around a time, where the schedule's own time was zero at `begun`."""
@@ -65,8 +65,12 @@ class Legs(NamedTuple):
 
 def scheduled_numbers(scene: Scene) -> tuple[Scheduled, ...]:
     """All numbers of a scene's surfaces that follow schedules; the nth has row n + 1 of tables."""
-    found = (_of_surface(k, surface) for k, surface in enumerate(scene.surfaces))
-    return tuple(each for own in found for each in own)
+    found = [_of_surface(k, surface) for k, surface in enumerate(scene.surfaces)]
+    numbers = [each for own in found for each in own]
+    for k, item in enumerate(scene.fields):
+        if item.modulation is not None:
+            numbers.append(Scheduled(-1, "modulation", item.modulation, "", field=k))
+    return tuple(numbers)
 
 
 def _of_surface(index: int, surface: Surface) -> Iterator[Scheduled]:
@@ -75,26 +79,32 @@ def _of_surface(index: int, surface: Surface) -> Iterator[Scheduled]:
     share = 1.0 / surface.count if drive.block else 1.0  # of a bar, of forces on all of them
     if stage is not None and stage.position is not None:
         yield Scheduled(index, "stage", stage.position, "stage", drift=surface.velocity[0])
-    elif stage is not None and isinstance(stage.speed, Schedule):
+    elif stage is not None and changes(stage.speed):
         relative = stage.speed.shifted(-surface.velocity[0])
         yield Scheduled(index, "stage", relative, "stage", is_integral=True)
-    if isinstance(drive.load, Schedule):
+    if changes(drive.load):
         yield Scheduled(index, "load", drive.load.times(-surface.facing_sign * share), "load")
-    if isinstance(drive, Pushed):
-        for name, force in zip(("push", "load"), drive.force, strict=True):
-            if isinstance(force, Schedule):
-                yield Scheduled(index, name, force.times(share), "drive")
+    for name, number in zip(("push", "load"), drive.along_axes, strict=True):
+        if changes(number):
+            yield Scheduled(index, name, number.times(share), "drive")
     for reservoir in surface.reservoirs:
-        if isinstance(reservoir.temperature, Schedule):
+        if changes(reservoir.temperature):
             name = "swing_heat" if reservoir.on == "swing" else "heat"
             yield Scheduled(index, name, reservoir.temperature, name)
+
+
+def begun_of(number: Scheduled, begun: np.ndarray) -> float:
+    """When the schedule of a number began, of `Layout.begun`; that of a field with the run."""
+    if number.field >= 0:
+        return 0.0
+    return float(begun[number.surface, BEGUN.index(number.clock)])
 
 
 def legs_of(scene: Scene, begun: np.ndarray) -> Legs:
     """The legs of a scene whose drives and reservoirs began at some times, (surfaces, BEGUN)."""
     numbers = scheduled_numbers(scene)
     same = SAME * scene.duration
-    starts = [float(begun[each.surface, BEGUN.index(each.clock)]) for each in numbers]
+    starts = [begun_of(each, begun) for each in numbers]
     times = [
         kink + start
         for each, start in zip(numbers, starts, strict=True)

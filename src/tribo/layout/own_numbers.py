@@ -29,6 +29,8 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     loop of a pair takes no mass of a surface from the scene.
     """
     surfaces = layout.scene.surfaces
+    if not all(each.is_uniform for surface in surfaces for each in surface.reservoirs):
+        return False  # the table of numbers has those of each asperite
     slides = slide(layout.scene) & (not by_pair_loop)
     plain = [
         f"{surface.name}.{ASPERITE_PART}."
@@ -43,6 +45,7 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     fixed = any(reservoir.velocity is not None for reservoir in reservoirs)
     # So is the way of a stage that follows a schedule.
     fixed = fixed or bool(np.any(layout.surfaces["stage_schedule"] > 0))
+    fixed = fixed or any(surface.drive.gives_motion for surface in surfaces)
     if not (layout.model.fields or layout.model.drives or layout.model.ends or fixed):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
     # Surfaces without charges are no pair of a layout whose potential acts between charges.

@@ -15,7 +15,6 @@ from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -64,6 +63,8 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         record["turning"] = np.any(own["nu"] != 0.0)
         record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
     for row, each in enumerate(scheduled, start=1):
+        if each.field >= 0:
+            continue
         surfaces[each.surface][f"{each.name}_schedule"] = row
     return asperites, surfaces
 
@@ -113,7 +114,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
-        record[f"{before}gamma"] = reservoir.gamma
+        record[f"{before}gamma"] = reservoir.strongest
         record[f"{before}temperature"] = reservoir.warmest
         if reservoir.velocity is not None:
             record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
@@ -131,10 +132,13 @@ def fields_on_surfaces(
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
-    for item in scene.fields:
+    each = enumerate(scheduled_numbers(scene), start=1)
+    rows = {one.field: row for row, one in each if one.field >= 0}
+    for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
         on = np.array([names.index(name) for name in item.on])
-        moves = accounts is not None and bool(np.any(drift != 0.0))
+        changes = bool(np.any(drift != 0.0)) or item.modulation is not None
+        moves = accounts is not None and changes
         field = FieldOn(
             potential=item.potential,
             surfaces=on,
@@ -143,6 +147,7 @@ def fields_on_surfaces(
             drift=drift,
             anchor=np.zeros(2),
             account=count if moves else -1,
+            modulation=rows.get(number, 0),
         )
         fields.append(field)
         count += moves

@@ -12,13 +12,13 @@ from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model, Tabl
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
-from tribo.layout.tables import constants_of, model_tables
+from tribo.layout.tables import constants_of, fill_own, model_tables
 from tribo.model.scene import Scene
 from tribo.threads.kernel_model import model_of
 from tribo.threads.writable_memory import together
 
 # Tables with a column for each asperite of each member, and what says where these stand.
-OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs")
+OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs", "own")
 
 
 class Interleaved(NamedTuple):
@@ -81,9 +81,7 @@ def interleaved(
 def _with_own_numbers(model: Tables) -> Tables:
     """The model with tables of what may differ beside the constants of asperites."""
     own = room((len(records.OF_MEMBERS), model.each.shape[1]))
-    for surface in model.surfaces:
-        for row, name in enumerate(records.OF_MEMBERS):
-            own[row, surface["start"] : surface["end"]] = surface[name]
+    fill_own(own, model.surfaces)
     contacts = model.contacts
     if len(contacts) == 1 and model.inner is None:
         numbers = np.array(numbers_of(contacts[0].potential), float)

@@ -28,7 +28,6 @@ NO_PHYSICS = ("title", "duration", "output", "numerics")
 OF_ANY_LENGTH = ("noise", "neighbours_index")
 
 
-
 @dataclass(frozen=True, eq=False)
 class Origin:
     """Where the runs of a scene begin, if not at its start."""
@@ -96,6 +95,19 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
     anchors = state.anchors
     begun = state.begun
     if not same_scene:
+        for k, item in enumerate(scene.fields):
+            if item.modulation is not None:
+                raise InputError(
+                    f"field[{k}].modulation",
+                    "cannot continue from a state of another scene; simulate the scene from t = 0",
+                )
+        for surface in scene.surfaces:
+            if surface.drive.gives_motion:
+                raise InputError(
+                    f"{surface.name}.drive",
+                    "gives a motion, which cannot continue from a state of another scene; simulate "
+                    "the scene from t = 0",
+                )
         begun = _begun(layout, state, old, new)
         anchors = _anchors(replace(layout, begun=begun), state, old, new)
         if 0.0 < scene.output.run_in <= state.t:
@@ -234,7 +246,7 @@ def _is_of_same_kind(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any]) -> np.ndarray:
-    """When the own times of drives, of forces on ends and of schedules were zero, (surfaces, BEGUN).
+    """When the own times of drives, forces on ends and schedules were zero, (surfaces, BEGUN).
 
     Those that are the same as in the state's scene go on; others begin with the run.
     """

@@ -71,8 +71,11 @@ def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a field that states its curvature [rad / time]."""
     mobility = _mobility(layout.constants, row.L1)
     fastest = 0.0
+    # The largest factors on fields, by the rows of their schedules.
+    numbers = enumerate(scheduled_numbers(layout.scene), start=1)
+    factors = {row: each.schedule.largest for row, each in numbers}
     for field in layout.model.fields or ():
-        curvature = curvature_of(field.potential)
+        curvature = curvature_of(field.potential) * factors.get(field.modulation, 1.0)
         if curvature > 0.0:
             on = np.isin(layout.asperites.surface, field.surfaces)
             fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))

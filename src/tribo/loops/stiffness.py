@@ -16,7 +16,7 @@ from tribo.integrators.stiffness import EVERY
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.layout import Layout
-from tribo.layout.legs import BEGUN, scheduled_numbers
+from tribo.layout.legs import begun_of, scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of
 
@@ -146,7 +146,19 @@ def _of_members(layout: Layout, numbers: MemberNumbers | None) -> tuple[np.ndarr
     swings = np.where(own["swing_gamma"] > 0.0, own["swing_temperature"], 0.0)
     warmest = np.maximum(bars, swings)
     highest = np.max(warmest, axis=-1, keepdims=True)
-    return np.where(warmest > 0.0, warmest, highest)[..., layout.asperites.surface], constants
+    each = np.where(warmest > 0.0, warmest, highest)[..., layout.asperites.surface]
+    for surface in layout.scene.surfaces:
+        if not all(reservoir.is_uniform for reservoir in surface.reservoirs):
+            own_of_each = np.zeros(surface.count)
+            for reservoir in surface.reservoirs:
+                gamma, heat = reservoir.for_each(surface.count)
+                own_of_each = np.maximum(own_of_each, np.where(gamma > 0.0, heat, 0.0))
+            # Those without a reservoir have the lowest of the others: between two, heat flows.
+            warm = own_of_each[own_of_each > 0.0]
+            lowest = np.min(warm, initial=np.inf) if warm.size else 0.0
+            part = layout.parts[surface.name]
+            each[..., part] = np.where(own_of_each > 0.0, own_of_each, lowest)
+    return each, constants
 
 
 def _mean_temperatures(layout: Layout, own: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -155,8 +167,8 @@ def _mean_temperatures(layout: Layout, own: dict[str, np.ndarray]) -> dict[str, 
     for each in scheduled_numbers(layout.scene):
         if each.name in TEMPERATURES:
             name = TEMPERATURES[each.name]
-            begun = layout.begun[each.surface, BEGUN.index(each.clock)]
-            ends = np.array([layout.beginning, layout.scene.duration]) - begun
+            ends = np.array([layout.beginning, layout.scene.duration])
+            ends = ends - begun_of(each, layout.begun)
             mean = np.diff(each.schedule.integral(ends)) / np.diff(ends)
             found.setdefault(name, own[name].copy())[..., each.surface] = mean
     return found

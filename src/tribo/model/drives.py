@@ -11,6 +11,7 @@ import difflib
 import functools
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
@@ -87,6 +88,8 @@ class Drive:
     cancels_y: ClassVar[bool] = True
     # Whether a constraint moves the centres of the bars uniformly.
     holds_bars: ClassVar[bool] = False
+    # Whether asperites follow a given motion along x and y.
+    gives_motion: ClassVar[bool] = False
     # Whether the ledger counts its work; that of f2 = -f1 and f2_x = 0 follows from other works.
     has_account: ClassVar[bool] = True
     # Whether the force depends on the bar's velocity.
@@ -120,6 +123,11 @@ class Drive:
     def ramp(self) -> Ramp | None:
         """The force that is constant or grows at a rate, if it has one."""
         return None
+
+    @property
+    def along_axes(self) -> tuple[Number | None, Number | None]:
+        """Its own force, or the velocity that it gives, along x and y; None without either."""
+        return None, None
 
     @property
     def moves_as_one(self) -> bool:
@@ -356,6 +364,10 @@ class Pushed(Drive):
     def ramp(self) -> Ramp:
         return Ramp(self.force, self.rate)
 
+    @property
+    def along_axes(self) -> tuple[Number, Number]:
+        return self.force
+
     def numbers(self, velocity: float) -> dict[str, float]:
         push, load = (0.0 if isinstance(each, Schedule) else each for each in self.force)
         push_rate, load_rate = self.rate
@@ -372,7 +384,11 @@ class Pushed(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.fields(self, force=_force_of_push, rate=check.pair(unit="force / time"))
+        check.fields(
+            self,
+            force=_pair_of_numbers("force", "[[[0, 0], [10, 1]], 0]"),
+            rate=check.pair(unit="force / time"),
+        )
         for k, (force, rate) in enumerate(zip(self.force, self.rate, strict=True)):
             if isinstance(force, Schedule) and rate != 0.0:
                 raise InputError(f"rate[{k}]", f"must be zero beside a schedule, got {rate:g}")
@@ -381,16 +397,20 @@ class Pushed(Drive):
                 raise InputError(name, f"must be zero along y beside a load, got {along_y:g}")
 
 
-def _force_of_push(field: str, value: Any) -> tuple[Number, Number]:
-    """The x and y of a push, of which each is a number or a schedule."""
-    points = check.is_list(value) and len(value) > 0 and check.is_list(value[0])
-    numbers = points and len(value[0]) > 0 and not check.is_list(value[0][0])
-    if not check.is_list(value) or len(value) != 2 or numbers:
-        wanted = "2 numbers [force], each of which may be a schedule, as [[[0, 0], [10, 1]], 0]"
-        raise check.must_be(field, wanted, value)
-    checked = number_or_schedule(unit="force")
-    x, y = (checked(f"{field}[{k}]", each) for k, each in enumerate(value))
-    return x, y
+def _pair_of_numbers(unit: str, example: str) -> Callable[[str, Any], tuple[Number, Number]]:
+    """The check of an x and a y, of which each is a number or a schedule."""
+
+    def checked(field: str, value: Any) -> tuple[Number, Number]:
+        points = check.is_list(value) and len(value) > 0 and check.is_list(value[0])
+        numbers = points and len(value[0]) > 0 and not check.is_list(value[0][0])
+        if not check.is_list(value) or len(value) != 2 or numbers:
+            wanted = f"2 numbers [{unit}], each of which may be a schedule, as {example}"
+            raise check.must_be(field, wanted, value)
+        one = number_or_schedule(unit=unit)
+        x, y = (one(f"{field}[{k}]", each) for k, each in enumerate(value))
+        return x, y
+
+    return checked
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -423,6 +443,53 @@ class DrivenBars(Drive):
             raise InputError(
                 "block", 'cannot go with kind = "bars": driven bars move as one anyway'
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moved(Drive):
+    """Rigid asperites follow a given motion along x and y, whatever forces act on them.
+
+    f2 = M a - (all other forces), with a the acceleration of the motion.  Its work is that of the
+    agent that moves the surface: of indentation and retraction, for example.  The motion begins
+    with the surface's velocity.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : None
+        Must be None: the motion is given along y too.
+    speed : (float or Schedule, float or Schedule)
+        Velocity along x and y in the laboratory, without steps [length / time].
+    """
+
+    speed: tuple[Number, Number] = (0.0, 0.0)
+
+    kind = "moved"
+    required = ("speed",)
+    law = records.MOVED
+    cancels_y = False
+    gives_motion = True
+    own_numbers = ()
+
+    def __post_init__(self) -> None:
+        if self.load is not None:
+            raise InputError("load", "cannot go with a given motion, which is along y too")
+        if self.block:
+            raise InputError("block", "cannot go with a given motion, which moves bars as one")
+        check.fields(self, speed=_pair_of_numbers("length / time", "[[[0, 0], [10, 1]], 0]"))
+        for k, speed in enumerate(self.speed):
+            if isinstance(speed, Schedule) and speed.jumps:
+                problem = "must have no steps, at which the force is infinite; give a short ramp"
+                raise InputError(f"speed[{k}]", problem)
+
+    @property
+    def along_axes(self) -> tuple[Number, Number]:
+        return self.speed
+
+    @property
+    def first_velocity(self) -> tuple[float, float]:
+        """The velocity at t = 0."""
+        x, y = (float(at_time(each, 0.0)) for each in self.speed)
+        return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -548,7 +615,7 @@ def _check_flags(plugin: Any, flags: dict[str, bool], given: tuple[float, ...]) 
 
 
 KINDS: dict[str, type[Drive]] = {
-    each.kind: each for each in (Forced, Free, Pulled, Pushed, DrivenBars)
+    each.kind: each for each in (Forced, Free, Pulled, Pushed, DrivenBars, Moved)
 }
 
 

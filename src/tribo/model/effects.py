@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from tribo.model.drives import Moved
 from tribo.model.interaction import Interaction
 from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 from tribo.potentials.tables import as_table
+from tribo.validation import short_repr
 
 
 class Effect(StrEnum):
@@ -37,7 +39,7 @@ class Effect(StrEnum):
     )
     PULL = "pull", "springs to a moving stage"
     PUSH = "push", "a force on each bar that is constant, or grows"
-    SCHEDULE = "schedule", "a speed, load, push or temperature that changes with time"
+    SCHEDULE = "schedule", "a number that changes with time: speed, load, push, temperature, field"
     LOAD = "load", "a force that presses the surfaces together"
     OWN_DRIVE = "own drive", "forces f2 of the user's own"
     OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
@@ -111,7 +113,7 @@ def _reservoirs(on: str) -> Finder:
             for j, reservoir in enumerate(surface.reservoirs):
                 if reservoir.on == on:
                     place = f"[{j}]" if len(surface.reservoirs) == 2 else ""
-                    yield f"surface[{i}].langevin{place}.gamma = {reservoir.gamma}"
+                    yield f"surface[{i}].langevin{place}.gamma = {short_repr(reservoir.gamma)}"
 
     return found
 
@@ -162,11 +164,16 @@ def _schedules(scene: Any) -> Iterator[str]:
             numbers |= {"drive.speed": drive.stage.speed, "drive.position": drive.stage.position}
         if drive.ramp is not None:
             numbers |= {f"drive.force[{k}]": each for k, each in enumerate(drive.ramp.force)}
+        if isinstance(drive, Moved):
+            numbers |= {f"drive.speed[{k}]": each for k, each in enumerate(drive.speed)}
         for each in surface.reservoirs:
             numbers[f"langevin.temperature (on {each.on})"] = each.temperature
         for key, number in numbers.items():
             if isinstance(number, Schedule):
                 yield f"surface[{i}].{key} = {number}"
+    for i, item in enumerate(scene.fields):
+        if item.modulation is not None:
+            yield f"field[{i}].modulation = {item.modulation}"
 
 
 def _count(number: int, thing: str) -> str | None:

@@ -95,9 +95,7 @@ class Elastic:
         Rows of bars follow one another along z.  K_xx and K_yy are real, and K_xy is i times the
         third array; K_yx is minus that.  The uniform displacement has no force.
         """
-        qx, qz = (
-            2.0 * np.pi * np.fft.fftfreq(n, a) for n, a in zip(counts, spacing, strict=True)
-        )
+        qx, qz = (2.0 * np.pi * np.fft.fftfreq(n, a) for n, a in zip(counts, spacing, strict=True))
         qx, qz = np.meshgrid(qx, qz)
         q = np.hypot(qx, qz)
         q[0, 0] = 1.0

@@ -6,8 +6,8 @@ The keys are those of scene files, with the name of a surface in place of its nu
     SURFACE.theta (and the other initial values), SURFACE.velocity, SURFACE.bob, SURFACE.drive, ...
     SURFACE.bob.1           one of two numbers, 0 along x or 1 along y; also of velocity, spacing
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
-    SURFACE.drive.speed.1.0     of a schedule: time (0) or value (1) of a point, from 0 on; of a sine
-                            its mean, amplitude, period or phase
+    SURFACE.drive.speed.1.0     of a schedule: time (0) or value (1) of a point, from 0 on; mean,
+                            amplitude, period or phase of a sine
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
     interaction.first.KEY, interaction.of.KEY               of parts of sums, of scaled potentials
@@ -31,7 +31,7 @@ from tribo.model.bath import as_table as bath_table
 from tribo.model.binding import bound
 from tribo.model.drives import Custom, as_drive
 from tribo.model.drives import as_table as drive_table
-from tribo.model.fields import Field
+from tribo.model.fields import SETTINGS, Field
 from tribo.model.initial import Initial
 from tribo.model.interaction import Periodic
 from tribo.model.langevin import PLACES, as_langevin
@@ -63,7 +63,7 @@ READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_tabl
 INTERACTION = "interaction"
 FIELD = "field"
 # The values of a field beside those of its potential.
-OF_FIELD = ("on", "origin", "velocity")
+OF_FIELD = SETTINGS
 
 
 def is_parameter(scene: Scene, key: str) -> bool:

@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -328,9 +328,8 @@ def number_or_schedule(condition: Condition = check.ANY, unit: str = "") -> Chec
             return check.number(field, value, condition, unit)
         with check.inside(field):
             schedule = as_schedule(value)
-            if schedule.is_sine:
-                if not condition[1](schedule.low):
-                    raise InputError("", f"{condition[0]}, got {schedule.low:g} at its lowest")
+            if schedule.is_sine and not condition[1](schedule.low):
+                raise InputError("", f"{condition[0]}, got {schedule.low:g} at its lowest")
             for i, (_, each) in enumerate(schedule.points):
                 check.number(f"[{i}][1]", each, condition, unit)
         return schedule
@@ -338,7 +337,7 @@ def number_or_schedule(condition: Condition = check.ANY, unit: str = "") -> Chec
     return checked
 
 
-def changes(number: Any) -> bool:
+def changes(number: Any) -> TypeGuard[Schedule]:
     """Whether a number changes with time by a schedule."""
     return isinstance(number, Schedule)
 

@@ -3,11 +3,11 @@
 import numpy as np
 
 from tribo.kernels.status import Status
-from tribo.layout.legs import BEGUN, scheduled_numbers
+from tribo.layout.legs import begun_of, scheduled_numbers
 from tribo.ledger.ledger import Series
 from tribo.ledger.quantities import AVERAGED
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule, largest
+from tribo.model.schedule import changes, largest
 from tribo.model.surface import Surface
 from tribo.results.averages import Average, average_from
 from tribo.results.run_result import RunResult
@@ -94,7 +94,7 @@ def friction_coefficient(
     """
     found = friction_force(result, surface, after)
     part = next(each for each in result.scene.surfaces if each.name == surface)
-    if isinstance(part.drive.load, Schedule):
+    if changes(part.drive.load):
         raise InputError(
             f"{surface}.drive.load",
             "changes with time, so that no one load divides the friction force; take "
@@ -145,12 +145,11 @@ def _schedule_note(result: RunResult, after: float) -> str:
     """A note where a schedule changes the conditions during an average; else empty."""
     state = result.state()
     for each in scheduled_numbers(result.scene):
-        begun = state.begun[each.surface, BEGUN.index(each.clock)]
-        kinks = np.array(each.schedule.kinks) + begun
+        kinks = np.array(each.schedule.kinks) + begun_of(each, state.begun)
         if each.schedule.is_sine or np.any((kinks > after) & (kinks < result.t[-1])):
-            name = result.scene.surfaces[each.surface].name
+            of = "a field" if each.field >= 0 else f'"{result.scene.surfaces[each.surface].name}"'
             return (
-                f'a schedule of "{name}" changes the conditions during the average; select a part '
+                f"a schedule of {of} changes the conditions during the average; select a part "
                 "with one condition by after=, or by the duration"
             )
     return ""
@@ -263,7 +262,7 @@ def _drag_note(result: RunResult, surface: str, pull: float) -> str:
     still = part.velocity if reservoir.velocity is None else reservoir.velocity
     moved = series["x_bar"][-1] - series["x_bar"][0]
     velocities = moved / (result.t[-1] - result.t[0]) - still[0]
-    drag = float(-reservoir.gamma * np.sum(velocities))
+    drag = float(-np.sum(reservoir.gamma * velocities))
     if abs(drag) <= NOTED_DRAG * abs(pull):
         return ""
     return f"the reservoir's drag on the bars, {drag:.2g}, is more than a tenth of it"

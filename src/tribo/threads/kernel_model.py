@@ -360,6 +360,7 @@ def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
         velocity=np.array([each.velocity for each in found]).reshape(-1, 2),
         drift=np.array([each.drift for each in found]).reshape(-1, 2),
         account=np.array([each.account for each in found], np.int64),
+        modulation=np.array([each.modulation for each in found], np.int64),
     )
 
 

@@ -85,7 +85,10 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
 def subject(scene: Scene) -> int:
     """The index of the surface that sentences are about: one that slides freely, or that moves."""
     drives = [surface.drive for surface in scene.surfaces]
-    held = [drive.cancels_x or drive.holds_bars or drive.drives_along_x for drive in drives]
+    held = [
+        drive.cancels_x or drive.holds_bars or drive.gives_motion or drive.drives_along_x
+        for drive in drives
+    ]
     free = [k for k, is_held in enumerate(held) if not is_held]
     moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
     return (free + moving + [0])[0]
