@@ -53,6 +53,30 @@ True
 >>> print(data["upper.W"].dims, f"{data['upper.W'].values[-1]:.3f}")
 ('interaction.strength',) 0.520
 """,
+    "tribo.friction_law": """
+>>> tip = tribo.Surface("tip", drive=tribo.Pulled(stiffness=0.5, speed=0.1), langevin={"gamma": 1.0})
+>>> field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("tip",))
+>>> pulled = tribo.Scene((tip,), (), 60.0, fields=(field,))
+>>> law = tribo.friction_law(pulled, speeds=[0.2, 0.4], distance=10.0, accuracy=1e-4)
+>>> print(law["friction"].dims, bool((law["friction"] > 0.0).all()))
+('speed',) True
+""",
+    "tribo.sensitivity": """
+>>> data = tribo.sensitivity(scene, ["upper.W"], ["upper.velocity"], accuracy=1e-6)
+>>> print(data["derivative"].dims, bool(data["half_width"].item() < 1e-2))
+('quantity', 'key') True
+""",
+    "tribo.fit": """
+>>> t = np.linspace(0.0, scene.duration, 101)
+>>> timed = tribo.Scene(scene.surfaces, scene.interactions, scene.duration)
+>>> output = tribo.Output(samples=101)
+>>> import dataclasses
+>>> timed = dataclasses.replace(timed, output=output)
+>>> angle = tribo.simulate(timed)["upper"].theta[:, 0]
+>>> found = tribo.fit(timed, (t, angle), {"interaction.strength": (0.1, 0.4)}, "upper.theta", starts=8)
+>>> print(f"{found.values['interaction.strength']:.3f}")
+0.200
+""",
     "tribo.play": """
 >>> player = tribo.play(scene, {"upper.velocity": (0.3, 2.0)})  # doctest: +SKIP
 """,

@@ -363,7 +363,7 @@ class Plots:
             if result.scene.output.ledger != "none":
                 self.work(ax=places["work"])
             if result.scene.periodic:
-                caption = "periodic: positions are not wrapped, images not drawn"
+                caption = "one period; bars that leave it enter at the other side"
                 places["snapshots"].set_title(caption, fontsize="medium")
             figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need
             self.snapshots(ax=places["snapshots"])

@@ -70,7 +70,7 @@ def snapshots(
     """Draw all asperites at the samples nearest to some times."""
     times = encounter_times(result, 4) if times is None else times
     samples = [nearest_sample(result, t) for t in times]
-    poses = [pose(result, float(result.t[k]), bath) for k in samples]
+    poses = [pose(result, float(result.t[k]), bath, wrap=True) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
     widths = boxes[:, 1] - boxes[:, 0]
