@@ -54,7 +54,8 @@ True
 ('interaction.strength',) 0.520
 """,
     "tribo.friction_law": """
->>> tip = tribo.Surface("tip", drive=tribo.Pulled(stiffness=0.5, speed=0.1), langevin={"gamma": 1.0})
+>>> drive = tribo.Pulled(stiffness=0.5, speed=0.1)
+>>> tip = tribo.Surface("tip", drive=drive, langevin=tribo.Langevin(1.0, 0.0))
 >>> field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("tip",))
 >>> pulled = tribo.Scene((tip,), (), 60.0, fields=(field,))
 >>> law = tribo.friction_law(pulled, speeds=[0.2, 0.4], distance=10.0, accuracy=1e-4)
@@ -68,12 +69,9 @@ True
 """,
     "tribo.fit": """
 >>> t = np.linspace(0.0, scene.duration, 101)
->>> timed = tribo.Scene(scene.surfaces, scene.interactions, scene.duration)
->>> output = tribo.Output(samples=101)
->>> import dataclasses
->>> timed = dataclasses.replace(timed, output=output)
->>> angle = tribo.simulate(timed)["upper"].theta[:, 0]
->>> found = tribo.fit(timed, (t, angle), {"interaction.strength": (0.1, 0.4)}, "upper.theta", starts=8)
+>>> angle = np.interp(t, (result := tribo.simulate(scene)).t, result["upper"].theta[:, 0])
+>>> ranges = {"interaction.strength": (0.1, 0.4)}
+>>> found = tribo.fit(scene, (t, angle), ranges, "upper.theta", starts=8)
 >>> print(f"{found.values['interaction.strength']:.3f}")
 0.200
 """,
