@@ -17,7 +17,7 @@ def result():
         spacing=(1.5, 0.0),
         bob=(0.2, 3.0),
         velocity=(1.0, 0.0),
-        springs=tribo.Springs(x=1.0, wrap=True),
+        springs=tribo.Springs(stiffness=1.0, wrap=True),
     )
     lower = tribo.Surface("lower", facing="up", shape=(6, 1), spacing=(1.0, 0.0))
     potential = tribo.LennardJones(0.01, 1.0).with_cutoff(2.0)
@@ -44,4 +44,6 @@ def test_asperites_stay_in_one_period(result):
 def test_wide_grids_fill_the_room():
     """Of four wide boxes in a wide place, two columns make the largest pictures."""
     boxes = np.tile([0.0, 22.0, 0.0, 5.0], (4, 1))
-    assert _in_two_columns(boxes, 500.0, 150.0).point < 0.6 * _in_a_column(boxes, 500.0, 150.0).point
+    assert (
+        _in_two_columns(boxes, 500.0, 150.0).point < 0.6 * _in_a_column(boxes, 500.0, 150.0).point
+    )
