@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -49,8 +49,8 @@ def draw_map(result: RunResult, surface: str, force: str, ax: Axes | None) -> Ax
     is_grid = np.ptp(z) > 0.0
     with drawing_on(ax, COLUMN, (0.8 if is_grid else 0.5) * COLUMN) as ax:
         size = min(MARK, 200.0 / max(2.0, values.size ** (0.5 if is_grid else 1.0)))
-        marks = {"c": values, "s": size**2, "marker": "s", "linewidths": 0.0}
-        colours = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
+        marks: dict[str, Any] = {"c": values, "s": size**2, "marker": "s", "linewidths": 0.0}
+        colours: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
         image = ax.scatter(x, z if is_grid else values, **marks, **colours)
         if is_grid:
             ax.set(ylabel="$z$", aspect="equal")
