@@ -272,6 +272,23 @@ works.pdf
 ... )
 >>> ax = mean_band(data, "upper.W")
 """,
+    "tribo.sweeps.figure.law_lines": """
+>>> from tribo.sweeps.figure import law_lines
+>>> drive = tribo.Pulled(stiffness=0.5, speed=0.1)
+>>> tip = tribo.Surface("tip", drive=drive, langevin=tribo.Langevin(1.0, 0.0))
+>>> field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("tip",))
+>>> pulled = tribo.Scene((tip,), (), 60.0, fields=(field,))
+>>> law = tribo.friction_law(pulled, speeds=[0.2, 0.4], distance=10.0, accuracy=1e-4)
+>>> print(law_lines(law).get_xlabel())
+speed
+""",
+    "tribo.derivatives.figure.tornado": """
+>>> from tribo.derivatives.figure import tornado
+>>> keys = ["upper.velocity", "interaction.strength"]
+>>> data = tribo.sensitivity(scene, ["upper.W"], keys, accuracy=1e-6)
+>>> print([label.get_text() for label in tornado(data).get_yticklabels()])
+['upper.velocity', 'interaction.strength']
+""",
     "tribo.sweeps.figure.sweep_lines": """
 >>> from tribo.sweeps.figure import sweep_lines
 >>> data = tribo.sweep(scene, {"upper.velocity": [0.4, 0.5, 0.6]})
