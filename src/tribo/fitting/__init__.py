@@ -149,6 +149,11 @@ def fit(
         *notes.on_other_minima(minima, best, lowest, scale, box),
         *notes.on_residuals(trace.values - series.values[0], residuals, sigma, best, degrees),
     ]
+    if members is not None:
+        remarks.append(
+            "errors of means over members are correlated over time, which intervals leave out; "
+            "repeat the fit with another seed, or with more members, to see what they change"
+        )
     values = dict(zip(box.keys, box.values(best.parts).tolist(), strict=True))
     return Fit(
         values=values,
