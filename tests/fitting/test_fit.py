@@ -126,7 +126,7 @@ def test_random_scenes_need_members():
 
 def test_a_thermal_scene_is_fitted_by_means():
     """The mean path of a warm tip; candidates share their noise, so that chi^2 is smooth."""
-    warm = replace(afm.scene().surfaces[0], langevin=tribo.Langevin(2.0, 0.002))
+    warm = replace(afm.scene().surfaces[0], langevin=tribo.Langevin(2.0, 0.0005))
     scene = replace(afm.scene(), surfaces=(warm,), duration=12.0)
     t = np.linspace(1.0, 12.0, 23)
     true = with_values(scene, {"upper.drive.stiffness": 0.5})
