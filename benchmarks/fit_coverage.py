@@ -5,6 +5,7 @@ force with independent noise is fitted for the amplitude of the corrugation and 
 the spring; each seed is another noise and another set of starts.
 
     python benchmarks/fit_coverage.py --seeds 100
+    python benchmarks/fit_coverage.py --seeds 0 --figure docs/measured/fit.png
 """
 
 import argparse
@@ -54,8 +55,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--seeds", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--figure", help="draw one fit to this file")
     options = parser.parse_args()
     force = exact()
+    if options.figure:
+        tribo.plotting.save(fitted(force, 1, profiles=False).plot(), options.figure)
     inside = dict.fromkeys(TRUE, 0)
     for seed in range(options.first, options.first + options.seeds):
         found = fitted(force, seed, profiles=False, starts=32)

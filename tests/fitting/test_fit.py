@@ -122,3 +122,27 @@ def test_random_scenes_need_members():
     data = np.arange(1.0, 9.0), np.arange(8.0)
     with pytest.raises(InputError, match="members: is missing"):
         tribo.fit(scene, data, {"field.amplitude": (0.1, 0.2)}, afm.QUANTITY)
+
+
+def test_a_thermal_scene_is_fitted_by_means():
+    """The mean path of a warm tip; candidates share their noise, so that chi^2 is smooth."""
+    warm = replace(afm.scene().surfaces[0], langevin=tribo.Langevin(2.0, 0.0005))
+    scene = replace(afm.scene(), surfaces=(warm,), duration=12.0)
+    t = np.linspace(1.0, 12.0, 23)
+    true = with_values(scene, {"upper.drive.stiffness": 0.5})
+    true = replace(true, output=tribo.Output(times=t[:-1].tolist()))
+    many = tribo.ensemble(true, 32, keep=["upper.x_bar"], at="samples", seed=5, progress=False)
+    mean = many["upper.x_bar"].mean("member").sel(time=t, method="nearest").values[:, 0]
+    ranges = {"upper.drive.stiffness": (0.3, 0.8)}
+    found = tribo.fit(
+        scene,
+        (t, mean),
+        ranges,
+        "upper.x_bar",
+        noise=0.01,
+        members=8,
+        starts=4,
+        profiles=False,
+    )
+    assert found.values["upper.drive.stiffness"] == pytest.approx(0.5, abs=0.03)
+    assert any("correlated over time" in note for note in found.notes)

@@ -87,6 +87,9 @@ def test_maps_add_up_to_averages(result):
     assert found["normal"].sum().item() == pytest.approx(tribo.time_average(t, normal, 0.0).mean)
     assert found["x"].values[:6] == pytest.approx(np.arange(6.0))
     assert np.unique(found["z"]).size == 2
+    assert result.plot.friction_map("lower", "normal").get_ylabel() == "$z$"
+    assert result.plot.friction_map("upper").get_ylabel() == "mean friction force"
+    assert result.plot.contacts("lower").get_ylim()[0] == 0.0
     assert np.isnan(found["friction_half_width"]).all()  # 21 samples are too few
     plain = tribo.simulate(replace(result.scene, output=Output(samples=5)), accuracy=1e-3)
     with pytest.raises(InputError, match=r'output\.series: must contain "forces"'):

@@ -137,6 +137,8 @@ def test_a_loop_is_that_of_another_integration(swung):
         float(last.area / last.stroke), rel=1e-9
     )
     assert float(last.forward) > 0.2 > -0.2 > float(last.backward)
+    axes = swung.plot.loop("upper", position=stage)
+    assert "area" in axes.get_title() and axes.get_ylabel() == "force on upper"
     inner = swung.loop("upper", position=stage, margin=0.25)
     assert inner.forward.mean > found.forward.mean  # without the springs' turn
     assert inner.area.mean == found.area.mean

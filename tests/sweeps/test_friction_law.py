@@ -60,7 +60,7 @@ def test_means_over_members():
     assert np.allclose(data["friction_half_width"], found.half_width)
     assert data.attrs["intervals"] == "members and seeds"
     axes = law_lines(data)
-    assert axes.get_xlabel() == "temperature (energy)" and "tip" in axes.get_ylabel()
+    assert axes.get_xlabel() == "temperature" and "tip" in axes.get_ylabel()
 
 
 @pytest.mark.parametrize(

@@ -151,10 +151,7 @@ def _as_json(data: xarray.Dataset) -> str:
             one = data.sel(quantity=quantity, key=key)
             row = {"quantity": quantity, "key": key, "value": one["value"].item()}
             rows.append(row | {name: one[name].item() for name in names})
-    values = {
-        name: data["quantity_value"].sel(quantity=name).item()
-        for name in data["quantity"].values.tolist()
-    }
+    values = {str(one["quantity"].item()): one.item() for one in data["quantity_value"]}
     notes = json.loads(data.attrs["notes"])
     whole = {"derivatives": rows, "quantities": values, "runs": data.attrs["runs"], "notes": notes}
     return strict_json(whole)

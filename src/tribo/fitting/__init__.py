@@ -121,10 +121,10 @@ def fit(
         raise InputError("scene", "completes at none of the starts in the ranges; give others")
     minima = search.distinct([search.local(residuals, each.parts) for each in tried[:SEARCHED]])
     best = minima[0]
-    scale = 1.0 if sigma is not None else float(np.sqrt(best.chi2 / degrees))
+    scale = _scale(sigma, best, degrees)
     curvature = search.curvature(residuals, best.parts, scale)
     best = min(best, search.local(residuals, best.parts, steps=curvature.steps), key=_chi2)
-    scale = 1.0 if sigma is not None else float(np.sqrt(best.chi2 / degrees))
+    scale = _scale(sigma, best, degrees)
     curvature = search.curvature(residuals, best.parts, scale)
     width = box.high - box.low
     quantile = search.quantile(sigma is not None, degrees)
@@ -149,6 +149,11 @@ def fit(
         *notes.on_other_minima(minima, best, lowest, scale, box),
         *notes.on_residuals(trace.values - series.values[0], residuals, sigma, best, degrees),
     ]
+    if members is not None:
+        remarks.append(
+            "errors of means over members are correlated over time, which intervals leave out; "
+            "repeat the fit with another seed, or with more members, to see what they change"
+        )
     values = dict(zip(box.keys, box.values(best.parts).tolist(), strict=True))
     return Fit(
         values=values,
@@ -165,6 +170,13 @@ def fit(
         runs=model.runs,
         ranges={key: (float(a), float(b)) for key, a, b in zip(*box, strict=True)},
     )
+
+
+def _scale(sigma: np.ndarray | None, best: search.Minimum, degrees: int) -> float:
+    """The noise in units of that of the residuals: 1 where it is given."""
+    if sigma is not None:
+        return 1.0
+    return max(float(np.sqrt(best.chi2 / degrees)), float(np.finfo(float).eps))
 
 
 def _chi2(minimum: search.Minimum) -> float:

@@ -45,8 +45,12 @@ class Fit:
         The scene with the values.
     trace : Trace
         The measured series, with `t` and `values`.
+    quantity : str
+        The quantity that was measured.
     runs : int
         Number of points that were simulated.
+    ranges : mapping of str to (float, float)
+        The ranges of the parameters.
     """
 
     values: dict[str, float]

@@ -170,7 +170,7 @@ class Film:
         return Image.frombuffer("RGBA", size, pixels, "raw", "RGBA", 0, 1).convert("RGB")
 
     def _pose(self, sample: int) -> Pose:
-        return pose(self._result, float(self._result.t[sample]), self._bath)
+        return pose(self._result, float(self._result.t[sample]), self._bath, wrap=True)
 
     def show(self, sample: int) -> None:
         t = self._result.t

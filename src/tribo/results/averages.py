@@ -348,7 +348,15 @@ def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:
 
 
 class SampleMean(NamedTuple):
-    """The mean of independent values, and the half-width of its 95 % interval, NaN of one."""
+    """The mean of independent values.
+
+    Attributes
+    ----------
+    mean : float
+        The mean, in the unit of the values.
+    half_width : float
+        Half-width of its 95 % interval; NaN of a single value.
+    """
 
     mean: float
     half_width: float

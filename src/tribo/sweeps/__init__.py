@@ -83,7 +83,8 @@ def sweep(
     xarray.Dataset
         A data set as for an ensemble, with a dimension for each key, which is a coordinate.  Keys
         that are swept together share the dimension `point`.  ``status``, ``steps``,
-        ``force_evaluations``, ``level`` and ``error`` are those of each run.  Values of runs that did not complete are NaN.
+        ``force_evaluations``, ``level`` and ``error`` are those of each run.  Values of runs that
+        did not complete are NaN.
 
         Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
         a point that missed it has its values and the status "AccuracyMissed".  With members, their

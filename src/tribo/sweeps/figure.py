@@ -170,8 +170,7 @@ def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None 
             style: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
             style |= {"color": colour, "label": ", ".join(labels)}
             ax.errorbar(places, own["friction"].values, half_width, **style)
-        unit = data[name].attrs["units"]
-        ax.set(xlabel=f"{LAW_LABELS[name]} ({unit})", ylabel=f"friction on {data.attrs['surface']}")
+        ax.set(xlabel=LAW_LABELS[name], ylabel=f"friction on {data.attrs['surface']}")
         if name == "speed" and np.ptp(np.log10(np.abs(places))) >= 1.0:
             ax.set_xscale("log")
         if others:
