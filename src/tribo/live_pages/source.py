@@ -34,7 +34,7 @@ MOST_STEPS = 20_000
 # Options of the program that the page's script reads and writes.
 PLACES = (
     *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
-    *("AMPLITUDE", "PHASE1", "PHASE2", "ROUGH"),
+    *("AMPLITUDE", "PHASE1", "PHASE2", "ROUGH", "TEMPERATURE", "DRAWN1", "DRAWN2"),
 )
 # Meanings of what only live pages show.
 MEANINGS_HERE = {

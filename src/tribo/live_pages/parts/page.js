@@ -49,8 +49,10 @@ const BODY = `
     <div class="scroll"><table><thead><tr><th scope="col">Quantity</th><th scope="col" data-part="now"></th><th scope="col">at the end</th><th scope="col">error up to</th></tr></thead><tbody data-part="table"></tbody></table></div>
   </div>
   <div role="tabpanel" tabindex="0" data-part="startsPanel" data-tab="Many starts" hidden>
-    <p>Swings of equal energy with random phases before the encounter: <span data-part="startsSentence"></span></p>
-    <label>Largest swing <input type="range" min="0.02" max="1" step="0.02" value="0.3" data-part="amplitude"> <output data-part="amplitudeShown">0.3</output></label>
+    <label>Starts <select data-part="startsKind"><option value="temperature">in thermal equilibrium</option><option value="amplitude">with swings of equal energy</option></select></label>
+    <label><span data-part="startsLabel"></span> <input type="range" min="0.02" max="1" step="0.02" value="0.3" data-part="amplitude"> <output data-part="amplitudeShown">0.3</output></label>
+    <label>Histogram of <select data-part="startsQuantity"><option value="delta_e_int">energy gained by both swings</option></select></label>
+    <p data-part="startsSentence"></p>
     <canvas class="starts" role="img" aria-label="Histogram of works" data-part="starts"></canvas>
     <button type="button" data-part="more">Start</button> <label><input type="checkbox" data-part="mirrored"> reflected at zero</label>
   </div>
@@ -455,23 +457,29 @@ async function startPage(element, source) {
     resimulate();
   });
 
-  // Many starts: swings of equal energy, with random phases.
+  // Many starts: swings with random phases, at a temperature or of equal energy.
   let starts = null;
-  const works = [];
+  const gains = [];
+  for (const { name } of source.surfaces) part("startsQuantity").add(new Option(`work of friction on ${name}`, name));
   panels.push((isNew) => {
-    if (isNew && starts !== null) stopStarts();
-    if (isNew) works.length = 0;
+    if (isNew) clearStarts();
     if (isOpen("startsPanel")) showStarts();
   });
 
   function showStarts() {
-    const which = source.subject;
-    const mean = works.reduce((a, b) => a + b, 0) / (works.length || 1);
-    const spread = Math.sqrt(works.reduce((a, b) => a + (b - mean) ** 2, 0) / Math.max(1, works.length - 1));
-    part("startsSentence").textContent = works.length
-      ? `of ${works.length} runs, friction takes energy from ${source.surfaces[which].name} in ${Math.round((100 * works.filter((w) => w < 0).length) / works.length)} %; mean work ${shownShort(mean)} ± ${shownShort(spread / Math.sqrt(works.length))}.`
-      : "each start gives another work of friction.";
-    drawHistogram(part("starts"), works, part("mirrored").checked, `work of friction on ${source.surfaces[which].name}`);
+    const kind = part("startsKind").value;
+    const size = Number(part("amplitude").value);
+    part("startsLabel").textContent = kind === "temperature" ? "Temperature" : "Largest swing";
+    part("amplitudeShown").textContent = part("amplitude").value;
+    const what = part("startsQuantity").selectedOptions[0].textContent;
+    const mean = meanOf(gains);
+    let said = `Of ${gains.length} runs, ${Math.round((100 * gains.filter((w) => w < 0).length) / gains.length)} % are below zero; mean ${shownShort(mean.value)} ± ${shownShort(mean.error)}.`;
+    if (kind === "temperature" && part("startsQuantity").value === "delta_e_int") {
+      const average = meanOf(gains.map((w) => Math.exp(-w / size)));
+      said += ` The mean of exp(−gain / temperature) is ${shownShort(average.value)} ± ${shownShort(average.error)}.`;
+    }
+    part("startsSentence").textContent = gains.length ? said : "Each start gives another value.";
+    drawHistogram(part("starts"), gains, part("mirrored").checked, what);
   }
 
   function stopStarts() {
@@ -480,26 +488,37 @@ async function startPage(element, source) {
     part("more").textContent = "Start";
   }
 
+  function clearStarts() {
+    stopStarts();
+    gains.length = 0;
+  }
+
   part("more").addEventListener("click", () => {
     if (starts !== null) {
       stopStarts();
       return;
     }
-    starts = startWorker(source, state.numbers, Number(part("amplitude").value), part("lengthen").checked);
+    if (gains.length >= MOST_STARTS) clearStarts();
+    const { asperite } = source.names;
+    const chosenName = part("startsQuantity").value;
+    const index = source.surfaces.findIndex(({ name }) => name === chosenName);
+    const rows = index < 0 ? [0, 1].map((k) => k * asperite.length + asperite.indexOf("delta_e_int")) : [index * asperite.length + asperite.indexOf("w1")];
+    const swings = { [part("startsKind").value]: Number(part("amplitude").value) };
+    starts = startWorker(source, state.numbers, swings, rows, part("lengthen").checked);
     part("more").textContent = "Stop";
     starts.onmessage = ({ data }) => {
-      works.push(...data);
+      gains.push(...data);
       showStarts();
-      if (works.length >= MOST_STARTS) stopStarts();
+      if (gains.length >= MOST_STARTS) stopStarts();
     };
     starts.onerror = () => stopStarts();
   });
-  part("amplitude").addEventListener("input", () => {
-    part("amplitudeShown").textContent = part("amplitude").value;
-    stopStarts();
-    works.length = 0;
-    showStarts();
-  });
+  for (const name of ["amplitude", "startsKind", "startsQuantity"]) {
+    part(name).addEventListener("input", () => {
+      clearStarts();
+      showStarts();
+    });
+  }
   part("mirrored").addEventListener("change", showStarts);
 
   // Files.

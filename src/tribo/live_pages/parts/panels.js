@@ -206,7 +206,14 @@ function makeScan(draw) {
   };
 }
 
-// A histogram of works over many starts.
+// The mean of values and its standard error.
+function meanOf(values) {
+  const value = values.reduce((a, b) => a + b, 0) / (values.length || 1);
+  const spread = values.reduce((a, b) => a + (b - value) ** 2, 0) / Math.max(1, values.length - 1);
+  return { value, error: Math.sqrt(spread / (values.length || 1)) };
+}
+
+// A histogram over many starts.
 function drawHistogram(canvas, values, mirrored, title) {
   const { context, width, height } = prepared(canvas);
   if (!values.length) return;
