@@ -473,10 +473,10 @@ async function startPage(element, source) {
     part("amplitudeShown").textContent = part("amplitude").value;
     const what = part("startsQuantity").selectedOptions[0].textContent;
     const mean = meanOf(gains);
-    let said = `Of ${gains.length} runs, ${Math.round((100 * gains.filter((w) => w < 0).length) / gains.length)} % are below zero; mean ${shownShort(mean.value)} ± ${shownShort(mean.error)}.`;
+    let said = `Of ${gains.length} runs, ${Math.round((100 * gains.filter((w) => w < 0).length) / gains.length)} % are below zero; mean ${shownWithError(mean)}.`;
     if (kind === "temperature" && part("startsQuantity").value === "delta_e_int") {
       const average = meanOf(gains.map((w) => Math.exp(-w / size)));
-      said += ` The mean of exp(−gain / temperature) is ${shownShort(average.value)} ± ${shownShort(average.error)}.`;
+      said += ` The mean of exp(−gain / temperature) is ${shownWithError(average)}.`;
     }
     part("startsSentence").textContent = gains.length ? said : "Each start gives another value.";
     drawHistogram(part("starts"), gains, part("mirrored").checked, what);

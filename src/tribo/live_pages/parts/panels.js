@@ -213,6 +213,12 @@ function meanOf(values) {
   return { value, error: Math.sqrt(spread / (values.length || 1)) };
 }
 
+// A mean with as many digits as its error has.
+function shownWithError({ value, error }) {
+  const digits = error > 0 ? Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 3;
+  return `${value.toFixed(digits)} ± ${error.toFixed(digits)}`.replace("-", "−");
+}
+
 // A histogram over many starts.
 function drawHistogram(canvas, values, mirrored, title) {
   const { context, width, height } = prepared(canvas);
