@@ -57,6 +57,7 @@ def test_given_controls(tmp_path):
     (shown,) = controls.shown
     assert (shown.low, shown.high, shown.label, shown.value) == (0.1, 1.0, "Tempo", 0.5)
     assert controls.words == {"title": "Titel"}
+    assert controls_of(SCENE, given | {"panel": "Energy"}).words["panel"] == "Energy"
     file = tmp_path / "controls.toml"
     file.write_text('title = "Titel"\n["upper.velocity"]\nrange = [0.1, 1.0]\nlabel = "Tempo"\n')
     assert controls_of(SCENE, file) == controls
@@ -70,6 +71,7 @@ def test_given_controls(tmp_path):
         ({"upper.asperite.m1": [-1.0, 1.0]}, "must be positive"),
         ({"upper.velocity": 3.0}, "must be a range"),
         (3, "controls: must be a mapping"),
+        ({"panel": "Heat"}, "controls.panel: must be one of End value, Energy"),
     ],
 )
 def test_wrong_controls(given, problem):

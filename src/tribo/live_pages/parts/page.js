@@ -359,9 +359,9 @@ async function startPage(element, source) {
     const keys = chosen();
     const axes = keys.map((key) => ({ ...controlOf(key), present: state.value(key) }));
     const [x, y] = axes;
+    part("end").setAttribute("aria-busy", "false");
     if (y) {
-      const at = drawMap(part("end"), points, x, y);
-      pointAt = (px, py) => at(px, py);
+      pointAt = drawMap(part("end"), points, x, y);
     } else {
       const at = drawPoints(part("end"), points, x.present, x.label);
       pointAt = at && ((px) => ({ [x.key]: at(px) }));
@@ -393,6 +393,8 @@ async function startPage(element, source) {
     if (!isNew || !isOpen("endPanel") || !part("endKey").value) return;
     const keys = chosen();
     const [surface, quantity] = part("endQuantity").value.split(".");
+    pointAt = null; // until the runs are made
+    part("end").setAttribute("aria-busy", "true");
     scan(gridOf(keys.map(controlOf)), (values) => {
       const [x, y] = values;
       try {
