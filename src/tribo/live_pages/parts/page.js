@@ -123,7 +123,6 @@ async function startPage(element, source) {
   let marked = null;
   let group = source.surfaces[0].name;
   let observer = 0;
-  let pointAt = null; // the values of keys below a point of the end panel
   let view = null;
 
   const withObserver = (numbers) => {
@@ -352,72 +351,15 @@ async function startPage(element, source) {
     }
   }
 
-  // The end value against a control, or against two as a map.
-  const controlOf = (key) => source.controls.find((each) => each.key === key);
-  const chosen = () => [part("endKey").value, part("endSecond").value].filter((key, k, keys) => key && keys.indexOf(key) === k);
-  const scan = makeScan((points) => {
-    const keys = chosen();
-    const axes = keys.map((key) => ({ ...controlOf(key), present: state.value(key) }));
-    const [x, y] = axes;
-    part("end").setAttribute("aria-busy", "false");
-    if (y) {
-      pointAt = drawMap(part("end"), points, x, y);
-    } else {
-      const at = drawPoints(part("end"), points, x.present, x.label);
-      pointAt = at && ((px) => ({ [x.key]: at(px) }));
-    }
-  });
-  source.surfaces.forEach(({ name }) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans"].forEach((quantity) => {
-    part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
-  }));
-  for (const { key, label } of source.controls) if (!state.choices.has(key)) ["endKey", "endSecond"].forEach((name) => part(name).add(new Option(label, key)));
-  part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
-  part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
-
-  // The result of a short run; with `lengthen` it lasts until the bobs have passed.
-  function endOf(numbers) {
-    let found = short(withObserver(numbers), { level: 10 * source.level });
-    if (part("lengthen").checked && found.code === 0 && !found.passed && found.needed > numbers[source.duration]) {
-      numbers[source.duration] = found.needed;
-      found = short(numbers, { level: 10 * source.level });
-    }
-    return found;
-  }
-
-  const valueAtEnd = (result, surface, quantity) => {
-    const values = tableOf(source, result, source.surfaces.findIndex(({ name }) => name === surface))[quantity];
-    return result.code === 0 && result.reached === 2 ? values[1] : NaN;
-  };
-
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("endPanel") || !part("endKey").value) return;
-    const keys = chosen();
-    const [surface, quantity] = part("endQuantity").value.split(".");
-    pointAt = null; // until the runs are made
-    part("end").setAttribute("aria-busy", "true");
-    scan(gridOf(keys.map(controlOf)), (values) => {
-      const [x, y] = values;
-      try {
-        const result = endOf(state.numbersWith(Object.fromEntries(keys.map((key, k) => [key, values[k]]))));
-        const value = valueAtEnd(result, surface, quantity);
-        return y === undefined ? { x, y: value, shown: result.passed } : { x, y, value, shown: result.passed };
-      } catch {
-        return y === undefined ? { x, y: NaN, shown: false } : { x, y, value: NaN, shown: false };
-      }
-    });
-  });
-  for (const name of ["endQuantity", "endKey", "endSecond", "lengthen"]) part(name).addEventListener("change", () => panels.forEach((panel) => panel(true)));
-  part("end").addEventListener("click", (event) => {
-    if (!pointAt) return;
-    const values = Object.entries(pointAt(event.offsetX, event.offsetY));
-    change(Object.fromEntries(values.map(([key, value]) => [key, Number(value.toPrecision(3))])));
-  });
+  const showAll = () => panels.forEach((panel) => panel(true));
+  const own = { part, source, state, isOpen, change, showAll, short, observed: withObserver, run: () => run };
+  for (const make of [makeEndPanel, makeStartsPanel, makeFilesPanel]) panels.push(make(own));
 
   // Energies and powers.
   const scale = { energy: 0, power: 0 };
   source.surfaces.forEach(({ name }, index) => part("powerSurface").add(new Option(name, index)));
   part("powerSurface").value = source.subject;
-  part("powerSurface").addEventListener("change", () => panels.forEach((panel) => panel(true)));
+  part("powerSurface").addEventListener("change", showAll);
   panels.push((isNew) => {
     if (!isOpen("energyPanel")) return;
     const surface = Number(part("powerSurface").value);
@@ -457,111 +399,6 @@ async function startPage(element, source) {
     observer = Number(part("observer").value);
     part("observerShown").textContent = shownShort(observer);
     resimulate();
-  });
-
-  // Many starts: swings with random phases, at a temperature or of equal energy.
-  let starts = null;
-  const gains = [];
-  for (const { name } of source.surfaces) part("startsQuantity").add(new Option(`work of friction on ${name}`, name));
-  panels.push((isNew) => {
-    if (isNew) clearStarts();
-    if (isOpen("startsPanel")) showStarts();
-  });
-
-  function showStarts() {
-    const kind = part("startsKind").value;
-    const size = Number(part("amplitude").value);
-    part("startsLabel").textContent = kind === "temperature" ? "Temperature" : "Largest swing";
-    part("amplitudeShown").textContent = part("amplitude").value;
-    const what = part("startsQuantity").selectedOptions[0].textContent;
-    const mean = meanOf(gains);
-    let said = `Of ${gains.length} runs, ${Math.round((100 * gains.filter((w) => w < 0).length) / gains.length)} % are below zero; mean ${shownWithError(mean)}.`;
-    if (kind === "temperature" && part("startsQuantity").value === "delta_e_int") {
-      const average = meanOf(gains.map((w) => Math.exp(-w / size)));
-      said += ` The mean of exp(−gain / temperature) is ${shownWithError(average)}.`;
-    }
-    part("startsSentence").textContent = gains.length ? said : "Each start gives another value.";
-    drawHistogram(part("starts"), gains, part("mirrored").checked, what);
-  }
-
-  function stopStarts() {
-    starts?.terminate();
-    starts = null;
-    part("more").textContent = "Start";
-  }
-
-  function clearStarts() {
-    stopStarts();
-    gains.length = 0;
-  }
-
-  part("more").addEventListener("click", () => {
-    if (starts !== null) {
-      stopStarts();
-      return;
-    }
-    if (gains.length >= MOST_STARTS) clearStarts();
-    const { asperite } = source.names;
-    const chosenName = part("startsQuantity").value;
-    const index = source.surfaces.findIndex(({ name }) => name === chosenName);
-    const rows = index < 0 ? [0, 1].map((k) => k * asperite.length + asperite.indexOf("delta_e_int")) : [index * asperite.length + asperite.indexOf("w1")];
-    const swings = { [part("startsKind").value]: Number(part("amplitude").value) };
-    starts = startWorker(source, state.numbers, swings, rows, part("lengthen").checked);
-    part("more").textContent = "Stop";
-    starts.onmessage = ({ data }) => {
-      gains.push(...data);
-      showStarts();
-      if (gains.length >= MOST_STARTS) stopStarts();
-    };
-    starts.onerror = () => stopStarts();
-  });
-  for (const name of ["amplitude", "startsKind", "startsQuantity"]) {
-    part(name).addEventListener("input", () => {
-      clearStarts();
-      showStarts();
-    });
-  }
-  part("mirrored").addEventListener("change", showStarts);
-
-  // Files.
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("filesPanel")) return;
-    const lines = Object.entries(state.changes()).map(([key, value]) => `    "${key}": ${JSON.stringify(value)},\n`).join("");
-    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
-    part("link").href = window.location.href;
-  });
-
-  function download(name, type, content) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
-    link.download = name;
-    link.click();
-    window.setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  }
-
-  part("csv").addEventListener("click", () => {
-    const columns = [["t", run.times]];
-    run.groups.forEach(({ name }, index) => Object.entries(tableOf(source, run.result, index)).forEach(([quantity, values]) => {
-      columns.push([index < 2 ? `${name}.${quantity}` : quantity, values]);
-    }));
-    const rows = Array.from(run.times, (_, k) => columns.map(([, values]) => values[k]).join(","));
-    download("run.csv", "text/csv", `${[columns.map(([name]) => name).join(","), ...rows].join("\n")}\n`);
-  });
-  part("png").addEventListener("click", () => {
-    const both = [part("scene"), part("curves")];
-    const picture = document.createElement("canvas");
-    picture.width = Math.max(...both.map((each) => each.width));
-    picture.height = both.reduce((sum, each) => sum + each.height, 0);
-    const context = picture.getContext("2d");
-    context.fillStyle = colour(part("scene"), "back");
-    context.fillRect(0, 0, picture.width, picture.height);
-    context.drawImage(both[0], 0, 0);
-    context.drawImage(both[1], 0, both[0].height);
-    picture.toBlob((blob) => download("run.png", "image/png", blob));
-  });
-  part("toml").addEventListener("click", () => {
-    const sets = Object.entries(state.changes()).map(([key, value]) => ` --set ${key}=${value}`).join("");
-    download("scene.toml", "text/plain", `${sets ? `# The page showed: tribo run scene.toml${sets}\n\n` : ""}${source.toml}`);
   });
 
   // ---- the rest of the page
