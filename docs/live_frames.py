@@ -62,7 +62,6 @@ PAGES = {
         tribo.paper.scene("A"),
         {
             "*.swing": {"range": [-1.0, 1.0], "label": "swing of both pendulums"},
-            "upper.velocity": None,
             "interaction.strength": None,
         },
     ),

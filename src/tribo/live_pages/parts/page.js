@@ -50,7 +50,7 @@ const BODY = `
   </div>
   <div role="tabpanel" tabindex="0" data-part="startsPanel" data-tab="Many starts" hidden>
     <label>Starts <select data-part="startsKind"><option value="temperature">in thermal equilibrium</option><option value="amplitude">with swings of equal energy</option></select></label>
-    <label><span data-part="startsLabel"></span> <input type="range" min="0.02" max="1" step="0.02" value="0.3" data-part="amplitude"> <output data-part="amplitudeShown">0.3</output></label>
+    <label><span data-part="startsLabel"></span> <input type="range" min="0.02" max="2" step="0.02" value="1" data-part="amplitude"> <output data-part="amplitudeShown">1</output></label>
     <label>Histogram of <select data-part="startsQuantity"><option value="delta_e_int">energy gained by both swings</option></select></label>
     <p data-part="startsSentence"></p>
     <canvas class="starts" role="img" aria-label="Histogram of works" data-part="starts"></canvas>

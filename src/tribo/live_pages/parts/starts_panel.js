@@ -1,5 +1,7 @@
 // The panel "Many starts": swings with random phases, at a temperature or of equal energy.
 
+const RARE = 0.05; // the part of a sum from which a single run decides it
+
 function makeStartsPanel({ part, source, state, isOpen }) {
   let starts = null;
   const gains = [];
@@ -14,8 +16,10 @@ function makeStartsPanel({ part, source, state, isOpen }) {
     const mean = meanOf(gains);
     let said = `Of ${gains.length} runs, ${Math.round((100 * gains.filter((w) => w < 0).length) / gains.length)} % are below zero; mean ${shownWithError(mean)}.`;
     if (kind === "temperature" && part("startsQuantity").value === "delta_e_int") {
-      const average = meanOf(gains.map((w) => Math.exp(-w / size)));
-      said += ` The mean of exp(−gain / temperature) is ${shownWithError(average)}.`;
+      const terms = gains.map((w) => Math.exp(-w / size));
+      said += ` The mean of exp(−gain / temperature) is ${shownWithError(meanOf(terms))}.`;
+      const isRare = Math.max(...terms) > RARE * terms.reduce((a, b) => a + b, 0);
+      if (isRare) said += " A few rare runs decide this mean, so that its error is not known; a higher temperature has more of them.";
     }
     part("startsSentence").textContent = gains.length ? said : "Each start gives another value.";
     drawHistogram(part("starts"), gains, part("mirrored").checked, what);
