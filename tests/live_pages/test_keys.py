@@ -115,9 +115,19 @@ def test_what_cannot_go_in(change, reason):
     assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)
 
 
-def test_tables_cannot_go_in():
-    """Nor can potentials with a part that is one."""
+class Listed(tribo.Potential):
+    """A potential with whole numbers in an array."""
+
+    powers: np.ndarray
+
+    def energy(self, r):
+        return r ** -self.powers[0]
+
+
+def test_arrays():
+    """Tables of points can go in, alone and in sums; arrays of whole numbers cannot."""
     table = tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 6.0, 1e-6)
     for potential in (table, tribo.Coulomb(0.2) + table):
-        with pytest.raises(InputError, match="its potential is a table of points"):
-            check(replace(SCENE, interactions=(potential,)))
+        check(replace(SCENE, interactions=(potential,)))
+    with pytest.raises(InputError, match="has an array that is no row of numbers"):
+        check(replace(SCENE, interactions=(Listed(np.array([1])),)))
