@@ -58,6 +58,13 @@ PAGES = {
     "frames": lambda: _case("A", "Numbers"),
     "starts": lambda: _case("A", "Many starts"),
     "heat": lambda: _case("A", "Energy"),
+    "direction": lambda: LiveScene(
+        tribo.paper.scene("A"),
+        {
+            "*.swing": {"range": [-1.0, 1.0], "label": "swing of both pendulums"},
+            "interaction.strength": None,
+        },
+    ),
     "lennard_jones": lambda: _with(tribo.LennardJones(0.1, 0.5), "Lennard-Jones", 0.6),
     "morse": lambda: _with(tribo.Morse(0.2, 1.5, 0.8), "Morse", 0.5),
     "yukawa": lambda: _with(tribo.Yukawa(0.3, 0.5), "Yukawa", 0.0),

@@ -207,6 +207,15 @@ def test_pictures_have_captions(page):
     assert all(re.search(r"\d", caption) for caption in captions)
 
 
+def test_live_pages_are_those_of_the_pages():
+    """Each page in a frame is made, and each that is made stands in a page."""
+    pytest.importorskip("sphinx", reason="needs tribo[docs]")
+    named = set()
+    for page in (ROOT / "docs").rglob("*.md"):
+        named |= set(re.findall(r"^```\{live\} (\w+)$", page.read_text("utf-8"), re.MULTILINE))
+    assert named == set(module_of_docs("live_frames").PAGES)
+
+
 def architecture():
     """The text of the page on architecture."""
     return (ROOT / "docs" / "developers" / "architecture.md").read_text(encoding="utf-8")

@@ -49,6 +49,7 @@ POTENTIALS = {
     "Switched": tribo.Morse(0.3, 1.5, 1.0).with_cutoff(4.0),
     "ForceShifted": tribo.LennardJones(0.3, 0.8).with_cutoff(3.0, "force-shift"),
     "Shifted": tribo.Coulomb(0.2).with_cutoff(5.0, "shift"),
+    "Table": tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 12.0, 1e-6),
     "Truncated": tribo.Coulomb(0.2).with_cutoff(5.0, "truncate"),
 }
 # Of the run that the others are compared with.

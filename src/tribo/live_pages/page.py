@@ -19,7 +19,10 @@ from tribo.viewer.html import part as viewer_part
 # The scripts, in the order in which they need one another; those of the viewer first.  A worker has
 # those in WORKER alone.
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
-SCRIPTS = ("machine.js", "state.js", "runs.js", "panels.js", "worker.js", "page.js")
+SCRIPTS = (
+    *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
+    *("end_panel.js", "starts_panel.js", "files_panel.js", "page.js"),
+)
 WORKER = ("machine.js",)
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval' "

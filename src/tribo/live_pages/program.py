@@ -24,9 +24,11 @@ from tribo.pair.loop import integrate_pair
 # jumps.  The program writes the number of samples that were REACHED, that of evaluations, and what
 # `passing` returns.
 GIVEN, LEVEL, NEAR, ESTIMATE, MOST_STEPS, REACHED, EVALUATIONS, PASSED, NEEDED = range(9)
-# With an AMPLITUDE above 0 [rad] both pendulums begin a free swing of it, at their own phases.
-AMPLITUDE, PHASE1, PHASE2, ROUGH = range(9, 13)
-OPTIONS = 13
+# With an AMPLITUDE above 0 [rad] both pendulums begin a free swing of it, at their own phases; with
+# a TEMPERATURE above 0, swings whose energies a canonical ensemble has.  For these, DRAWN1 and
+# DRAWN2 are random numbers from 0 to 1.
+AMPLITUDE, PHASE1, PHASE2, ROUGH, TEMPERATURE, DRAWN1, DRAWN2 = range(9, 16)
+OPTIONS = 16
 # Level of the run that measures scales, and the largest part of the way to an encounter in it.
 PILOT = 1e-4
 PILOT_NEAR = 0.5
@@ -94,15 +96,28 @@ def passing(pair, series, count):
 
 
 @kernel
-def begin_swings(pair, options, start):
-    """Begin both pendulums at phases of a free swing, which all have one amplitude."""
-    amplitude = options[AMPLITUDE]
+def amplitude_of(body, options, drawn):
+    """The amplitude of a free swing: that of the options, or of an energy that is drawn.
+
+    Of a harmonic swing at a temperature, energies are distributed exponentially.
+    """
+    temperature = options[TEMPERATURE]
+    if temperature == 0.0:
+        return options[AMPLITUDE]
+    return math.sqrt(-2.0 * temperature * math.log(1.0 - drawn) / body.kappa)
+
+
+@kernel
+def begin_swings(bodies, pair, options, start):
+    """Begin both pendulums at phases of a free swing."""
+    amplitude1 = amplitude_of(bodies[0], options, options[DRAWN1])
+    amplitude2 = amplitude_of(bodies[1], options, options[DRAWN2])
     phases = with_lane(broadcast(options[PHASE1]), 1, options[PHASE2])
     sin, cos = sine_cosine(phases)
-    start[0] = amplitude * lane(cos, 0)
-    start[1] = amplitude * lane(cos, 1)
-    start[2] = -amplitude * math.sqrt(pair.omega_squared1) * lane(sin, 0)
-    start[3] = -amplitude * math.sqrt(pair.omega_squared2) * lane(sin, 1)
+    start[0] = amplitude1 * lane(cos, 0)
+    start[1] = amplitude2 * lane(cos, 1)
+    start[2] = -amplitude1 * math.sqrt(pair.omega_squared1) * lane(sin, 0)
+    start[3] = -amplitude2 * math.sqrt(pair.omega_squared2) * lane(sin, 1)
 
 
 class Coarser(NamedTuple):
@@ -209,8 +224,8 @@ def live_pair(
     start[1] = numbers[at + inputs.SWING]
     start[2] = numbers[inputs.OMEGA]
     start[3] = numbers[at + inputs.OMEGA]
-    if options[AMPLITUDE] > 0.0:
-        begin_swings(pair, options, start)
+    if options[AMPLITUDE] > 0.0 or options[TEMPERATURE] > 0.0:
+        begin_swings(bodies, pair, options, start)
     bar_lengths = numbers[inputs.BAR_LENGTH], numbers[at + inputs.BAR_LENGTH]
     sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
     most = int(options[MOST_STEPS])

@@ -49,8 +49,10 @@ const BODY = `
     <div class="scroll"><table><thead><tr><th scope="col">Quantity</th><th scope="col" data-part="now"></th><th scope="col">at the end</th><th scope="col">error up to</th></tr></thead><tbody data-part="table"></tbody></table></div>
   </div>
   <div role="tabpanel" tabindex="0" data-part="startsPanel" data-tab="Many starts" hidden>
-    <p>Swings of equal energy with random phases before the encounter: <span data-part="startsSentence"></span></p>
-    <label>Largest swing <input type="range" min="0.02" max="1" step="0.02" value="0.3" data-part="amplitude"> <output data-part="amplitudeShown">0.3</output></label>
+    <label>Starts <select data-part="startsKind"><option value="temperature">in thermal equilibrium</option><option value="amplitude">with swings of equal energy</option></select></label>
+    <label><span data-part="startsLabel"></span> <input type="range" min="0.02" max="2" step="0.02" value="1" data-part="amplitude"> <output data-part="amplitudeShown">1</output></label>
+    <label>Histogram of <select data-part="startsQuantity"><option value="delta_e_int">energy gained by both swings</option></select></label>
+    <p data-part="startsSentence"></p>
     <canvas class="starts" role="img" aria-label="Histogram of works" data-part="starts"></canvas>
     <button type="button" data-part="more">Start</button> <label><input type="checkbox" data-part="mirrored"> reflected at zero</label>
   </div>
@@ -121,7 +123,6 @@ async function startPage(element, source) {
   let marked = null;
   let group = source.surfaces[0].name;
   let observer = 0;
-  let pointAt = null; // the values of keys below a point of the end panel
   let view = null;
 
   const withObserver = (numbers) => {
@@ -350,70 +351,15 @@ async function startPage(element, source) {
     }
   }
 
-  // The end value against a control, or against two as a map.
-  const controlOf = (key) => source.controls.find((each) => each.key === key);
-  const chosen = () => [part("endKey").value, part("endSecond").value].filter((key, k, keys) => key && keys.indexOf(key) === k);
-  const scan = makeScan((points) => {
-    const keys = chosen();
-    const axes = keys.map((key) => ({ ...controlOf(key), present: state.value(key) }));
-    const [x, y] = axes;
-    if (y) {
-      const at = drawMap(part("end"), points, x, y);
-      pointAt = (px, py) => at(px, py);
-    } else {
-      const at = drawPoints(part("end"), points, x.present, x.label);
-      pointAt = at && ((px) => ({ [x.key]: at(px) }));
-    }
-  });
-  source.surfaces.forEach(({ name }) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans"].forEach((quantity) => {
-    part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
-  }));
-  for (const { key, label } of source.controls) if (!state.choices.has(key)) ["endKey", "endSecond"].forEach((name) => part(name).add(new Option(label, key)));
-  part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
-  part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
-
-  // The result of a short run; with `lengthen` it lasts until the bobs have passed.
-  function endOf(numbers) {
-    let found = short(withObserver(numbers), { level: 10 * source.level });
-    if (part("lengthen").checked && found.code === 0 && !found.passed && found.needed > numbers[source.duration]) {
-      numbers[source.duration] = found.needed;
-      found = short(numbers, { level: 10 * source.level });
-    }
-    return found;
-  }
-
-  const valueAtEnd = (result, surface, quantity) => {
-    const values = tableOf(source, result, source.surfaces.findIndex(({ name }) => name === surface))[quantity];
-    return result.code === 0 && result.reached === 2 ? values[1] : NaN;
-  };
-
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("endPanel") || !part("endKey").value) return;
-    const keys = chosen();
-    const [surface, quantity] = part("endQuantity").value.split(".");
-    scan(gridOf(keys.map(controlOf)), (values) => {
-      const [x, y] = values;
-      try {
-        const result = endOf(state.numbersWith(Object.fromEntries(keys.map((key, k) => [key, values[k]]))));
-        const value = valueAtEnd(result, surface, quantity);
-        return y === undefined ? { x, y: value, shown: result.passed } : { x, y, value, shown: result.passed };
-      } catch {
-        return y === undefined ? { x, y: NaN, shown: false } : { x, y, value: NaN, shown: false };
-      }
-    });
-  });
-  for (const name of ["endQuantity", "endKey", "endSecond", "lengthen"]) part(name).addEventListener("change", () => panels.forEach((panel) => panel(true)));
-  part("end").addEventListener("click", (event) => {
-    if (!pointAt) return;
-    const values = Object.entries(pointAt(event.offsetX, event.offsetY));
-    change(Object.fromEntries(values.map(([key, value]) => [key, Number(value.toPrecision(3))])));
-  });
+  const showAll = () => panels.forEach((panel) => panel(true));
+  const own = { part, source, state, isOpen, change, showAll, short, observed: withObserver, run: () => run };
+  for (const make of [makeEndPanel, makeStartsPanel, makeFilesPanel]) panels.push(make(own));
 
   // Energies and powers.
   const scale = { energy: 0, power: 0 };
   source.surfaces.forEach(({ name }, index) => part("powerSurface").add(new Option(name, index)));
   part("powerSurface").value = source.subject;
-  part("powerSurface").addEventListener("change", () => panels.forEach((panel) => panel(true)));
+  part("powerSurface").addEventListener("change", showAll);
   panels.push((isNew) => {
     if (!isOpen("energyPanel")) return;
     const surface = Number(part("powerSurface").value);
@@ -453,94 +399,6 @@ async function startPage(element, source) {
     observer = Number(part("observer").value);
     part("observerShown").textContent = shownShort(observer);
     resimulate();
-  });
-
-  // Many starts: swings of equal energy, with random phases.
-  let starts = null;
-  const works = [];
-  panels.push((isNew) => {
-    if (isNew && starts !== null) stopStarts();
-    if (isNew) works.length = 0;
-    if (isOpen("startsPanel")) showStarts();
-  });
-
-  function showStarts() {
-    const which = source.subject;
-    const mean = works.reduce((a, b) => a + b, 0) / (works.length || 1);
-    const spread = Math.sqrt(works.reduce((a, b) => a + (b - mean) ** 2, 0) / Math.max(1, works.length - 1));
-    part("startsSentence").textContent = works.length
-      ? `of ${works.length} runs, friction takes energy from ${source.surfaces[which].name} in ${Math.round((100 * works.filter((w) => w < 0).length) / works.length)} %; mean work ${shownShort(mean)} ± ${shownShort(spread / Math.sqrt(works.length))}.`
-      : "each start gives another work of friction.";
-    drawHistogram(part("starts"), works, part("mirrored").checked, `work of friction on ${source.surfaces[which].name}`);
-  }
-
-  function stopStarts() {
-    starts?.terminate();
-    starts = null;
-    part("more").textContent = "Start";
-  }
-
-  part("more").addEventListener("click", () => {
-    if (starts !== null) {
-      stopStarts();
-      return;
-    }
-    starts = startWorker(source, state.numbers, Number(part("amplitude").value), part("lengthen").checked);
-    part("more").textContent = "Stop";
-    starts.onmessage = ({ data }) => {
-      works.push(...data);
-      showStarts();
-      if (works.length >= MOST_STARTS) stopStarts();
-    };
-    starts.onerror = () => stopStarts();
-  });
-  part("amplitude").addEventListener("input", () => {
-    part("amplitudeShown").textContent = part("amplitude").value;
-    stopStarts();
-    works.length = 0;
-    showStarts();
-  });
-  part("mirrored").addEventListener("change", showStarts);
-
-  // Files.
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("filesPanel")) return;
-    const lines = Object.entries(state.changes()).map(([key, value]) => `    "${key}": ${JSON.stringify(value)},\n`).join("");
-    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
-    part("link").href = window.location.href;
-  });
-
-  function download(name, type, content) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
-    link.download = name;
-    link.click();
-    window.setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  }
-
-  part("csv").addEventListener("click", () => {
-    const columns = [["t", run.times]];
-    run.groups.forEach(({ name }, index) => Object.entries(tableOf(source, run.result, index)).forEach(([quantity, values]) => {
-      columns.push([index < 2 ? `${name}.${quantity}` : quantity, values]);
-    }));
-    const rows = Array.from(run.times, (_, k) => columns.map(([, values]) => values[k]).join(","));
-    download("run.csv", "text/csv", `${[columns.map(([name]) => name).join(","), ...rows].join("\n")}\n`);
-  });
-  part("png").addEventListener("click", () => {
-    const both = [part("scene"), part("curves")];
-    const picture = document.createElement("canvas");
-    picture.width = Math.max(...both.map((each) => each.width));
-    picture.height = both.reduce((sum, each) => sum + each.height, 0);
-    const context = picture.getContext("2d");
-    context.fillStyle = colour(part("scene"), "back");
-    context.fillRect(0, 0, picture.width, picture.height);
-    context.drawImage(both[0], 0, 0);
-    context.drawImage(both[1], 0, both[0].height);
-    picture.toBlob((blob) => download("run.png", "image/png", blob));
-  });
-  part("toml").addEventListener("click", () => {
-    const sets = Object.entries(state.changes()).map(([key, value]) => ` --set ${key}=${value}`).join("");
-    download("scene.toml", "text/plain", `${sets ? `# The page showed: tribo run scene.toml${sets}\n\n` : ""}${source.toml}`);
   });
 
   // ---- the rest of the page

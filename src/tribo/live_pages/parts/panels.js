@@ -206,7 +206,20 @@ function makeScan(draw) {
   };
 }
 
-// A histogram of works over many starts.
+// The mean of values and its standard error.
+function meanOf(values) {
+  const value = values.reduce((a, b) => a + b, 0) / (values.length || 1);
+  const spread = values.reduce((a, b) => a + (b - value) ** 2, 0) / Math.max(1, values.length - 1);
+  return { value, error: Math.sqrt(spread / (values.length || 1)) };
+}
+
+// A mean with as many digits as its error has.
+function shownWithError({ value, error }) {
+  const digits = error > 0 ? Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 3;
+  return `${value.toFixed(digits)} ± ${error.toFixed(digits)}`.replace("-", "−");
+}
+
+// A histogram over many starts.
 function drawHistogram(canvas, values, mirrored, title) {
   const { context, width, height } = prepared(canvas);
   if (!values.length) return;
