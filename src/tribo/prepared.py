@@ -380,19 +380,19 @@ class Simulation:
         if keep is not None:
             run = run.without_samples()
         return Result(
-            self.scene,
-            run.status,
-            method,
-            self.why,
-            self.accuracy,
-            met,
-            self._notes + notes,
-            bounds,
-            assemble_ledger,
-            add_up_cost,
-            lambda: state_of(layout, method, run),
-            settings,
-            version(),
+            scene=self.scene,
+            status=run.status,
+            method=method,
+            why=self.why,
+            accuracy=self.accuracy,
+            met=met,
+            notes=self._notes + notes,
+            bounds=bounds,
+            assemble=assemble_ledger,
+            add_up=add_up_cost,
+            take_state=lambda: state_of(layout, method, run),
+            settings=settings,
+            version=version(),
         )
 
     @cached_property
