@@ -207,10 +207,11 @@ class Simulation:
         if not self._streams and self._single_setting is not None:
             setting = self._single_setting
             times = layout.times
-        delivered = self._deliver(setting, times, y, self.plan.automatic)
         notes: tuple[str, ...] = ()
         if self.plan.automatic:
-            delivered, setting, notes = self._with_shorter_steps(delivered, setting, times, y)
+            delivered, setting, notes = self._deliver_resolved(setting, times, y)
+        else:
+            delivered = self._deliver(setting, times, y)
         run, ledger, watched = delivered
         if run.passages[0] > 0:
             notes = (*notes, *notes_on.passage_notes(layout, run))
@@ -225,22 +226,22 @@ class Simulation:
         cost = partial(cost_of, run, [run], seconds, ratio)
         return self._result(run, ledger, cost, notes, setting=setting)
 
-    def _with_shorter_steps(
-        self, delivered: Delivered, setting: Setting, times: np.ndarray, y: np.ndarray
+    def _deliver_resolved(
+        self, setting: Setting, times: np.ndarray, y: np.ndarray
     ) -> tuple[Delivered, Setting, tuple[str, ...]]:
-        """Run again, while a run stops because its step is too long; the last run, and a note."""
-        layout = self.layout
+        """A run whose step is shortened until it is not too long, its step, and a note on that."""
         notes: tuple[str, ...] = ()
-        for left in range(MOST_REPEATS, 0, -1):
-            run, _, _ = delivered
-            if run.status not in REPEATED:
-                break
+        tries = MOST_REPEATS
+        delivered = self._deliver(setting, times, y, resolved=True)
+        while tries > 0 and delivered[0].status in REPEATED:
+            tries -= 1
+            run = delivered[0]
             step = setting.of_equal_steps()
             shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
             shorter = self.plan.divided(shorter)
-            notes = (notes_on.repeat_note(layout, run, step, shorter),)
+            notes = (notes_on.repeat_note(self.layout, run, step, shorter),)
             setting = Setting(step=shorter)
-            delivered = self._deliver(setting, times, y, resolved=left > 1)
+            delivered = self._deliver(setting, times, y, resolved=tries > 0)
         return delivered, setting, notes
 
     def _deliver(
