@@ -15,7 +15,7 @@ import pytest
 import tribo
 from tribo import InputError
 from tribo.commands.cli import main
-from tribo.export.lammps import to_lammps
+from tribo.export import to_lammps
 from tribo.export.lepton import energy_text
 from tribo.potentials import expression, from_points
 

@@ -8,8 +8,7 @@ import pytest
 import tribo
 from tribo import Custom, InputError
 from tribo.model.drives import Drive
-from tribo.potentials import as_potential, from_points
-from tribo.potentials.spline import Table
+from tribo.potentials import Table, as_potential, from_points
 
 
 class Own(tribo.Potential):

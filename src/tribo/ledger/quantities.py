@@ -106,6 +106,7 @@ def _accounted(
     role: Role = WORK,
     is_summed: bool = False,
 ) -> Quantity:
+    """An energy of each asperite that is linear in the accounts of forces."""
     of = Linear(partial(AsperiteSeries.accounted, quantity=terms))
     return _energy(long_name, of, present, role, terms=terms, is_summed=is_summed)
 

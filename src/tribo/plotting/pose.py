@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.marks import Box
 from tribo.plotting.oscillators import oscillator_dots
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
@@ -50,14 +51,14 @@ class Pose:
         return np.stack([self.bars - half, self.bars + half], axis=1)
 
     @property
-    def box(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top, with the size of the parts."""
+    def box(self) -> Box:
+        """What the parts cover."""
         size = float(self.rods.max())
         ends = self.ends.reshape(-1, 2)
         room = np.array([0.2, 0.1]) * size  # around bobs
         low = np.concatenate([ends - 0.06 * size, self.bobs - room, self.dots]).min(axis=0)
         high = np.concatenate([ends + 0.06 * size, self.bobs + room, self.dots]).max(axis=0)
-        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+        return Box(float(low[0]), float(high[0]), float(low[1]), float(high[1]))
 
     def index(self, surface: str, asperite: int) -> int:
         """The place of an asperite among all."""

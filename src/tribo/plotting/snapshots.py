@@ -130,7 +130,7 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     below = np.full(len(boxes), low - 0.5 * LINE * point)
     edge = marks.EDGE * point
     labels = np.stack([begins + 0.5 * widths, below], axis=1)
-    view = (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
+    view = marks.Box(boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
     return _Layout(point, shifts, labels, "center", view)
 
 
@@ -165,7 +165,7 @@ def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
     edge = marks.EDGE * point
     highest, *_, lowest = tops.tolist()
-    view = (left - MARGIN * point, right + edge, lowest, highest + edge)
+    view = marks.Box(left - MARGIN * point, right + edge, lowest, highest + edge)
     return _Layout(point, shifts, labels, "left", view)
 
 
@@ -204,9 +204,9 @@ def sequence(
                     marks.note(
                         ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside
                     )
-            floor = row.box[2]
+            floor = row.box.bottom
             before = row
-        marks.frame(ax, (left, right, floor, 0.0), left=MARGIN)
+        marks.frame(ax, marks.Box(left, right, floor, 0.0), left=MARGIN)
     return ax
 
 

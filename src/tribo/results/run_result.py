@@ -80,7 +80,7 @@ class Cost:
     digit_fewer: float | None = None
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class RunResult:
     """The result of a run.
 
