@@ -15,6 +15,7 @@ from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
+from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes

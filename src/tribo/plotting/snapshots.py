@@ -148,7 +148,7 @@ def _in_two_columns(boxes: np.ndarray, width: float, height: float) -> _Layout:
     labels = np.stack([left + 0.5 * wide, top - high - 0.5 * LINE * point], axis=1)
     edge = marks.EDGE * point
     lowest = -rows * (high + LINE * point)
-    view = (-edge, 2.0 * wide + GAP * point + edge, lowest, edge)
+    view = marks.Box(-edge, 2.0 * wide + GAP * point + edge, lowest, edge)
     return _Layout(point, shifts, labels, "center", view)
 
 
