@@ -15,7 +15,7 @@ from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
-from tribo.model.schedule import changes
+from tribo.model.schedule import constant
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -106,9 +106,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record[name] = value
     if drive.load is not None:
         record["loaded"] = 1
-        record["load"] = 0.0
-        if not changes(drive.load):
-            record["load"] = -drive.load * surface.facing_sign
+        record["load"] = -constant(drive.load) * surface.facing_sign
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
         record[f"{before}gamma"] = reservoir.strongest
