@@ -249,14 +249,14 @@ WRONG = [
     (
         "surface[0].drive",
         "pushed",
-        'must be "forced" or "free" or "pulled" or "push" or "bars", got',
+        'must be "forced" or "free" or "pulled" or "push" or "bars" or "moved", got',
     ),
     ("surface[0].drive", "pulled", "is missing", "surface[0].drive.stiffness"),
     ("surface[0].drive", 5, "must be a table, got 5"),
     (
         "surface[0].drive.kind",
         5,
-        'must be "forced" or "free" or "pulled" or "push" or "bars", got 5',
+        'must be "forced" or "free" or "pulled" or "push" or "bars" or "moved", got 5',
     ),
     ("surface[0].drive", {"kind": "bars", "load": 0.1}, "cannot go with driven bars", ".load"),
     ("surface[0].drive", {"kind": "bars", "rigid": True}, "cannot go with kind", ".rigid"),

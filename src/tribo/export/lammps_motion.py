@@ -11,7 +11,7 @@ from tribo.export.lammps_atoms import Atoms
 from tribo.model.drives import Stage
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule, changes
+from tribo.model.schedule import Schedule, changes, constant
 from tribo.model.surface import Surface
 
 
@@ -106,8 +106,7 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
         if drive.stage.follows_schedule:
             forces[0] = f"{stiffness!r}*({_displacement(drive.stage)})"
         else:
-            assert not isinstance(speed, Schedule)
-            forces[0] = f"{stiffness * speed!r}*time"
+            forces[0] = f"{stiffness * constant(speed)!r}*time"
         yield f"fix {group}_spring {group} spring/self {stiffness!r} x"
     if drive.ramp is not None:
         pairs = zip(drive.ramp.force, drive.ramp.rate, strict=True)
@@ -118,7 +117,7 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
     if isinstance(drive.load, Schedule):
         forces[1] = _formula(drive.load.times(-surface.facing_sign))
     elif drive.load is not None:
-        forces[1] = repr(-drive.load * surface.facing_sign)
+        forces[1] = repr(-constant(drive.load) * surface.facing_sign)
     yield from _added(group, "drive", "equal", forces)
 
 

@@ -15,7 +15,7 @@ from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule
+from tribo.model.schedule import constant
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -107,9 +107,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record[name] = value if name in ("speed", "loaded") else value / bars
     if drive.load is not None:
         record["loaded"] = 1
-        record["load"] = 0.0
-        if not isinstance(drive.load, Schedule):
-            record["load"] = -drive.load * surface.facing_sign / bars
+        record["load"] = -constant(drive.load) * surface.facing_sign / bars
     if drive.block:
         rigid = surface.asperite.is_rigid
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS

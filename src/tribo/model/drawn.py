@@ -31,7 +31,7 @@ FILE = "file"
 
 def is_distribution(value: object) -> bool:
     """Whether a value is the table of a distribution."""
-    return isinstance(value, Mapping) and FILE not in value
+    return isinstance(value, Mapping) and bool(value) and FILE not in value
 
 
 def drawn(field: str, table: Mapping[str, Any], name: str, count: int) -> np.ndarray:

@@ -342,6 +342,11 @@ def changes(number: Any) -> TypeGuard[Schedule]:
     return isinstance(number, Schedule)
 
 
+def constant(number: Number) -> float:
+    """A number that does not change; 0 in place of a schedule."""
+    return 0.0 if isinstance(number, Schedule) else number
+
+
 def largest(number: Number | None) -> float:
     """The largest magnitude of a number at any time; 0 of None."""
     if isinstance(number, Schedule):
