@@ -21,13 +21,14 @@ from tribo.accuracy.comparison import strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
 from tribo.accuracy.member_comparison import FineRuns
 from tribo.accuracy.plan import NEAR_ALONE
-from tribo.accuracy.scales import EPSILON
+from tribo.accuracy.scales import EPSILON, ROLES
 from tribo.ensembles.batches import Policy, chunk_of, complete_members, delivered, kept_series
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS, STEPS
+from tribo.ledger.series_table import names_with_accuracy
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
 from tribo.loops.setting import Setting
@@ -117,7 +118,11 @@ class CheckedRuns(Policy):
         super().__init__(simulation, kept, own_numbers)
         assert simulation.accuracy is not None
         asked = simulation.accuracy
-        self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
+        if not isinstance(asked, Mapping):
+            # Quantities without an accuracy follow from others; alone, from any of them.
+            compared = [name for name in kept.names if name.rpartition(".")[2] in ROLES]
+            asked = dict.fromkeys(compared or names_with_accuracy(simulation.layout), asked)
+        self._accuracy = asked
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name  # that of single runs, and of the first stepper
         self.steppers = _steppers(simulation, bool(own_numbers))
@@ -193,8 +198,11 @@ class CheckedRuns(Policy):
             set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
                 worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
-                asked = self._accuracy.get(name, np.nan)
-                found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
+                asked = self._accuracy.get(name)
+                if asked is None:
+                    found[f"{name}{ERROR}"][now] = np.nan
+                else:
+                    found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now = now[bad]
