@@ -36,6 +36,7 @@ from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop
+from tribo.loops.setting import Setting
 
 # Step of both loops [time].
 STEP = 1e-3
@@ -206,7 +207,7 @@ class Tribo:
 
     def __init__(self, case: Case) -> None:
         layout = lay_out(case.scene(1e6))
-        self._loop = GeneralLoop(layout, METHODS["verlet"], STEP, layout.start, 0.0)
+        self._loop = GeneralLoop(layout, METHODS["verlet"], Setting(step=STEP), layout.start, 0.0)
         self._times = layout.times
         self._columns = self._loop.room(self._times.size)
 

@@ -31,6 +31,7 @@ from tribo.integrators.methods import METHODS
 from tribo.kernels.status import PAUSED
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop, compile_loop
+from tribo.loops.setting import Setting
 
 # Set in processes whose cache was empty.
 EMPTY = "TRIBO_EMPTY_CACHE"
@@ -51,7 +52,7 @@ class Loop:
 
     def __init__(self, effects: Effects) -> None:
         self._layout = lay_out(scene(effects))
-        self._loop = GeneralLoop(self._layout, METHOD, STEP, self._layout.start, 0.0)
+        self._loop = GeneralLoop(self._layout, METHOD, Setting(step=STEP), self._layout.start, 0.0)
         self._times = self._layout.times
         self._columns = self._loop.room(self._times.size)
 

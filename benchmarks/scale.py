@@ -11,6 +11,7 @@ reach, and over one of 10 × 10.  It prints the microseconds of a step of both, 
 
     python benchmarks/scale.py [--json] [--most 1000000]
     python benchmarks/scale.py --inactive [--json]
+    python benchmarks/scale.py --once 10000000      # one run, to see how far one machine goes
 """
 
 import argparse
@@ -130,13 +131,31 @@ def measure_inactive() -> dict[str, float]:
     return {"alone_microseconds": alone, "beside_microseconds": beside, "ratio": beside / alone}
 
 
+def once(asperites: int) -> dict[str, float]:
+    """Seconds and memory of one run of few steps, with the sums of its works."""
+    began = time.perf_counter()
+    simulation = tribo.prepare(scene(asperites, FEW * STEP), method="verlet", step=STEP)
+    built = time.perf_counter()
+    result = simulation.run(estimate=False)
+    return {
+        "asperites": result.scene.count,
+        "build_seconds": built - began,
+        "run_seconds": result.cost.wall_seconds,
+        "peak_gigabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+    }
+
+
 def main() -> None:
     """Measure every size in one process, smallest first."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--most", type=int, default=SIZES[-1])
     parser.add_argument("--inactive", action="store_true")
+    parser.add_argument("--once", type=int, metavar="ASPERITES")
     options = parser.parse_args()
+    if options.once:
+        print(json.dumps(once(options.once)))
+        return
     if options.inactive:
         found = measure_inactive()
         print(json.dumps(found) if options.json else found)

@@ -17,7 +17,7 @@ author = "The tribo developers"
 copyright = "2026, the tribo developers"
 release = version = tribo.__version__
 
-extensions = ["mathml", "phone_tables", "shared_text", "myst_parser"]
+extensions = ["mathml", "phone_tables", "shared_text", "live_frames", "myst_parser"]
 extensions += ["sphinx_design", "sphinx_copybutton"]
 extensions += [f"sphinx.ext.{name}" for name in ("autodoc", "intersphinx", "napoleon")]
 html_math_renderer = "mathml"  # works without a network

@@ -53,6 +53,28 @@ True
 >>> print(data["upper.W"].dims, f"{data['upper.W'].values[-1]:.3f}")
 ('interaction.strength',) 0.520
 """,
+    "tribo.friction_law": """
+>>> drive = tribo.Pulled(stiffness=0.5, speed=0.1)
+>>> tip = tribo.Surface("tip", drive=drive, langevin=tribo.Langevin(1.0, 0.0))
+>>> field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("tip",))
+>>> pulled = tribo.Scene((tip,), (), 60.0, fields=(field,))
+>>> law = tribo.friction_law(pulled, speeds=[0.2, 0.4], distance=10.0, accuracy=1e-4)
+>>> print(law["friction"].dims, bool((law["friction"] > 0.0).all()))
+('speed',) True
+""",
+    "tribo.sensitivity": """
+>>> data = tribo.sensitivity(scene, ["upper.W"], ["upper.velocity"], accuracy=1e-6)
+>>> print(data["derivative"].dims, bool(data["half_width"].item() < 1e-2))
+('quantity', 'key') True
+""",
+    "tribo.fit": """
+>>> t = np.linspace(0.0, scene.duration, 101)
+>>> angle = np.interp(t, (result := tribo.simulate(scene)).t, result["upper"].theta[:, 0])
+>>> ranges = {"interaction.strength": (0.1, 0.4)}
+>>> found = tribo.fit(scene, (t, angle), ranges, "upper.theta", starts=8)
+>>> print(f"{found.values['interaction.strength']:.3f}")
+0.200
+""",
     "tribo.play": """
 >>> player = tribo.play(scene, {"upper.velocity": (0.3, 2.0)})  # doctest: +SKIP
 """,
@@ -249,6 +271,23 @@ works.pdf
 ...     scene, 32, starts, keep=["upper.W"], at="samples", accuracy=1e-6
 ... )
 >>> ax = mean_band(data, "upper.W")
+""",
+    "tribo.sweeps.figure.law_lines": """
+>>> from tribo.sweeps.figure import law_lines
+>>> drive = tribo.Pulled(stiffness=0.5, speed=0.1)
+>>> tip = tribo.Surface("tip", drive=drive, langevin=tribo.Langevin(1.0, 0.0))
+>>> field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=("tip",))
+>>> pulled = tribo.Scene((tip,), (), 60.0, fields=(field,))
+>>> law = tribo.friction_law(pulled, speeds=[0.2, 0.4], distance=10.0, accuracy=1e-4)
+>>> print(law_lines(law).get_xlabel())
+speed
+""",
+    "tribo.derivatives.figure.tornado": """
+>>> from tribo.derivatives.figure import tornado
+>>> keys = ["upper.velocity", "interaction.strength"]
+>>> data = tribo.sensitivity(scene, ["upper.W"], keys, accuracy=1e-6)
+>>> print([label.get_text() for label in tornado(data).get_yticklabels()])
+['upper.velocity', 'interaction.strength']
 """,
     "tribo.sweeps.figure.sweep_lines": """
 >>> from tribo.sweeps.figure import sweep_lines

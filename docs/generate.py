@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import atlas_tables
 import house
+import live_frames
 import measure_accuracy
 import measure_effects
 import notebooks
@@ -43,7 +44,7 @@ HERE = Path(__file__).resolve().parent
 PUBLIC_PARTS = (paper, plotting, potentials, units)
 PAGES_WITH_PICTURES = [
     *notebooks.PAGES,
-    *(HERE / "how-to" / f"{name}.md" for name in ("afm", "ensembles")),
+    *(HERE / "how-to" / f"{name}.md" for name in ("afm", "ensembles", "schedules")),
 ]
 
 
@@ -101,6 +102,7 @@ def parts() -> dict[str, Part]:
     return found | {
         "report cards": Part(report_cards, [*own, HERE / "slip.py"]),
         "the paper": Part(_paper, own),
+        "live pages": Part(_live_pages, [*own, HERE / "live_frames.py"]),
         "tables": Part(_tables, tables),
     }
 
@@ -145,6 +147,11 @@ def _paper(folder: Path) -> None:
     (folder / "paper.txt").write_text(paper.report(tables) + "\n", encoding="utf-8")
     paper.draw_overview(tables, folder / "paper.png")
     (folder / "agreement.md").write_text(markdown(agreement(tables)), encoding="utf-8")
+
+
+def _live_pages(folder: Path) -> None:
+    """The live pages, whose modules are compiled once for each potential."""
+    live_frames.write(folder / live_frames.FOLDER.name)
 
 
 def _tables(folder: Path) -> None:

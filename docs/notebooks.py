@@ -114,7 +114,12 @@ def write(page: Path, folder: Path) -> Path:
 def _source(block: page_code.Block) -> str:
     """The code of a cell."""
     if block.language == "shell":
-        return "".join(f"!{line}\n" for line in block.text.splitlines()).rstrip()
+        # tribo of the kernel's Python, also where its folder of programs is not on the PATH.
+        lines = [
+            line.replace("tribo ", '"{sys.executable}" -m tribo ', 1)
+            for line in block.text.splitlines()
+        ]
+        return "import sys\n\n" + "".join(f"!{line}\n" for line in lines).rstrip()
     if block.language == "toml":
         named = page_code.FILE_NAME.match(block.text)
         return f"%%writefile {named[1] if named else 'scene.toml'}\n{block.text}".rstrip()

@@ -55,6 +55,8 @@ ORDER = [
     "paper",
     "report_card",
     "atlas",
+    "fitting",
+    "derivatives",
     "sweeps",
     "work_precision",
     "ensembles",

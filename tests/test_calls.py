@@ -69,6 +69,24 @@ def test_simulate():
     assert calls(lambda: tribo.simulate(scene, accuracy=1e-8, progress=False)) <= SIMULATED
 
 
+def test_settings_of_an_ensemble():
+    """A looser accuracy takes no more rounds until settings are found that keep it.
+
+    Where the error of a step hardly depends on its tolerance, levels once approached the one that
+    suffices in forty rounds.
+    """
+    morse = replace(tribo.paper.scene("A"), interactions=tribo.Morse(0.1, 1.0, 1.5))
+    swings = {"upper.swing": np.linspace(0.0, 0.1, 2000)}
+
+    def ensemble(accuracy):
+        kept = ["upper.w1", "upper.w2", "upper.delta_e_int"]
+        return tribo.ensemble(
+            morse, 2000, vary=swings, accuracy=accuracy, keep=kept, threads=1, progress=False
+        )
+
+    assert calls(lambda: ensemble(1e-4)) <= 2 * calls(lambda: ensemble(1e-8))
+
+
 def test_modules_of_a_run():
     """Where machine code is on disk, a process imports nothing that compiles it or reads files."""
     program = """

@@ -6,7 +6,6 @@ import subprocess
 import pytest
 
 from tribo.commands.cli import main
-from tribo.commands.parser import SHELLS
 
 
 @pytest.mark.parametrize(
@@ -42,7 +41,7 @@ def test_purpose(capsys):
     assert "\nWrite a scene as input files of LAMMPS.\n" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
 def test_script(shell, capsys):
     assert main(["completion", shell]) == 0
     script = capsys.readouterr().out

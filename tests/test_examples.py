@@ -46,6 +46,13 @@ def free_block(shown):
     assert shown["speed lost"] == pytest.approx(expected, rel=0.04)
 
 
+def friction_loop(shown):
+    """A slow pull slips at F_c = A q, both ways, and the energy budget closes."""
+    assert shown["largest force / F_c"] == pytest.approx(1.0, abs=0.02)
+    assert shown["smallest force / F_c"] == pytest.approx(-1.0, abs=0.02)
+    assert shown["largest gap of the energy"] == 0.0
+
+
 def friction_against_load(shown):
     """Hard spheres: tan(asin(1/4)) = 1 / sqrt(15)."""
     assert shown["friction / load"] == pytest.approx(15.0**-0.5, rel=0.01)

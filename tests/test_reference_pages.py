@@ -5,9 +5,9 @@ import re
 from pathlib import Path
 
 import tribo
+from tribo import Result
 from tribo.commands.parser import _parser
 from tribo.ledger import quantities
-from tribo.result import Result
 from tribo.results import result_file
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"

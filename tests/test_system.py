@@ -11,9 +11,8 @@ from types import ModuleType, SimpleNamespace
 import pytest
 
 import tribo
-from tribo import system
+from tribo import InputError, system
 from tribo.files import lock, replace_file
-from tribo.validation import InputError
 
 SOURCE = Path(tribo.__file__).parent
 # The checkout; the package may be installed elsewhere.

@@ -18,6 +18,7 @@ from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
+from tribo.loops.setting import Setting
 from tribo.work_precision import (
     MeanRow,
     MeansPrecision,
@@ -192,7 +193,7 @@ def test_an_interrupt_ends_means_in_a_script(monkeypatch):
 
 def test_a_run_that_is_interrupted_ends_its_method(monkeypatch):
     """It is no run that stopped early, after which a finer one follows."""
-    monkeypatch.setattr(measure, "setting_at", lambda *given: 0.1)
+    monkeypatch.setattr(measure, "setting_at", lambda *given: Setting(step=0.1))
     monkeypatch.setattr(measure, "reported_scales", lambda *given: None)
     layout = lay_out(tribo.Scene((tribo.Surface("upper"),), (), 1.0))
 

@@ -6,7 +6,13 @@ of the example.
 
 THEMES = {
     "Work and energy": ["two_frames", "time_reversal"],
-    "Stick and slip": ["stick_slip", "depinning", "thermal_friction", "friction_against_speed"],
+    "Stick and slip": [
+        "stick_slip",
+        "friction_loop",
+        "depinning",
+        "thermal_friction",
+        "friction_against_speed",
+    ],
     "Rows that fit and rows that do not": [
         "structural_lubricity",
         "commensurate_rows",
@@ -42,6 +48,12 @@ CAPTIONS = {
         "follows smoothly; for $\\eta = 4$ it sticks, and slips once per period. Right: "
         "the work per period is zero below $\\eta = 1$. At $\\eta = 4$, work / energy of "
         "a jump = {1:.3f}.",
+    ),
+    "friction_loop": (
+        "loop",
+        "Force of a stage that pulls a tip over a corrugation forth and back, in units of the "
+        "static friction $F_c$. Lines show $\\pm F_c$; at a slip the force is up to "
+        "{0:.3f} $F_c$.",
     ),
     "depinning": (
         "velocities",
@@ -187,6 +199,11 @@ FORMULAS = {
         "    F = N tan(alpha) ,": r"$$ F = N \tan\alpha , $$",
     },
     "friction_against_speed": {"(2 pi A / a)": r"($2\pi A/a$)"},
+    "friction_loop": {
+        "-A cos(q x)": r"$-A \cos(q x)$",
+        "F_c = A q": "$F_c = A q$",
+        "force is F_c": "force is $F_c$",
+    },
     "washboard_resonance": {
         "-A cos(q x)": r"$-A \cos(q x)$",
         "w = q v": r"$\omega = q v$",
@@ -238,6 +255,7 @@ REFERENCES = {
     "two_frames": (("0.520 (paper)", "energy"), ("0", "energy"), ("", "energy")),
     "time_reversal": (("0.520 (paper)", "energy"), ("0", "energy"), ("0", "rad")),
     "stick_slip": (("0 (slow pull)", "energy"), ("1", "ratio")),
+    "friction_loop": (("1", "ratio"), ("-1", "ratio"), ("0", "energy")),
     "depinning": (("0", "F_c / gamma"), ("0.75", "F_c / gamma")),
     "thermal_friction": (("", "A / a"),) * 6,
     "friction_against_speed": (("1", "ratio"),) * 4,

@@ -6,6 +6,7 @@ from tribo import (
     potentials as potentials,
     units as units,
 )
+from tribo.derivatives import sensitivity as sensitivity
 from tribo.ensembles import ensemble as ensemble, ensemble_member as ensemble_member
 from tribo.ensembles.swing_states import (
     Canonical as Canonical,
@@ -24,6 +25,7 @@ from tribo.model.drives import (
     Ends as Ends,
     Forced as Forced,
     Free as Free,
+    Moved as Moved,
     Pulled as Pulled,
     Pushed as Pushed,
 )
@@ -38,6 +40,7 @@ from tribo.model.rows import (
     periodic_rows as periodic_rows,
 )
 from tribo.model.scene import Scene as Scene
+from tribo.model.schedule import Schedule as Schedule
 from tribo.model.scene_file import load_scene as load_scene
 from tribo.model.settings import Numerics as Numerics, Output as Output
 from tribo.model.spectrum import Spectrum as Spectrum
@@ -72,8 +75,11 @@ from tribo.result import Result as Result
 from tribo.result import load_result as load_result
 from tribo.loops.saved_state import State as State
 from tribo.simulation import prepare as prepare, simulate as simulate
+from tribo.fitting import fit as fit
+from tribo.fitting.found import Fit as Fit
 from tribo.sliders import play as play
 from tribo.sweeps import sweep as sweep
+from tribo.sweeps.friction_law import friction_law as friction_law
 from tribo.validation import InputError as InputError, TriboWarning as TriboWarning
 
 __version__: str

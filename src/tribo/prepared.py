@@ -13,7 +13,7 @@ import numpy as np
 from tribo.accuracy import comparison
 from tribo.accuracy.levels import fine_level
 from tribo.accuracy.plan import Plan, single_setting
-from tribo.accuracy.search import MOST_COST, FoundSettings
+from tribo.accuracy.search import FoundSettings, missed_note
 from tribo.accuracy.search_runs import StopTimes
 from tribo.integrators.methods import noisy
 from tribo.integrators.own_method import coefficients_of
@@ -26,10 +26,11 @@ from tribo.ledger.ledger import Ledger, SampledLedger, assemble
 from tribo.ledger.samples import are_among
 from tribo.ledger.separation import separation_notes
 from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.origin import digest_of
 from tribo.loops.saved_state import state_of
 from tribo.loops.select import Integrator, up_to_passing
+from tribo.loops.setting import Setting
 from tribo.model.identity import changes, settings_of, version
 from tribo.result import Result
 from tribo.results import notes as notes_on
@@ -50,6 +51,8 @@ REPEATED = (
 ENDS_ALONE = ("of the asperites' series only the first and the last sample are kept",)
 # Of a run whose errors are not estimated.
 NO_BOUNDS: Mapping[str, float] = {}
+# A run, what makes its ledger, and what notes need of samples that memory does not hold.
+Delivered = tuple[Integration, Callable[[], Ledger], Watched | None]
 
 
 class Simulation:
@@ -73,7 +76,7 @@ class Simulation:
         self.why = plan.why
         self.compile_seconds = integrator.compile_seconds
         self.integrator = integrator
-        step = plan.setting if isinstance(plan.setting, float) and plan.accuracy is None else None
+        step = plan.setting.step if plan.accuracy is None else None
         start = digest_of(integrator.origin)
         self._settings = settings_of(plan.method, plan.accuracy, step, start)
         self._settings |= coefficients_of(plan.method)
@@ -204,22 +207,17 @@ class Simulation:
         if not self._streams and self._single_setting is not None:
             setting = self._single_setting
             times = layout.times
-        tries = MOST_REPEATS if self.plan.automatic else 0
-        run, ledger, watched = self._deliver(setting, times, y, tries > 0)
         notes: tuple[str, ...] = ()
-        while tries > 0 and run.status in REPEATED:
-            assert isinstance(setting, float)
-            tries -= 1
-            shorter = 0.5 * setting if run.stiffness is None else run.stiffness.shorter(setting)
-            shorter = self.plan.divided(shorter)
-            notes = (notes_on.repeat_note(layout, run, setting, shorter),)
-            setting = shorter
-            run, ledger, watched = self._deliver(setting, times, y, tries > 0)
+        if self.plan.automatic:
+            delivered, setting, notes = self._deliver_resolved(setting, times, y)
+        else:
+            delivered = self._deliver(setting, times, y)
+        run, ledger, watched = delivered
         if run.passages[0] > 0:
             notes = (*notes, *notes_on.passage_notes(layout, run))
         if self._noisy and run.stiffness is not None:
-            assert isinstance(setting, float)
-            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(setting)), setting))
+            step = setting.of_equal_steps()
+            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(step)), step))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -228,16 +226,34 @@ class Simulation:
         cost = partial(cost_of, run, [run], seconds, ratio)
         return self._result(run, ledger, cost, notes, setting=setting)
 
+    def _deliver_resolved(
+        self, setting: Setting, times: np.ndarray, y: np.ndarray
+    ) -> tuple[Delivered, Setting, tuple[str, ...]]:
+        """A run whose step is shortened until it is not too long, its step, and a note on that."""
+        notes: tuple[str, ...] = ()
+        tries = MOST_REPEATS
+        delivered = self._deliver(setting, times, y, resolved=True)
+        while tries > 0 and delivered[0].status in REPEATED:
+            tries -= 1
+            run = delivered[0]
+            step = setting.of_equal_steps()
+            shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
+            shorter = self.plan.divided(shorter)
+            notes = (notes_on.repeat_note(self.layout, run, step, shorter),)
+            setting = Setting(step=shorter)
+            delivered = self._deliver(setting, times, y, resolved=tries > 0)
+        return delivered, setting, notes
+
     def _deliver(
         self, setting: Setting, times: np.ndarray, y: np.ndarray, resolved: bool = False
-    ) -> tuple[Integration, Callable[[], Ledger], Watched | None]:
+    ) -> Delivered:
         """A run, its ledger, and what notes need of samples that memory does not hold.
 
         One whose steps have to be `resolved` stops where they are too long.
         """
         layout = self.layout
-        if self._noisy and isinstance(setting, float):
-            layout = replace(layout, noisy_step=setting)
+        if self._noisy and setting.step is not None:
+            layout = replace(layout, noisy_step=setting.step)
         if not self._streams:
             run = self.integrator(setting, times, y, resolved=resolved)
             if self._may_pass:
@@ -264,11 +280,12 @@ class Simulation:
             bounds = errors.bounds
             scales = errors.scales
             met = errors.excess <= 1.0
+            assert self.accuracy is not None and self.plan.tuned is not None
             if not met:
-                notes = (*notes_on.approach_notes(self.layout, fine), self._missed(errors.excess))
+                missed = missed_note(self.plan.tuned, self.accuracy, errors.excess)
+                notes = (*notes_on.approach_notes(self.layout, fine), missed)
             ledger = assemble(self.layout, fine.samples)
             open_budget = notes_on.budget_notes(self.layout, ledger, bounds)
-            assert self.accuracy is not None
             weak = comparison.weak_notes(scales.work, scales.energy, self.accuracy) if met else []
             met = met and not open_budget
             notes = (*notes, *filter(None, weak), *open_budget)
@@ -331,25 +348,6 @@ class Simulation:
             self.layout, runs[-1], runs[:-1], tuned.amplification, self.accuracy, tuned.rough
         )
 
-    def _missed(self, excess: float) -> str:
-        """By how much the request was missed, and why."""
-        tuned = self.plan.tuned
-        assert self.accuracy is not None and tuned is not None
-        if tuned.met:
-            why = "the settings were found from the scene's own start, which kept it"
-        elif tuned.stopped is not None:
-            why = f"with tolerances that could keep it, runs stop as {tuned.stopped}"
-        elif tuned.amplification is None:
-            why = "the search for settings was interrupted"
-        elif tuned.costly:
-            why = f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
-            why += "run that is delivered"
-        else:
-            why = comparison.out_of_reach(comparison.strictest(self.accuracy), tuned.amplification)
-        if excess * comparison.strictest(self.accuracy) > 1.0:
-            return f"errors may exceed the scales of their quantities; {why}"
-        return f"errors are estimated at {excess:.1e} of the request; {why}"
-
     def _result(
         self,
         run: Integration,
@@ -373,25 +371,25 @@ class Simulation:
             bounds = {name: b for name, b in bounds.items() if name in names or "." in name}
         settings = self._settings
         if self.plan.automatic and setting is not None:
-            settings = {**settings, "step": setting}
+            settings = {**settings, "step": setting.step}
         if run.status != Status.COMPLETED:
             notes = (*notes_on.stop_notes(layout, run), *notes)
         if keep is not None:
             run = run.without_samples()
         return Result(
-            self.scene,
-            run.status,
-            method,
-            self.why,
-            self.accuracy,
-            met,
-            self._notes + notes,
-            bounds,
-            assemble_ledger,
-            add_up_cost,
-            lambda: state_of(layout, method, run),
-            settings,
-            version(),
+            scene=self.scene,
+            status=run.status,
+            method=method,
+            why=self.why,
+            accuracy=self.accuracy,
+            met=met,
+            notes=self._notes + notes,
+            bounds=bounds,
+            assemble=assemble_ledger,
+            add_up=add_up_cost,
+            take_state=lambda: state_of(layout, method, run),
+            settings=settings,
+            version=version(),
         )
 
     @cached_property

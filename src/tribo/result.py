@@ -15,7 +15,17 @@ from typing import TYPE_CHECKING, Any
 from tribo.files import netcdf_target, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
-from tribo.results import depinning, force_averages, report, result_file
+from tribo.results import (
+    contacts,
+    depinning,
+    force_averages,
+    force_distance,
+    friction_loop,
+    maps,
+    report,
+    result_file,
+    slips,
+)
 from tribo.results.citations import citations
 from tribo.results.run_result import Cost, RunResult, itself
 from tribo.validation import as_path
@@ -38,6 +48,12 @@ class Result(RunResult):
     pull_force = force_averages.pull_force
     time_without_contact = force_averages.time_without_contact
     depinning = depinning.depinning
+    contacts = contacts.contacts
+    friction_map = maps.friction_map
+    loop = friction_loop.loop
+    slips = slips.slips
+    force_distance = force_distance.force_distance
+    velocity_profile = maps.velocity_profile
     to_xarray = result_file.dataset
     __str__ = report.text
     _repr_html_ = report.html

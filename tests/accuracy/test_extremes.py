@@ -22,6 +22,7 @@ from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import first_step_at
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 
 METHOD = METHODS["gauss-radau-15"]
 
@@ -34,7 +35,7 @@ def rounded(layout, sample):
 def scales_of(scene):
     """The scales of tolerances, as a first run measures them."""
     layout = lay_out(scene)
-    setting = tolerances(layout, first_guess(layout), 1e-6, 0.5)
+    setting = Setting(tolerance=tolerances(layout, first_guess(layout), 1e-6, 0.5))
     return tolerance_scales(layout, Integrator(layout, METHOD)(setting, layout.times).samples)
 
 
@@ -78,7 +79,7 @@ def test_no_two_settings_begin_with_the_same_step():
     assert coarse.level > 5.0 * fine.level and fine.level == pytest.approx(FLOOR)
     assert first_step_at(fine, 1.0, 15) < 0.9 * first_step_at(coarse, 1.0, 15) < 0.9
     tuned = tribo.prepare(changed("A"), accuracy=1e-13).plan.tuned
-    assert tuned.coarse.level > tuned.fine.level
+    assert tuned.coarse.tolerance.level > tuned.fine.tolerance.level
 
 
 def test_tolerances_below_rounding_fall_with_the_level():

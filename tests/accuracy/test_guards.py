@@ -17,6 +17,7 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.separation import closest_bobs
 from tribo.loops import integrate
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 
 
 def note_of_stop(result):
@@ -102,7 +103,8 @@ def test_a_stop_does_not_depend_on_chunks(monkeypatch):
     impatient(monkeypatch)
     layout = lay_out(changed("A"))
     run = Integrator(layout, METHODS["gauss-radau-15"], progress=lambda t: None)
-    tight = Tolerance(np.full(2 * layout.coordinates, 1e-9), np.full(layout.accounts, 1e-9), 1e-9)
+    limits = np.full(2 * layout.coordinates, 1e-9), np.full(layout.accounts, 1e-9)
+    tight = Setting(tolerance=Tolerance(*limits, 1e-9))
     ends = set()
     for chunk in (1, 7, 1000):
         monkeypatch.setattr(integrate, "FIRST_CHUNK", chunk)

@@ -16,7 +16,6 @@ from tribo import (
     Initial,
     InputError,
 )
-from tribo.kernels.status import MEANINGS
 
 # Reference digits at the end of a case's run.
 DIGITS = {
@@ -94,4 +93,4 @@ def test_no_run_hangs(name):
         result = simulate(replace(scene, surfaces=(replace(upper, **ABSURD[name]), lower)))
     except InputError:
         return
-    assert result.status in MEANINGS
+    assert result.status == "completed" or result.status in result.shortcoming

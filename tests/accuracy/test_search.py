@@ -74,7 +74,7 @@ def test_a_call_replaces_what_it_names():
     scene = replace(case("A"), numerics=tribo.Numerics(method="rk4", step=0.5))
     assert tribo.prepare(scene, step=0.4).method.name == "rk4"
     assert tribo.prepare(scene, accuracy=1e-2).method.name == "rk4"
-    assert tribo.prepare(scene, method="midpoint").plan.setting == 0.5
+    assert tribo.prepare(scene, method="midpoint").plan.setting.step == 0.5
     with pytest.raises(tribo.InputError, match="step: cannot go with gauss-radau-15"):
         tribo.prepare(scene, method="gauss-radau-15")
 
@@ -119,7 +119,7 @@ def test_level_of_the_finest_run(monkeypatch):
     scene, method = case("C"), METHODS["midpoint"]
     tuned = tribo.prepare(scene, accuracy=1e-4, method=method.name).plan.tuned
     assert not tuned.met
-    assert tuned.fine == levels.setting_at(lay_out(scene), method, None, tuned.level)
+    assert tuned.fine.step == levels.equal_step(lay_out(scene), method, tuned.level)
 
 
 @pytest.mark.parametrize("samples", [2, 9, 33, 401, 2001])

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from tribo import atlas, interrupts
+from tribo import atlas, interrupts, prepare
 from tribo.atlas.entries import STOP_TIME, all_entries
 from tribo.atlas.rows import NOT_HONEST, NOT_MET
 from tribo.commands.cli import main
 from tribo.kernels.status import MEANINGS
-from tribo.simulation import prepare
 
 ENTRIES = all_entries()
 # Scenes that take long, or that need a time loop which no other scene needs.

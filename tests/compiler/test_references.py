@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.potentials.spline import from_points
+from tribo.potentials import from_points
 
 R = np.linspace(0.5, 3.0, 40)
 ROW = {"shape": (3, 1), "spacing": (1.5, 0.0)}

@@ -18,6 +18,7 @@ from tribo import (
     InputError,
     Langevin,
     Output,
+    Roughness,
     Scene,
     Surface,
     ensemble,
@@ -28,7 +29,6 @@ from tribo.ensembles import batches
 from tribo.ensembles.dataset import COUNTS
 from tribo.ensembles.figure import mean_band
 from tribo.ensembles.means import FIRST_STAGE
-from tribo.model.roughness import Roughness
 from tribo.model.scene_file import scene_from
 from tribo.results.averages import interval, members_needed
 
@@ -479,7 +479,9 @@ def test_chaos_takes_a_step():
     box = {"periodic": {"x": 6.6}, "output": Output(samples=9)}
     with pytest.raises(InputError, match=r"out of reach.*give a method and a step"):
         ensemble(Scene((upper, lower), jones, 60.0, **box), 4, {"upper.theta": stats.norm(0, 0.1)})
-    assert json.loads(ensemble(warm(), 2).attrs["step"]) == tribo.prepare(warm()).settings.setting
+    assert (
+        json.loads(ensemble(warm(), 2).attrs["step"]) == tribo.prepare(warm()).settings.setting.step
+    )
 
 
 def test_noise_points_to_ensembles():

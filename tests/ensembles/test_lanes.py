@@ -26,6 +26,7 @@ from tribo.layout.layout import lay_out
 from tribo.loops.batch import Batch, GeneralMembers, MemberStarts
 from tribo.loops.lane_loop import fit_lanes
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 
 FIELDS = ("y", "s", "contact", "field", "stored")
 STEP, FIRST_STEP = 0.02, 0.2
@@ -117,9 +118,9 @@ def loops_of(layout, method):
 def setting_of(layout, method):
     """A step, or tolerances that differ from one coordinate to another."""
     if not method.adaptive:
-        return STEP
+        return Setting(step=STEP)
     y, s = (1e-8 + 1e-9 * np.arange(n) / n for n in (layout.start.size, layout.accounts))
-    return Tolerance(y, s, 1e-8)
+    return Setting(tolerance=Tolerance(y, s, 1e-8))
 
 
 def runs_of(loop, layout, members, chosen=slice(None), method=METHODS["verlet"]):
@@ -173,7 +174,8 @@ def test_steps_that_pass_an_encounter():
     """Where tolerances allow longer steps, lanes reject those that go too far as single runs do."""
     layout, method = lay_out(two_rows((-1.0, 0.05))), METHODS["rkn8"]
     starts = starts_of(layout, 20)
-    setting = Tolerance(np.full(layout.start.size, 0.1), np.full(layout.accounts, 0.1), 0.1, 0.9)
+    limits = np.full(layout.start.size, 0.1), np.full(layout.accounts, 0.1)
+    setting = Setting(tolerance=Tolerance(*limits, 0.1, 0.9))
     one, other = (loop.run(setting, starts) for loop in loops_of(layout, method))
     check_agreement(one, other, 1e-11)
     tried = (one.counts[:, EVALUATIONS] - 1) // method.coefficients.c.size

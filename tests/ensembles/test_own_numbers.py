@@ -19,6 +19,7 @@ from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import can_differ, member_numbers
 from tribo.loops.batch import MemberStarts
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.model.parameters import with_values
 
 SPEEDS = {"upper.velocity": stats.uniform(0.4, 0.2)}
@@ -164,7 +165,7 @@ def test_members_do_not_depend_on_their_company():
     numbers = member_numbers(layout, 40, values)
     starts = MemberStarts(np.tile(layout.start, (40, 1)), np.zeros(40, int), numbers)
     y, s = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
-    setting = Tolerance(y, s, 1e-8)
+    setting = Setting(tolerance=Tolerance(y, s, 1e-8))
     whole = loop.run(setting, starts)
     chosen = np.array([18, 3, 11, 4, 39, 7, 9, 2, 16, 1])
     some = loop.run(setting, starts.of_members(chosen))
@@ -186,7 +187,8 @@ def test_one_member_alone_on_driven_bars():
     y = InitialState(layout).of_members(values_at_start(values), np.zeros(3, int))
     loop = Integrator(layout, METHODS["rkn8"]).batch()
     scales = np.full(layout.start.size, 1e-8), np.full(layout.accounts, 1e-8)
-    setting, starts = Tolerance(*scales, 1e-8), MemberStarts(y, np.zeros(3, int))
+    setting = Setting(tolerance=Tolerance(*scales, 1e-8))
+    starts = MemberStarts(y, np.zeros(3, int))
     whole, one = loop.run(setting, starts), loop.run(setting, starts.of_members([1]))
     same = whole.of_members(np.array([1]))
     assert np.array_equal(one.samples.s, same.samples.s)

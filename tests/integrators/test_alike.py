@@ -16,6 +16,7 @@ from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.layout import contacts, tables
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop
+from tribo.loops.setting import Setting
 
 
 @pytest.fixture(autouse=True)
@@ -47,7 +48,8 @@ def same_with_own_constants(scene, alike):
     assert [s.name for s, mask in zip(scene.surfaces, masks, strict=True) if mask == 0] == alike
     assert np.all(own.model.surfaces.constants_mask == -1)
     loops = [
-        GeneralLoop(layout, METHODS["verlet"], STEP, layout.start, 0.0) for layout in (shared, own)
+        GeneralLoop(layout, METHODS["verlet"], Setting(step=STEP), layout.start, 0.0)
+        for layout in (shared, own)
     ]
     one, other = (recorded(loop) for loop in loops)
     for mine, theirs in zip(one, other, strict=True):

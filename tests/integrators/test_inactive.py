@@ -15,6 +15,7 @@ from tribo.layout import contacts
 from tribo.layout.layout import lay_out
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop
+from tribo.loops.setting import Setting
 
 VERLET = {"method": "verlet", "step": STEP}
 
@@ -62,7 +63,10 @@ def test_restored_between_selections():
     """A loop that is restored while blocks are inactive goes on with the same bits."""
     layout = lay_out(crossing())
     times = layout.times
-    one, other = (GeneralLoop(layout, METHODS["verlet"], STEP, layout.start, 0.0) for _ in range(2))
+    one, other = (
+        GeneralLoop(layout, METHODS["verlet"], Setting(step=STEP), layout.start, 0.0)
+        for _ in range(2)
+    )
     columns = one.room(times.size)
     one.advance(times, columns, 100)
     asleep = not_stepped(one)

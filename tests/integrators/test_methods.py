@@ -27,6 +27,7 @@ from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.paper import scene as case
 
 ADAPTIVE = [m.name for m in METHODS.values() if m.adaptive]
@@ -112,7 +113,7 @@ def test_accounts_are_looked_at(name):
     for wanted in (1e-4, 1e-12):
         y = np.full(layout.start.size, 1e-4)
         s = np.full(layout.accounts, wanted)
-        run = integrate(Tolerance(y, s, 1e-4), np.array([40.0]))
+        run = integrate(Setting(tolerance=Tolerance(y, s, 1e-4)), np.array([40.0]))
         steps.append(run.steps)
     assert steps[1] > 1.2 * steps[0]
 

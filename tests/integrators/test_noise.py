@@ -130,7 +130,7 @@ def test_an_automatic_step_is_halved_until_it_resolves_the_encounters():
     """The run is that of the step that is reported; the first step would have stopped."""
     simulation = tribo.prepare(passing(0.3, 0.3))
     result = simulation.run()
-    first = simulation.plan.setting
+    first = simulation.plan.setting.step
     step = result.settings["step"]
     halvings = np.log2(first / step)
     assert result.status == "completed" and halvings == round(halvings) > 0

@@ -13,6 +13,7 @@ from tribo.integrators.methods import METHODS
 from tribo.integrators.step_control import Tolerance
 from tribo.layout.layout import lay_out
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.paper import scene as case
 
 END = 4.0
@@ -42,11 +43,11 @@ def in_steps(layout, method, count):
     tolerance, or, where it iterates, one of round-off that no error is compared with.
     """
     times = END / count * np.arange(1, count + 1)
-    setting = END / count
+    setting = Setting(step=END / count)
     if method.adaptive:
         iterates = method.remembers > 0
         y, s = (np.full(n, 1e-15 if iterates else np.inf) for n in sizes(layout))
-        setting = Tolerance(y, s, NO_LEVEL)
+        setting = Setting(tolerance=Tolerance(y, s, NO_LEVEL))
     with mock.patch("tribo.loops.select.first_step", return_value=np.inf):
         integrator = Integrator(layout, method)
     run = integrator(setting, times)

@@ -8,8 +8,8 @@ import pytest
 
 import tribo
 from support import page_diffs
+from tribo import InputError
 from tribo.integrators.methods import METHODS
-from tribo.validation import InputError
 
 HEUN = {"a": [[], [1 / 3], [0, 2 / 3]], "b": [1 / 4, 0, 3 / 4]}  # of order 3
 # M. Suzuki, Phys. Lett. A 146 (1990) 319: five leapfrog steps of order 4.

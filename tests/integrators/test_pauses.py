@@ -24,6 +24,7 @@ from tribo.layout.layout import lay_out
 from tribo.loops import integrate, pair
 from tribo.loops.general import GeneralLoop
 from tribo.loops.resolution import first_step
+from tribo.loops.setting import Setting
 from tribo.paper import scene as case
 
 BUDGETS = (10**9, 1, 7)  # steps between two pauses
@@ -67,7 +68,8 @@ def in_chunks(monkeypatch, budget):
 
 def tolerance(layout, level):
     """The same for every component."""
-    return Tolerance(np.full(layout.start.size, level), np.full(layout.accounts, level), level)
+    limits = np.full(layout.start.size, level), np.full(layout.accounts, level)
+    return Setting(tolerance=Tolerance(*limits, level))
 
 
 def outcome(run):
@@ -111,7 +113,7 @@ def test_pauses_of_rows(monkeypatch, name):
     assert layout.rows > 0
     method = METHODS[name]
     for setting, status in SETTINGS[name]:
-        wanted = tolerance(layout, setting) if method.adaptive else setting
+        wanted = tolerance(layout, setting) if method.adaptive else Setting(step=setting)
 
         def run(wanted=wanted):
             loop = GeneralLoop(layout, method, wanted, layout.start, first_step(layout))
@@ -127,7 +129,7 @@ def test_refusal_of_a_step(monkeypatch, name):
     method = METHODS[name]
 
     def run():
-        loop = GeneralLoop(layout, method, 0.2, layout.start, 0.0)
+        loop = GeneralLoop(layout, method, Setting(step=0.2), layout.start, 0.0)
         return integrate.integrate(loop, layout.scene.times)
 
     assert_same(monkeypatch, run, "EncounterJumped")
@@ -140,7 +142,7 @@ def test_pauses_with_baths(monkeypatch):
     layout = lay_out(Scene([bars], [], 3.0, output=Output(samples=4)))
 
     def run():
-        loop = GeneralLoop(layout, METHODS["verlet"], 0.03, layout.start, 0.0)
+        loop = GeneralLoop(layout, METHODS["verlet"], Setting(step=0.03), layout.start, 0.0)
         return integrate.integrate(loop, layout.scene.times)
 
     assert_same(monkeypatch, run, "completed")

@@ -45,7 +45,7 @@ def twice_doubled(x):
 @pytest.mark.skipif(not NATIVE, reason="numba links kernels in its own way")
 def test_kernels_are_linked():
     """A kernel has no machine code of its own; the loop that calls it contains it."""
-    loop = time_loop(twice_doubled, None)
+    loop = time_loop(twice_doubled, kept=False)
     assert loop(3.0) == 12.0
     (library,) = (compiled.library for compiled in doubled.overloads.values())
     (name,) = (function.name for function in library.get_defined_functions())
@@ -59,7 +59,7 @@ def test_kernels_are_linked():
 def entry_point():
     """Compiled for float64 arrays of one and two dimensions."""
     examples = (np.zeros(1), np.zeros((2, 3)), 0)
-    return EntryPoint(time_loop(scaled, None), (np.array([2.0]),), examples)
+    return EntryPoint(time_loop(scaled, kept=False), (np.array([2.0]),), examples)
 
 
 def test_entry_point(entry_point):
@@ -103,7 +103,7 @@ def test_entry_point_refuses_other_rows(entry_point):
 )
 def test_entry_point_looks_into_tuples(inner, message):
     """An array in a tuple would be read as what it is not, too."""
-    entry = EntryPoint(time_loop(of_a_tuple, None), (), ((np.zeros(1), (np.zeros(1),)),))
+    entry = EntryPoint(time_loop(of_a_tuple, kept=False), (), ((np.zeros(1), (np.zeros(1),)),))
     assert entry((np.full(5, 2.0), (np.full(5, 3.0),))) == 6.0
     with pytest.raises(TypeError, match=f"argument 0 must.*{message}"):
         entry((np.zeros(5), (inner,)))
@@ -114,7 +114,7 @@ def test_entry_point_looks_into_tuples(inner, message):
 def test_stale_machine_code_is_removed(tmp_path, monkeypatch):
     """That of other versions of the package; not that of other plug-ins or programs."""
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
-    compiled = time_loop.__wrapped__(pair_collocation, "")
+    compiled = time_loop.__wrapped__(pair_collocation)
     folder = compiled.stats.cache_path
     kept = [
         f"loop.pair_collocation_{code_stamp()}_-1.py311.nbi",
@@ -140,13 +140,13 @@ def test_stale_machine_code_is_removed(tmp_path, monkeypatch):
 def test_a_loop_cleans_up_when_it_is_made(tmp_path, monkeypatch):
     """Two processes may do so at once: a file that is gone already is no error."""
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
-    folder = time_loop.__wrapped__(pair_collocation, "").stats.cache_path
+    folder = time_loop.__wrapped__(pair_collocation).stats.cache_path
     path = tmp_path / folder / "loop.pair_collocation_0123456789abcdef_-1.py311.nbi"
     path.touch()
-    time_loop.__wrapped__(pair_collocation, "")
+    time_loop.__wrapped__(pair_collocation)
     assert not path.exists()
     monkeypatch.setattr("tribo.compiler.jit.cached_files", lambda loop: [path])
-    time_loop.__wrapped__(pair_collocation, "")
+    time_loop.__wrapped__(pair_collocation)
 
 
 class Foreign(NamedTuple):

@@ -22,6 +22,7 @@ from tribo.kernels.contact import open_contact_forces_unit
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop
 from tribo.loops.interleaved import interleaved
+from tribo.loops.setting import Setting
 from tribo.potentials import as_potential
 from tribo.threads.writable_memory import own_model
 
@@ -74,7 +75,7 @@ def test_one_loop_for_all_kinds_of_scenes():
     for name, scene in scenes().items():
         layout = lay_out(scene)
         method = METHODS["verlet"]
-        loop = GeneralLoop(layout, method, 1e-3, layout.start, 0.0)
+        loop = GeneralLoop(layout, method, Setting(step=1e-3), layout.start, 0.0)
         loop.advance(np.array([0.0, 1.0]), loop.room(2), 1)
         loops.add(loop.compiled)
         assert len(loop.compiled.signatures) == 1, name
@@ -86,7 +87,7 @@ def test_a_loop_does_not_grow():
     """Kernels that are copied into their callers make code that takes long to compile."""
     layout = lay_out(rows())
     method = METHODS["verlet"]
-    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, Setting(step=1.0), layout.start, 0.0)
     # Not from the disk cache, which keeps machine code alone.
     loop.compiled = numba.njit(**LOOP)(method.loop)
     loop.advance(np.ones(1), loop.room(1), 0)

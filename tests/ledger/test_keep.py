@@ -9,10 +9,9 @@ import pytest
 
 import tribo
 from support.continued import chain
-from tribo import Coulomb, Free, InputError, Output, Scene, Surface
+from tribo import Coulomb, Free, InputError, Output, Scene, Surface, sweep
 from tribo.commands.cli import main
 from tribo.ensembles.figure import mean_band
-from tribo.sweeps import sweep
 
 KEEP = ("upper.W", "upper.x_cm", "contact_energy")
 HOW = {"method": "midpoint", "step": 0.01}

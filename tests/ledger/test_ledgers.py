@@ -13,8 +13,8 @@ import pytest
 import tribo
 from support import ledgers
 from support.package import SOURCE
-from tribo import paper
-from tribo.explanation import Contact, Explanation
+from tribo import Explanation, paper
+from tribo.explanation import Contact
 from tribo.explanation.prediction import Predicted
 from tribo.layout.layout import lay_out
 from tribo.loops.pair import is_pair

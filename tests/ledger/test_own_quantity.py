@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from support.registered import forgotten
-from tribo.validation import InputError
+from tribo import InputError
 
 BAR = ["f2_x", "f2_y", "vx_cm", "vy_cm", "theta", "omega"]
 

@@ -261,7 +261,8 @@ def test_pairs_and_accuracies(tmp_path):
     scene.save(tmp_path / "scene.toml")
     assert tribo.load_scene(tmp_path / "scene.toml").output.series == EVERY
     with pytest.raises(
-        tribo.InputError, match=r"series\[0\]: must be .forces. or .energies. or .own. or .osc"
+        tribo.InputError,
+        match=r"series\[0\]: must be .forces. or .energies. or .contacts. or .own",
     ):
         tribo.Output(series=["force"])
     with pytest.raises(tribo.InputError, match="series: must be a list of words"):

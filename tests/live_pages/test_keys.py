@@ -57,6 +57,7 @@ def test_given_controls(tmp_path):
     (shown,) = controls.shown
     assert (shown.low, shown.high, shown.label, shown.value) == (0.1, 1.0, "Tempo", 0.5)
     assert controls.words == {"title": "Titel"}
+    assert controls_of(SCENE, given | {"panel": "Energy"}).words["panel"] == "Energy"
     file = tmp_path / "controls.toml"
     file.write_text('title = "Titel"\n["upper.velocity"]\nrange = [0.1, 1.0]\nlabel = "Tempo"\n')
     assert controls_of(SCENE, file) == controls
@@ -70,6 +71,7 @@ def test_given_controls(tmp_path):
         ({"upper.asperite.m1": [-1.0, 1.0]}, "must be positive"),
         ({"upper.velocity": 3.0}, "must be a range"),
         (3, "controls: must be a mapping"),
+        ({"panel": "Heat"}, "controls.panel: must be one of End value, Energy"),
     ],
 )
 def test_wrong_controls(given, problem):
@@ -113,9 +115,19 @@ def test_what_cannot_go_in(change, reason):
     assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)
 
 
-def test_tables_cannot_go_in():
-    """Nor can potentials with a part that is one."""
+class Listed(tribo.Potential):
+    """A potential with whole numbers in an array."""
+
+    powers: np.ndarray
+
+    def energy(self, r):
+        return r ** -self.powers[0]
+
+
+def test_arrays():
+    """Tables of points can go in, alone and in sums; arrays of whole numbers cannot."""
     table = tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 6.0, 1e-6)
     for potential in (table, tribo.Coulomb(0.2) + table):
-        with pytest.raises(InputError, match="its potential is a table of points"):
-            check(replace(SCENE, interactions=(potential,)))
+        check(replace(SCENE, interactions=(potential,)))
+    with pytest.raises(InputError, match="has an array that is no row of numbers"):
+        check(replace(SCENE, interactions=(Listed(np.array([1])),)))

@@ -1,5 +1,6 @@
 """The live page: what it holds, and what it does in a browser."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -81,6 +82,9 @@ def test_in_a_browser(page):
         wrong = "tribo.run({'upper.asperite.m1': -1})"
         refused = f"(() => {{ try {{ {wrong} }} catch (e) {{ return e.message }} }})()"
         assert tab.evaluate(refused) == "upper.asperite.m1 must be positive, got -1"
+        check_map(tab)
+        check_starts(tab)
+        check_printed(tab)
         tab.evaluate("tribo.set({'upper.drive': 'free'})")
         for name in ("Energy", "Numbers", "Many starts", "Files", "End value"):
             tab.get_by_role("tab", name=name).click()
@@ -90,6 +94,46 @@ def test_in_a_browser(page):
         browser.close()
     assert problems == []
     assert [url for url in requests if not url.startswith(("data:", "blob:"))] == [requests[0]]
+
+
+def check_map(tab):
+    """With a second control the end value is a map, and a click takes a value of each."""
+    tab.locator("[data-part=velocities]").check()
+    tab.locator("[data-part=endSecond]").select_option("interaction.strength")
+    tab.wait_for_selector("[data-part=end][aria-busy=false]", timeout=60_000)
+    tab.locator("[data-part=end]").click(position={"x": 150, "y": 60})
+    values = tab.evaluate("tribo.values")
+    assert values["upper.velocity"] != 0.5 and values["interaction.strength"] > 0.3
+    tab.locator("[data-part=reset]").click()
+
+
+def check_starts(tab):
+    """Of starts at a temperature, the mean of exp(-gain / temperature) is 1."""
+    tab.get_by_role("tab", name="Many starts").click()
+    sentence = tab.locator("[data-part=startsSentence]")
+    tab.locator("[data-part=amplitude]").fill("1")
+    tab.locator("[data-part=more]").click()
+    has_many = re.compile(r"^Of \d{3}")
+    tab.locator("[data-part=startsSentence]", has_text=has_many).wait_for(timeout=60_000)
+    tab.locator("[data-part=more]").click()
+    mean, error = re.search(
+        r"temperature\) is ([\d.]+) ± ([\d.]+\d)", sentence.inner_text()
+    ).groups()
+    assert abs(float(mean) - 1.0) < 6.0 * float(error) + 0.05
+
+
+def check_printed(tab):
+    """On paper, canvases keep the proportions that were drawn, so that circles stay circles."""
+    tab.emulate_media(media="print")
+    ratios = tab.evaluate(
+        "[...document.querySelectorAll('canvas')].filter((each) => each.clientHeight)"
+        ".map((each) => { document.body.style.width = '520px';"
+        " const box = each.getBoundingClientRect();"
+        " return (box.width / box.height) / (each.width / each.height) })"
+    )
+    tab.evaluate("document.body.style.width = ''")
+    tab.emulate_media(media="screen")
+    assert len(ratios) > 1 and ratios == pytest.approx([1.0] * len(ratios), rel=0.01)
 
 
 def check_stopped(browser, page):

@@ -6,10 +6,20 @@ import numpy as np
 import pytest
 
 from support.examples import example
-from tribo import Asperite, Free, Initial, Morse, Output, Scene, Surface, simulate
-from tribo.model.bath import Bath
-from tribo.model.langevin import Langevin
-from tribo.model.spectrum import Spectrum, exact_decay, valid_until
+from tribo import (
+    Asperite,
+    Bath,
+    Free,
+    Initial,
+    Langevin,
+    Morse,
+    Output,
+    Scene,
+    Spectrum,
+    Surface,
+    simulate,
+)
+from tribo.model.spectrum import exact_decay, valid_until
 
 # --- stick-slip ----------------------------------------------------------------------------------
 

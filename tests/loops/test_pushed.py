@@ -7,8 +7,6 @@ import pytest
 
 import tribo
 from support.transformations import boosted, drive_in_units
-from tribo.model.drives import as_drive, as_table
-from tribo.model.effects import Effect
 
 FORCE, RATE = np.array([0.6, -0.3]), np.array([0.2, 0.5])
 HOW = {"method": "verlet", "step": 0.01}
@@ -72,12 +70,13 @@ def test_one_push_in_many_ways(tmp_path):
     scene = pushed(0.3)
     scene.save(tmp_path / "scene.toml")
     drive = tribo.load_scene(tmp_path / "scene.toml").surfaces[0].drive
-    assert drive == scene.surfaces[0].drive and as_drive(as_table(drive)) == drive
-    assert as_drive({"kind": "push", "force": [0.1, 0.0]}).rate == (0.0, 0.0)
+    assert drive == scene.surfaces[0].drive
+    table = {"kind": "push", "force": [0.1, 0.0]}
+    assert tribo.Surface("upper", drive=table).drive.rate == (0.0, 0.0)
     scaled = drive_in_units(drive, 2.0, 3.0, 4.0)
     assert scaled.force == pytest.approx(FORCE * 6.0 / 16.0)
     assert scaled.rate == pytest.approx(RATE * 6.0 / 64.0)
-    assert Effect.PUSH in scene.effects and Effect.LOAD not in scene.effects
+    assert "push" in scene.effects and "load" not in scene.effects
     assert "drive.force" in tribo.explain(scene).effects["push"]
     with_load = pushed(load=0.4, force=(0.6, 0.0), rate=(0.2, 0.0))
     result = tribo.simulate(with_load, **HOW)
@@ -91,6 +90,7 @@ def test_one_push_in_many_ways(tmp_path):
         with pytest.raises(tribo.InputError, match=problem):
             tribo.Pushed(**settings)
     with pytest.raises(tribo.InputError, match="force: is missing"):
-        as_drive({"kind": "push"})
+        tribo.Surface("upper", drive={"kind": "push"})
     with pytest.raises(tribo.InputError, match="rate: is not a known key"):
-        as_drive({"kind": "pulled", "stiffness": 1.0, "speed": 0.1, "rate": [0.0, 0.0]})
+        table = {"kind": "pulled", "stiffness": 1.0, "speed": 0.1, "rate": [0.0, 0.0]}
+        tribo.Surface("upper", drive=table)

@@ -9,17 +9,10 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import exp1, expi
 
-from tribo import InputError, Scene, Surface
+from tribo import Bath, InputError, Scene, Spectrum, Surface
 from tribo.layout.layout import lay_out
-from tribo.model.bath import Bath, as_bath, as_table
-from tribo.model.spectrum import (
-    KINDS,
-    Spectrum,
-    discrete_decay,
-    exact_decay,
-    normal_modes,
-    valid_until,
-)
+from tribo.model.bath import as_bath, as_table
+from tribo.model.spectrum import KINDS, discrete_decay, exact_decay, normal_modes, valid_until
 
 DENSITY = {  # J(w) / (gamma w) at w_c = 1, and where it ends
     "drude": (lambda w: 1 / (1 + w**2), np.inf),

@@ -249,14 +249,14 @@ WRONG = [
     (
         "surface[0].drive",
         "pushed",
-        'must be "forced" or "free" or "pulled" or "push" or "bars", got',
+        'must be "forced" or "free" or "pulled" or "push" or "bars" or "moved", got',
     ),
     ("surface[0].drive", "pulled", "is missing", "surface[0].drive.stiffness"),
     ("surface[0].drive", 5, "must be a table, got 5"),
     (
         "surface[0].drive.kind",
         5,
-        'must be "forced" or "free" or "pulled" or "push" or "bars", got 5',
+        'must be "forced" or "free" or "pulled" or "push" or "bars" or "moved", got 5',
     ),
     ("surface[0].drive", {"kind": "bars", "load": 0.1}, "cannot go with driven bars", ".load"),
     ("surface[0].drive", {"kind": "bars", "rigid": True}, "cannot go with kind", ".rigid"),
@@ -379,7 +379,7 @@ WRONG = [
     ("surface[0].name", "a/b", "must be a word"),
     ("surface[0].name", "a\nb", "must be a word"),
     ("surface[1].name", "upper", '"upper" is the name of another surface; give each name once'),
-    ("interaction[0].potential", "mose", 'must be "coulomb", "morse", "lennard-jones"'),
+    ("interaction[0].potential", "mose", 'must be "coulomb", "yukawa"'),
     (
         "interaction[0].between",
         ["upper", "middle"],

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tribo import InputError
-from tribo.model.roughness import Roughness, draw
+from tribo import InputError, Roughness
+from tribo.model.roughness import draw
 from tribo.model.surface import as_heights
 from tribo.model.tables import from_table, table_of
 from tribo.model.topography import Grid

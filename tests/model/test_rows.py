@@ -1,16 +1,22 @@
 """Pairs of rows: places, ratios, periods, and a short slide."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
-from tribo import Asperite, Coulomb, InputError, Scene, simulate
-from tribo.model.rows import (
-    GOLDEN_MEAN,
-    approximant,
+from tribo import (
+    Asperite,
+    Coulomb,
+    InputError,
+    Scene,
     commensurate_rows,
     incommensurate_rows,
     periodic_rows,
+    simulate,
 )
+
+GOLDEN_MEAN = 0.5 * (1.0 + 5.0**0.5)
 
 
 def x_of(surface):
@@ -58,7 +64,9 @@ def test_a_row_of_given_length():
     ],
 )
 def test_approximants(n, ratio, counts):
-    assert approximant(n, ratio) == counts
+    """The best fraction with at most n asperites in the upper row."""
+    upper, lower, _ = periodic_rows(n, ratio=ratio)
+    assert Fraction(upper.count, lower.count) == Fraction(*counts)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +116,7 @@ def test_what_makes_no_sense_is_named(settings, field):
 
 def test_a_ratio_too_small_for_the_row():
     with pytest.raises(InputError, match=r"^ratio: must be above 0.166667 for 3 upper asperites"):
-        approximant(3, 0.01)
+        periodic_rows(3, ratio=0.01)
 
 
 def test_rows_slide():

@@ -1,15 +1,15 @@
 """A class derived from a part of a scene is its parent, or is refused."""
 
+import math
 import re
 from dataclasses import dataclass
 
 import pytest
 
 import tribo
-from tribo.model.drives import Custom, Drive
-from tribo.potentials import as_potential, from_points
-from tribo.potentials.spline import Table
-from tribo.validation import InputError
+from tribo import Custom, InputError
+from tribo.model.drives import Drive
+from tribo.potentials import Table, as_potential, from_points
 
 
 class Own(tribo.Potential):
@@ -24,6 +24,8 @@ class Own(tribo.Potential):
 def scene(drive=None, **upper) -> tribo.Scene:
     """A pair, and a bob that is driven over it."""
     drive = tribo.Forced() if drive is None else drive
+    if drive.gives_motion:  # which rigid asperites follow
+        upper["asperite"] = tribo.Asperite(kappa=math.inf)
     surfaces = (
         tribo.Surface("upper", bob=(-2.0, 1.0), velocity=(1.0, 0.0), drive=drive, **upper),
         tribo.Surface("lower", facing="up"),
@@ -42,6 +44,7 @@ DRIVES = [
     tribo.Pulled(stiffness=2.0, speed=1.0),
     tribo.Pushed(force=(0.1, 0.0), rate=(0.2, 0.0)),
     tribo.DrivenBars(),
+    tribo.Moved(speed=(1.0, 0.0)),
 ]
 
 

@@ -8,14 +8,13 @@ from matplotlib import rcParams
 from matplotlib.figure import Figure
 
 import tribo
-from tribo import paper, plotting
+from tribo import InputError, paper, plotting
 from tribo.paper import figures as paper_figures
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import pose
 from tribo.plotting.snapshots import encounter_times
 from tribo.plotting.style import FILES, NOTE_SIZE, drawing_on
 from tribo.plotting.works import spread
-from tribo.validation import InputError
 
 
 @pytest.fixture(scope="module")

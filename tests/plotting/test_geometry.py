@@ -11,11 +11,10 @@ from ase.calculators.lj import LennardJones
 
 import tribo
 from support import reference
-from tribo import Interaction, paper
+from tribo import InputError, Interaction, paper
 from tribo.plotting.contacts import Contacts
 from tribo.plotting.pose import pose
 from tribo.potentials import from_calculator
-from tribo.validation import InputError
 
 
 @pytest.fixture(scope="module")

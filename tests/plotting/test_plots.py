@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import paper, plotting
+from tribo import InputError, paper, plotting
 from tribo.commands.cli import main
 from tribo.plotting import animation
 from tribo.plotting.pose import pose
-from tribo.validation import InputError
 
 KINDS = ("angles", "work", "energy_budget", "phase", "snapshots")
 

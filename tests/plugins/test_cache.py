@@ -373,7 +373,7 @@ def test_no_folder_for_files(monkeypatch):
         raise RuntimeError("cannot cache function: no locator available")
 
     monkeypatch.setattr("tribo.compiler.jit.KernelCache", nowhere)
-    loop = time_loop.__wrapped__(contact_probe, "")
+    loop = time_loop.__wrapped__(contact_probe)
     assert loop.stats.cache_path is None and not is_compiled(loop)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import tribo
 from support import page_diffs
-from tribo.validation import InputError
+from tribo import InputError
 
 
 class Opposed(NamedTuple):

@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import paper
-from tribo.model.drives import Custom, Ends
-from tribo.model.scene_file import load_scene
-from tribo.validation import InputError
+from tribo import Custom, Ends, InputError, load_scene, paper
 
 
 class Opposed(NamedTuple):

@@ -8,11 +8,10 @@ import zipfile
 
 import pytest
 
+from tribo import InputError, load_scene
 from tribo.commands.cli import main
 from tribo.model.identity import as_sent, received
-from tribo.model.scene_file import load_scene
 from tribo.plugins.sources import is_installed, place_of
-from tribo.validation import InputError
 
 OWN = """
 from typing import NamedTuple

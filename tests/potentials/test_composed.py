@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo import InputError
 from tribo.potentials import Scaled, Sum, as_calculator, as_potential
-from tribo.validation import InputError
 
 JONES = tribo.LennardJones(1.0, 1.0)
 IONS = tribo.Coulomb(0.2)

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from tribo import InputError
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
@@ -39,7 +40,6 @@ from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.derivative import FUNCTIONS
 from tribo.potentials.tables import as_table
 from tribo.results.notes import run_notes
-from tribo.validation import InputError
 
 mpmath.mp.dps = 50
 ROUND_OFF = 2e-14  # relative to the largest term of a formula
@@ -500,9 +500,9 @@ REFUSED = [
     ("energy*r", 'must be an expression with another name for the parameter "energy"'),
     ("cutoff*r", 'must be an expression with another name for the parameter "cutoff"'),
     ("_s*r", 'must be an expression with another name for the parameter "_s"'),
-    ("mose", 'must be "coulomb", "morse", "lennard-jones"'),
-    ("lenard-jones", 'must be "coulomb", "morse", "lennard-jones"'),
-    ("r", 'must be "coulomb", "morse", "lennard-jones"'),
+    ("mose", 'must be "coulomb", "yukawa"'),
+    ("lenard-jones", 'must be "coulomb", "yukawa"'),
+    ("r", 'must be "coulomb", "yukawa"'),
 ]
 
 

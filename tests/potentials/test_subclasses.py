@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import Corrugation, Coulomb, DrivenBars, Field, Initial, LennardJones, Scene, Surface
+from tribo import (
+    Corrugation,
+    Coulomb,
+    DrivenBars,
+    Field,
+    Initial,
+    InputError,
+    LennardJones,
+    Scene,
+    Surface,
+)
 from tribo.export import to_lammps
 from tribo.potentials import as_potential
-from tribo.validation import InputError
 
 
 class Inverse(NamedTuple):

@@ -7,9 +7,9 @@ import pytest
 
 import tribo
 import tribo.potentials
+from tribo import InputError
 from tribo.model.scene_file import scene_from
 from tribo.potentials import as_potential
-from tribo.validation import InputError
 
 HEAD = """import math
 import numba

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo import check
 from tribo.potentials import expression, from_points, tabulated
-from tribo.report_card import check
 
 LENNARD_JONES, HERTZ, GAUSSIAN, MORSE, COULOMB = range(5)
 KINDS = ("lennard-jones", "hertz", "gaussian", "morse", "coulomb")

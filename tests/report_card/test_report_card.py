@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tribo import InputError, check
 from tribo.commands.cli import main
 from tribo.potentials import (
     BUILT_IN,
@@ -23,12 +24,10 @@ from tribo.potentials import (
 from tribo.potentials.cutoff import AT_CUTOFF
 from tribo.potentials.expression import is_expression
 from tribo.potentials.tables import MADE, from_table
-from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement, check_third_law
 from tribo.report_card.derivatives import check_force, curves, derivative
 from tribo.report_card.scan import PotentialScan
 from tribo.report_card.smoothness import strengths
-from tribo.validation import InputError
 
 LJ = {"potential": "lennard-jones", "epsilon": 1.0, "sigma": 1.0}
 COULOMB = {"potential": "coulomb", "strength": 0.5}
@@ -315,7 +314,6 @@ import sys
 from pathlib import Path
 from tribo.plugins import sources
 from tribo.potentials.tables import from_table
-from tribo.report_card import check
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo import InputError, Output, paper, progress
-from tribo.simulation import prepare
+from tribo import InputError, Output, paper, prepare, progress
 
 SCENE = paper.scene("A")
 

@@ -63,11 +63,12 @@ def loops(scene):
     from tribo.integrators.methods import METHODS
     from tribo.layout.layout import lay_out
     from tribo.loops.general import GeneralLoop
+    from tribo.loops.setting import Setting
 
     found = []
     for _ in range(2):
         layout = lay_out(scene)
-        found.append(GeneralLoop(layout, METHODS["verlet"], STEP, layout.start, 0.0))
+        found.append(GeneralLoop(layout, METHODS["verlet"], Setting(step=STEP), layout.start, 0.0))
     step_all(found[1]._neighbours.active)
     return found
 

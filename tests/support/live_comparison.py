@@ -49,6 +49,7 @@ POTENTIALS = {
     "Switched": tribo.Morse(0.3, 1.5, 1.0).with_cutoff(4.0),
     "ForceShifted": tribo.LennardJones(0.3, 0.8).with_cutoff(3.0, "force-shift"),
     "Shifted": tribo.Coulomb(0.2).with_cutoff(5.0, "shift"),
+    "Table": tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 12.0, 1e-6),
     "Truncated": tribo.Coulomb(0.2).with_cutoff(5.0, "truncate"),
 }
 # Of the run that the others are compared with.
@@ -92,11 +93,12 @@ def compared(scene):
     simulation = tribo.prepare(scene, accuracy=ACCURACY, method="gauss-radau-15")
     layout, pair = simulation.layout, simulation.integrator.pair
     potential, setting = layout.model.contacts[0].potential, simulation.plan.setting
+    tolerance = setting.of_adaptive_steps()
     times = layout.times
     memory = pair.rows()
-    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(setting)
+    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(tolerance)
     options = np.zeros(program.OPTIONS)
-    options[program.GIVEN], options[program.NEAR] = 1.0, setting.encounter_fraction
+    options[program.GIVEN], options[program.NEAR] = 1.0, tolerance.encounter_fraction
     options[program.MOST_STEPS] = 1e6
     host = Machine(module_of(potential), potential, times.size, CLOCK.itemsize)
     numbers = inputs_of(lay_out(scene))
@@ -120,7 +122,7 @@ def compared(scene):
         error = float(np.max(np.abs(series[row] - values.reshape(times.size, -1)[:, 0]))) / size
         if error > worst:
             worst, worst_of = error, name
-    own = own_settings(host, numbers, run.samples._record, times.size)
+    own = own_settings(host, numbers, scene)
     return {
         "status": [code, str(run.status)],
         "same": same,
@@ -131,12 +133,13 @@ def compared(scene):
     }
 
 
-def own_settings(host, numbers, record, samples):
+def own_settings(host, numbers, scene):
     """The run at the page's own settings: its errors, in units of what it says of them."""
     accurate = host.get("series").copy()
     options = np.zeros(program.OPTIONS)
     options[program.LEVEL], options[program.NEAR] = program.level_of(1e-8), program.NEAR_FINE
     options[program.MOST_STEPS], options[program.ESTIMATE] = 1e5, 1.0
+    options[program.ROUGH] = np.isfinite(scene.smoothness)
     code = host.run(numbers=numbers, options=options)
     errors = np.abs(host.get("series") - accurate).max(axis=1)
     said = host.get("errors") + ACCURACY * np.abs(accurate).max(axis=1)

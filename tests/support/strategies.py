@@ -16,24 +16,25 @@ from hypothesis import strategies as st
 
 from tribo import (
     Asperite,
+    Corrugation,
     Coulomb,
     DrivenBars,
+    Field,
     Forced,
     Free,
     Initial,
     Interaction,
+    Langevin,
     LennardJones,
     Morse,
     Output,
     Pulled,
     Result,
     Scene,
+    Springs,
     Surface,
     simulate,
 )
-from tribo.model.fields import Corrugation, Field
-from tribo.model.langevin import Langevin
-from tribo.model.springs import Springs
 
 DURATION = 5.0
 SAMPLES = 33

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tribo.model.roughness import Roughness, draw
+from tribo import Roughness
+from tribo.model.roughness import draw
 
 FILE = Path(__file__).resolve().parents[2] / "examples" / "scan.x3p"
 # Points along x and y.

@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tribo import Coulomb, DrivenBars, Interaction, LennardJones, Morse, Pulled, Pushed
-from tribo.model.fields import Corrugation
+from tribo import Corrugation, Coulomb, DrivenBars, Interaction, LennardJones, Morse, Pulled, Pushed
 
 
 def changed(scene, change, field=lambda f: f, **others):

@@ -160,7 +160,7 @@ def test_keys_together_and_words():
     pairs = [(0.5, 40.0), (0.25, 80.0)]
     values = {("upper.velocity", "duration"): pairs, "interaction.strength": [0.1, 0.2]}
     data = sweep(SCENE, values, keep=["upper.W"])
-    assert data["upper.W"].dims == ("upper.velocity,duration", "interaction.strength")
+    assert data["upper.W"].dims == ("point", "interaction.strength")
     np.testing.assert_array_equal(data["duration"], [40.0, 80.0])
     for k, (speed, duration) in enumerate(pairs):
         for m, strength in enumerate((0.1, 0.2)):

@@ -85,12 +85,14 @@ def along_the_force(result, name):
 
 
 def test_the_sentence(result):
-    """It says which of work and pseudowork is larger, and how the bob moves along the force."""
+    """It says which of work and pseudowork is larger, and whether friction drives the swing."""
     w1, pseudowork = (result["upper"][name][-1, 0] for name in ("w1", "w1_ps"))
     said = sentence_of(result)
     assert f'more work on "upper" ({w1:.3g}) than pseudowork ({pseudowork:.3g}).' in said
     assert f"The difference, {w1 - pseudowork:.3g}, is its work on the motion of the bob" in said
-    assert said.endswith("the bob moves more along the force than against it.")
+    assert said.endswith(
+        "positive: friction drives that motion more than it holds that motion back."
+    )
     output = Output(samples=801, series=["forces"])
     fine = tribo.simulate(replace(result.scene, output=output), accuracy=1e-8)
     assert along_the_force(fine, "upper") == pytest.approx(w1 - pseudowork, rel=1e-3)
@@ -105,7 +107,9 @@ def test_the_sentence_of_the_paper(case):
     said = sentence_of(tribo.simulate(tribo.paper.scene(case), accuracy=1e-6))
     # In case E too, where it begins at rest on a table that moves.
     assert said.startswith('Friction does more work on "upper" (')
-    assert said.endswith("the bob moves more along the force than against it.")
+    assert said.endswith(
+        "positive: friction drives that motion more than it holds that motion back."
+    )
 
 
 def test_the_sentence_where_work_is_less():
@@ -116,7 +120,7 @@ def test_the_sentence_where_work_is_less():
     scene = replace(tribo.paper.scene("A"), surfaces=(upper, lower))
     said = sentence_of(tribo.simulate(scene, accuracy=1e-5))
     assert said.startswith('Friction does less work on "upper" (-1.83) than pseudowork (-0.284).')
-    assert said.endswith("the bobs move less along the force than against it.")
+    assert said.endswith("friction holds those motions back more than it drives those motions.")
 
 
 def test_a_periodic_page_says_what_is_not_drawn(result):

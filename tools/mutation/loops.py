@@ -18,13 +18,17 @@ def loop_of(table, method, setting, first_step=0.0):
     from tribo.kernels.status import STATUS_OF_CODE
     from tribo.layout.layout import lay_out
     from tribo.loops.general import GeneralLoop
+    from tribo.loops.setting import Setting
     from tribo.model.scene_file import scene_from
 
     layout = lay_out(scene_from(table))
     if METHODS[method].adaptive:
         sizes = layout.start.size, layout.accounts
-        setting = Tolerance(*(np.full(size, setting) for size in sizes), setting)
-    loop = GeneralLoop(layout, METHODS[method], setting, layout.start, first_step)
+        tolerance = Tolerance(*(np.full(size, setting) for size in sizes), setting)
+        steps = Setting(tolerance=tolerance)
+    else:
+        steps = Setting(step=setting)
+    loop = GeneralLoop(layout, METHODS[method], steps, layout.start, first_step)
 
     def advance(times, steps):
         return STATUS_OF_CODE.get(loop.advance(np.array(times), loop.room(len(times)), steps))

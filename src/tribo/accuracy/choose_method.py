@@ -1,5 +1,6 @@
 """The method and its accuracy or step, as asked for or by the model of costs."""
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -8,6 +9,7 @@ import numpy as np
 from tribo.accuracy.comparison import Accuracy, strictest
 from tribo.accuracy.cost_model import estimates
 from tribo.integrators import methods
+from tribo.integrators.step_control import count_of_steps
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
 from tribo.loops import resolution
@@ -25,6 +27,10 @@ NOISY_PHASE = 0.1
 # Most phase of a pendulum and of springs between two kicks [rad].  At 2, deflections are 0.64 of
 # the right ones and springs become unstable; at pi, kicks are in resonance with the pendulum.
 MOST_PHASE = 2.0
+# Part of a time between samples within which a step ends at a kink of a schedule.
+MET = 1e-9
+# Numbers of steps that are tried, to find one with which steps end at all kinks.
+MOST_COUNTS = 10_000
 
 
 @dataclass(frozen=True)
@@ -72,10 +78,54 @@ def choose(
 def _checked_step(layout: Layout, method: methods.Method, step: float) -> float:
     """A given step.  Raises InputError where a splitting method would not resolve the scene."""
     step = number("step", step, POSITIVE)
+    check_kinks(layout, step)
     if method.splits:
         check_damped_step(resolution.longest_damped_step(layout), step)
         check_resolved(layout, method, step)
     return step
+
+
+def check_kinks(layout: Layout, step: float) -> None:
+    """Refuse equal steps of which none ends at a kink of a schedule.  Raises InputError."""
+    kinks = layout.legs.kinks
+    ends = layout.times
+    after = np.searchsorted(ends, kinks)
+    # Lengths of times between samples, and the parts of each at which there are kinks.
+    between: list[tuple[float, np.ndarray]] = []
+    missed = None
+    for k in np.unique(after[(after > 0) & (after < ends.size)]):
+        length = float(ends[k] - ends[k - 1])
+        own = kinks[after == k]
+        between.append((length, (own - ends[k - 1]) / length))
+        if missed is None and not _are_met([between[-1]], step):
+            missed = own[0]
+    if missed is None:
+        return
+    longest = between[0][0]
+    least = int(count_of_steps(longest, step))
+    steps = (longest / count for count in range(least, least + MOST_COUNTS))
+    found = next((each for each in steps if _are_met(between, each)), None)
+    advice = "add that time to output.times"
+    if found is not None:
+        digit = 10.0 ** (math.floor(math.log10(found)) - 5)
+        advice = (
+            f"{digit * math.ceil(found / digit - MET):.6g} does, or {advice}"  # as few steps fit
+        )
+    raise InputError(
+        "step",
+        f"must end at the kink of a schedule at t = {missed:.10g}, as steps are equal parts of the "
+        f"times between samples; {step:g} does not; {advice}",
+    )
+
+
+def _are_met(between: list[tuple[float, np.ndarray]], step: float) -> bool:
+    """Whether equal steps end at some parts of times between samples."""
+    for length, parts in between:
+        count = count_of_steps(length, step)
+        steps = parts * count
+        if np.any(np.abs(steps - np.round(steps)) > MET * count):
+            return False
+    return True
 
 
 def check_resolved(
@@ -129,6 +179,7 @@ def bounded_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     springs = resolution.spring_frequency(layout, members)
     user = resolution.user_frequency(layout)
     fastest = max(springs, resolution.corrugation_frequency(layout), user)
+    fastest = max(fastest, resolution.schedule_frequency(layout))
     step = min(
         NOISY_STEP * resolution.first_step(layout, members),
         resolution.longest_damped_step(layout, members),

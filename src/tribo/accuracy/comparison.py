@@ -30,9 +30,10 @@ from tribo.accuracy.scales import (
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.quantities import needs_accounts
+from tribo.ledger.quantities import QUANTITIES, needs_accounts
 from tribo.ledger.samples import Samples
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
+from tribo.loops.setting import Setting
 from tribo.validation import InputError
 
 # An estimate is this times the largest difference from the coarser runs.  At 2, six of 320 random
@@ -69,8 +70,9 @@ PERTURBATION = 1e-11
 TINY_PERTURBATION = 1e-13
 # Energies that follow from the state, and change with any angle and rate; their rounding is known.
 ENERGIES = {
-    *("contact_energy", "total_energy_change", "delta_E_int", "delta_K"),
-    *("delta_e_int", "delta_k_trans", "swing_energy"),
+    name
+    for name, quantity in QUANTITIES.items()
+    if quantity.kind == "energy" and not needs_accounts(name)
 }
 # Statuses of runs that were ended from outside, which other settings would not change.
 FROM_OUTSIDE = (Status.INTERRUPTED, Status.CALCULATOR_FAILED)

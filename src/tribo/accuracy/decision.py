@@ -13,7 +13,8 @@ import numpy as np
 from tribo.accuracy.comparison import FROM_OUTSIDE, Errors, rounding
 from tribo.accuracy.scales import EPSILON
 from tribo.kernels.status import Status
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
+from tribo.loops.setting import Setting
 
 # A round stalls if its estimate exceeds this fraction of the one before.
 STALLED = 0.5
@@ -37,6 +38,9 @@ MOST_ROUNDED = 3.0
 # of reach, and of all tries of `single_setting`: 5 to 10 s, by benchmarks/calibrate.py.
 LONG_RUN = 1.5e8
 
+# Of rounds that have made no run.
+UNSET = Setting(step=np.nan)
+
 
 @dataclass
 class Round:
@@ -48,8 +52,8 @@ class Round:
     excess: float = np.inf  # the same, with the amplification if it was measured after that
     steps: int = 0  # of the fine run
     work: float = 0.0  # of the fine run [force evaluations x asperites]
-    coarse: Setting = 0.0
-    fine: Setting = 0.0
+    coarse: Setting = UNSET
+    fine: Setting = UNSET
     runs: list[Integration] = field(default_factory=list)
     errors: Errors | None = None  # of the fine run
     rough: bool = False  # whether its tolerances are below the rounding of forces

@@ -14,8 +14,9 @@ from tribo.layout.span import Span
 from tribo.ledger.accounts import account_columns
 from tribo.ledger.motion import Motion, mean_velocity
 from tribo.ledger.samples import Samples, are_among
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.resolution import bath_frequency, spring_frequency, unit_step
+from tribo.loops.setting import Setting
 
 # The smallest relative tolerance: nine roundings.  Step control cannot resolve less.
 FLOOR = 2e-15
@@ -217,8 +218,8 @@ def setting_at(
 ) -> Setting:
     """The tolerances or equal steps whose errors are about `level` of the scales."""
     if method.adaptive:
-        return tolerances(layout, scales, level, near)
-    return equal_step(layout, method, level)
+        return Setting(tolerance=tolerances(layout, scales, level, near))
+    return Setting(step=equal_step(layout, method, level))
 
 
 def equal_step(layout: Layout, method: Method, level: float) -> float:

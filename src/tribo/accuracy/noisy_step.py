@@ -10,6 +10,7 @@ import numpy as np
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.loops.resolution import longest_step
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.loops.stiffness import AIMED_TURN, FIRST_LOOK, Stiffness
 
 # Steps of a short run, at most: a quarter of them suffices for an error of the stiffness of 20 %.
@@ -59,7 +60,7 @@ def _stiffness(
 ) -> Stiffness | None:
     """What a run meets in so many steps; None where it stops, or its numbers are not finite."""
     layout = integrator.layout
-    loop = integrator.loop(layout, step, start)
+    loop = integrator.loop(layout, Setting(step=step), start)
     times = layout.times[[0, -1]]
     columns = loop.room(3)
     budget = steps

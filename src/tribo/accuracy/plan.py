@@ -18,8 +18,9 @@ from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.sinks import exceeds_memory, is_streamed
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.validation import InputError
 
 # Longest step of a run that is compared with no other, relative to the time to an encounter.
@@ -60,7 +61,7 @@ class Plan:
 
     def with_step(self, step: float) -> Plan:
         """The plan with another step, or the next shorter one that divides its interval."""
-        return replace(self, setting=self.divided(step))
+        return replace(self, setting=Setting(step=self.divided(step)))
 
     def divided(self, step: float) -> float:
         """A step, or the next shorter one that divides the plan's interval."""
@@ -69,8 +70,7 @@ class Plan:
         return float(self.interval / count_of_steps(self.interval, step))
 
     def at_half_step(self) -> Plan:
-        assert isinstance(self.setting, float)
-        return replace(self, setting=0.5 * self.setting)
+        return replace(self, setting=Setting(step=0.5 * self.setting.of_equal_steps()))
 
 
 def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None = None) -> Plan:
@@ -85,7 +85,7 @@ def make_plan(choice: Choice, integrator: Integrator, announce: Announce | None 
         if announce is not None:
             each = 1e-9 * evaluation_time(layout, choice.method)
             announce(1, 1, each * counted(layout, choice.method, step, times))
-        return Plan(name, choice.why, step, times, automatic=choice.automatic)
+        return Plan(name, choice.why, Setting(step=step), times, automatic=choice.automatic)
     stops = StopTimes.for_samples(_compared(layout))
     tuned = find_settings(integrator, accuracy, stops, announce)
     tuned = replace(tuned, seconds=tuned.seconds + choice.seconds)

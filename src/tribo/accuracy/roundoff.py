@@ -10,7 +10,8 @@ from tribo.accuracy.force_rounding import rounding_of_forces
 from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
-from tribo.ledger.accounts import APPLIED, EXTERNAL, FORCES, Accounts, Part
+from tribo.ledger import quantities
+from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part
 from tribo.ledger.motion import Motion
 from tribo.ledger.row_products import row_product
 from tribo.model.fields import period_of
@@ -25,35 +26,34 @@ WALK = 3.0
 MOST_BOBS = 64
 # Energies that samples store of a surface.
 STORES = [SPRINGS, BATH, TORSIONAL, WITHIN]
-# Terms of a force: work about the centre of mass, pseudowork, and the impulse's at velocities x, y.
+# Terms of each force, and those of the reservoir's force behind them.
 PARTS = 4
-# All terms: those of each force, and the works of the reservoir's impulse at its own velocity.
 TERMS = PARTS * len(FORCES) + 2
+# Sums over the asperites of each surface, and over all of the system.
+OF_SURFACES = tuple(name for name, each in quantities.BLOCK_QUANTITIES.items() if each.terms)
+APPLIED_WORK = "applied_work"
 
 
-def _members(forces: tuple[str, ...], first: int) -> list[int]:
-    """The terms of some forces, from the part `first` on."""
-    places = [list(FORCES).index(name) for name in forces]
-    return [PARTS * place + part for place in places for part in range(first, PARTS)]
+def _terms_of(quantity: OfAccounts) -> list[int]:
+    """Places of the terms that a quantity sums."""
+    found: list[int] = []
+    for force in quantity.forces:
+        for term in quantity.kind.terms:
+            first = PARTS * list(FORCES).index(force) if term < PARTS else TERMS - PARTS - 2
+            found.append(first + term)
+    return found
 
 
-def _sums() -> tuple[tuple[str, ...], np.ndarray]:
-    """Names of sums of terms, and which terms each has (terms, sums)."""
-    every = tuple(FORCES)
-    about, pseudo, *_ = _members(("w_T",), 0)
-    members = {name: _members((name,), 0) for name in FORCES}
-    members |= {f"{name}_ps": _members((name,), 1) for name in FORCES}
-    members |= {"w": _members(every, 0), "w_ps": _members(every, 1)}
-    members |= {"heat": [about, pseudo, TERMS - 2, TERMS - 1], "heat_swing": [about]}
-    members |= {"friction_work": _members(("w1",), 2)}
-    members |= {"external": _members(EXTERNAL, 0), "applied": _members(APPLIED, 0)}
-    table = np.zeros((TERMS, len(members)))
-    for column, terms in enumerate(members.values()):
-        table[terms, column] = 1.0
-    return tuple(members), table
+def _table_of_sums() -> tuple[tuple[str, ...], np.ndarray]:
+    """Names of quantities that are sums of terms, and which terms each has (terms, sums)."""
+    sums = {name: each.terms for name, each in quantities.QUANTITIES.items() if each.terms}
+    table = np.zeros((TERMS, len(sums)))
+    for column, quantity in enumerate(sums.values()):
+        table[_terms_of(quantity), column] = 1.0
+    return tuple(sums), table
 
 
-SUMS, MEMBERS = _sums()
+SUMS, MEMBERS = _table_of_sums()
 
 
 def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, float]:
@@ -77,14 +77,13 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
         parts = list(layout.parts.values())
     highest = np.maximum.reduce(sums, axis=(0, 1))
     terms = dict(zip(names, highest.tolist(), strict=True))
-    for name, sum_of in (("W", "external"), ("friction_work", "friction_work")):
-        each = sums[:, :, names.index(sum_of)]
+    for name in OF_SURFACES:
+        each = sums[:, :, names.index(name)]
         terms[name] = max([largest(np.add.reduce(each[:, part], axis=1)) for part in parts])
-    terms["W_ps"] = terms["W"]
-    applied = np.add.reduce(sums[:, :, names.index("applied")], axis=1)
+    applied = np.add.reduce(sums[:, :, names.index(APPLIED_WORK)], axis=1)
     for slot in layout.accounts_of_fields:
         applied += np.abs(samples.s[:, slot])
-    terms["applied_work"] = largest(applied)
+    terms[APPLIED_WORK] = largest(applied)
     terms |= _of_energies(layout, motion)
     count = EPSILON * (TERM_ROUNDINGS + WALK * steps**0.5)
     found = {name: count * magnitude for name, magnitude in terms.items()}
@@ -150,11 +149,11 @@ def _acting(layout: Layout) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarra
     """
     accounts = Accounts(layout.accounted, np.zeros((1, layout.accounts)))
     forces = tuple(name for name in FORCES if accounts[name].acts)
-    rows = _members(forces, 0)
+    rows = [PARTS * list(FORCES).index(name) + part for name in forces for part in range(PARTS)]
     if "w_T" in forces:
         rows += [TERMS - 2, TERMS - 1]
     own = MEMBERS[rows]
-    present = own.any(axis=0) | np.isin(SUMS, ("friction_work", "external", "applied"))
+    present = own.any(axis=0) | np.isin(SUMS, (*OF_SURFACES, APPLIED_WORK))
     names = tuple(name for name, its in zip(SUMS, present, strict=True) if its)
     return forces, names, own[:, present]
 

@@ -16,8 +16,9 @@ from tribo.accuracy.levels import first_guess, tolerance_scales
 from tribo.accuracy.scales import EPSILON
 from tribo.accuracy.search_runs import COARSE_RUNS, PILOT_LEVEL, Announce, SearchRuns, StopTimes
 from tribo.kernels.status import Status
-from tribo.loops.integrate import Integration, Setting
+from tribo.loops.integrate import Integration
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 from tribo.validation import InputError
 
 # First level, in units of that of the method, which is for estimates of two differences, not three.
@@ -55,6 +56,25 @@ class FoundSettings:
     stopped: Status | None  # of runs with finer settings, if these stopped
     errors: comparison.Errors | None  # of the run to deliver; None if it was compared with no other
     rough: bool  # whether its tolerances are below the rounding of forces
+
+
+def missed_note(found: FoundSettings, accuracy: comparison.Accuracy, excess: float) -> str:
+    """By how much a run missed its request, in units of it, and why."""
+    wanted = comparison.strictest(accuracy)
+    if found.met:
+        why = "the settings were found from the scene's own start, which kept it"
+    elif found.stopped is not None:
+        why = f"with tolerances that could keep it, runs stop as {found.stopped}"
+    elif found.amplification is None:
+        why = "the search for settings was interrupted"
+    elif found.costly:
+        why = f"finer settings would take more than {MOST_COST:g} times the evaluations of the "
+        why += "run that is delivered"
+    else:
+        why = comparison.out_of_reach(wanted, found.amplification)
+    if excess * wanted > 1.0:
+        return f"errors may exceed the scales of their quantities; {why}"
+    return f"errors are estimated at {excess:.1e} of the request; {why}"
 
 
 def find_settings(

@@ -11,8 +11,9 @@ import numpy as np
 from tribo.accuracy import levels
 from tribo.accuracy.cost_model import evaluation_time, rate_of
 from tribo.kernels.status import Status
-from tribo.loops.integrate import Integration, Setting, most_evaluations
+from tribo.loops.integrate import Integration, most_evaluations
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 
 # Level of the tolerances of the pilot run: three digits are enough for scales.
 PILOT_LEVEL = 1e-3

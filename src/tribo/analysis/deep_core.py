@@ -11,6 +11,7 @@ from tribo.kernels.records import CHARGE, Contact
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
+from tribo.model.schedule import largest
 
 # Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
 # a core: those of Lennard-Jones are from 0.75 sigma on.
@@ -92,7 +93,7 @@ def _other_energies(layout: Layout, bobs: Closest) -> float:
     for k, rod in zip(pair["surface"].tolist(), rods, strict=True):
         surface = layout.scene.surfaces[k]
         drive = surface.drive
-        energies += [abs(drive.load or 0.0) * rod, surface.bath.temperature]
-        energies += [each.temperature for each in surface.reservoirs]
+        energies += [largest(drive.load) * rod, surface.bath.temperature]
+        energies += [each.warmest for each in surface.reservoirs]
         energies.append(0.0 if drive.stage is None else 0.5 * drive.stage.stiffness * rod**2)
     return max(energies)

@@ -12,6 +12,7 @@ from typing import NoReturn
 from tribo.commands import scene_options as shared
 from tribo.commands.accuracy import run_accuracy
 from tribo.commands.atlas import run_atlas
+from tribo.commands.fit import add_fit, add_sensitivity
 from tribo.commands.live import add_live
 from tribo.commands.new import add_new
 from tribo.commands.paper import add_paper
@@ -107,6 +108,10 @@ def _add_runs(add: Add) -> None:
     shared.add_many_runs(ensemble, "number of members; with grids, by default that of their points")
     figure = "draw a histogram of the first name of --keep at the end (default: upper.W)"
     shared.add_output(ensemble, figure=figure)
+
+    add_fit(add("fit", "find parameters of a scene from a measured series"))
+    purpose = "say which parameters of a scene matter, by derivatives with their errors"
+    add_sensitivity(add("sensitivity", purpose))
 
     add_paper(add("paper", "compare the paper's cases with its numbers"))
 

@@ -99,11 +99,11 @@ def _as_json(data: xarray.Dataset) -> str:
 
 def _layout(data: xarray.Dataset) -> tuple[list[str], list[str], list[str]]:
     """The dimensions of the points, the keys, and the names with one value at each point."""
-    from tribo.sweeps.figure import keys_of
+    from tribo.sweeps.figure import keys_of, keys_on
 
     dimensions = keys_of(data)
     scalars = [str(n) for n in data.data_vars if data[n].dims == tuple(dimensions)]
-    keys = [key for name in dimensions for key in name.split(",")]
+    keys = [key for name in dimensions for key in keys_on(data, name)]
     return dimensions, keys, scalars
 
 

@@ -107,19 +107,16 @@ def stamp_of(places: tuple[str, ...]) -> str:
 
 
 @functools.cache
-def time_loop(loop: FunctionType, stamp: str | None, version: str = "") -> Callable[..., Any]:
-    """Compile a time loop at its first call, and keep it on disk.
+def time_loop(loop: FunctionType, kept: bool = True) -> Callable[..., Any]:
+    """Compile a time loop at its first call, and keep it on disk if it is `kept`.
 
-    `stamp` is the hash of what the scene's plug-ins are compiled from; with None nothing is kept.
-    `version` tells plug-ins without a stamp apart: numba's calls from Python remember the types of
-    arguments, so a loop that was compiled for others is not used again.  Machine code that earlier
-    versions of the package left there is removed.  Threads can run the loop at the same time, each
-    with arrays of its own.
+    Machine code that earlier versions of the package left there is removed.  Threads can run the
+    loop at the same time, each with arrays of its own.
     """
-    if stamp is None or config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if not kept or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
     # Each way keeps its own files.
-    compiled = _kept(loop, f"{code_stamp()}_{stamp}{'' if NATIVE else '_plain'}")
+    compiled = _kept(loop, f"{code_stamp()}_{'' if NATIVE else '_plain'}")
     remove_stale(loop)
     return compiled
 

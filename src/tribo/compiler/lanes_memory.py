@@ -126,6 +126,17 @@ def set_block(typing_context, array, i, x):
     return (types.void(array, types.intp, lanes), build) if _is_row(array) else None
 
 
+@in_kernels(lambda array, i: array.ctypes.data + array.itemsize * i)
+def address_at(typing_context, array, i):
+    """The address of element i of a contiguous array."""
+
+    def build(context, builder, sig, args):
+        place = element(context, builder, sig.args[0], *args)
+        return builder.ptrtoint(place, context.get_value_type(types.int64))
+
+    return (types.int64(array, types.intp), build) if _is_row(array) else None
+
+
 @inlined
 def load(rows, row):
     """Eight numbers of an array (n, 8)."""

@@ -7,13 +7,28 @@ front end leaves it until the time loop that contains it is optimised.
 """
 
 import ctypes
+from types import FunctionType
 from typing import Any
 
-from tribo.compiler.numba_private import JITCodeLibrary, Lower, _dynfunc, compiler
+from llvmlite import ir
+
+from tribo.compiler.numba_private import CFunc, JITCodeLibrary, Lower, _dynfunc, compiler
 from tribo.compiler.numba_private import compiler_machinery as machinery
 from tribo.compiler.numba_private import typed_passes as typed
 from tribo.compiler.numba_private import untyped_passes as untyped
-from tribo.compiler.tuple_types import TupleLibrary
+from tribo.compiler.tuple_types import Module
+
+
+class TupleLibrary(JITCodeLibrary):
+    """Code whose functions may have named tuples of kernels as arguments."""
+
+    def create_ir_module(self, name: str) -> Any:
+        """An empty module that declares what it uses."""
+        plain = super().create_ir_module(name)
+        module = Module(plain.name)
+        module.triple = plain.triple
+        module.data_layout = plain.data_layout
+        return module
 
 
 class LinkedLibrary(TupleLibrary):
@@ -78,6 +93,33 @@ class LoopLibrary(TupleLibrary):
         passes.run(self._final_module, builder)
 
 
+class UnitLibrary(LoopLibrary):
+    """The code of a unit, which is called by the address of its wrapper for C.
+
+    The wrapper contains the unit: a call of one by the other, with results in memory, would take as
+    long as a small unit.
+    """
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Add a module, of which calls may be replaced by what they call."""
+        for function in ir_module.functions:
+            for block in function.blocks:
+                for instruction in block.instructions:
+                    if isinstance(instruction, ir.CallInstr):
+                        instruction.attributes.discard("noinline")
+        super().add_ir_module(ir_module)
+
+    def _optimize_final_module(self) -> None:
+        functions = {each.name: each for each in self._final_module.functions}
+        for name, function in functions.items():
+            if f"{WRAPPER}{name}" in functions:
+                function.linkage = "internal"
+                function.add_function_attribute("alwaysinline")
+        super()._optimize_final_module()
+
+
+# What numba puts before the name of a function in that of its wrapper for C.
+WRAPPER = "cfunc."
 # What a call of a kernel from Python leads to: a function of CPython that raises TypeError.
 WRONG_CALL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 
@@ -133,11 +175,20 @@ class LoopLowering(typed.NativeLowering):
     """Lower a time loop to machine code."""
 
     _name = "loop_lowering"
+    library: type[LoopLibrary] = LoopLibrary
 
     def run_pass(self, state: compiler.StateDict) -> bool:
-        state.library = LoopLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
         return super().run_pass(state)
+
+
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class UnitLowering(LoopLowering):
+    """Lower a unit to machine code."""
+
+    _name = "unit_lowering"
+    library = UnitLibrary
 
 
 # Passes for `with` blocks, closures, generator expressions, arithmetic of whole arrays, overloads
@@ -181,3 +232,14 @@ class LoopCompiler(KernelCompiler):
     """numba's compiler of time loops."""
 
     lowering = LoopLowering
+
+
+class UnitCompiler(KernelCompiler):
+    """numba's compiler of units."""
+
+    lowering = UnitLowering
+
+
+def unit_of(function: FunctionType, kinds: Any, result: Any, options: dict[str, Any]) -> Any:
+    """A function that is called by its address."""
+    return CFunc(function, (kinds, result), {}, options, pipeline_class=UnitCompiler)  # type: ignore[arg-type]

@@ -86,7 +86,6 @@ def overloads_of(function: object) -> list[object] | None:
 
 
 if NATIVE:
-    from llvmlite.binding import parse_assembly as parse_assembly
     from numba import _dynfunc as _dynfunc  # type: ignore[attr-defined]
     from numba.core import caching as caching
     from numba.core import compiler as compiler

@@ -1,4 +1,4 @@
-"""NamedTuples whose numbers differ between scenes: from rows of a table, or Lanes side by side."""
+"""NamedTuples whose numbers differ between scenes: Lanes side by side."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -26,36 +26,29 @@ def _as_it_is(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return own_reference(context, builder, sig.return_type, args[0])
 
 
-def _read_as(number: types.Type, spacing: int) -> Any:
-    """A reader of a NamedTuple of numbers in an array; its `first` is in units of `spacing`."""
+@in_kernels(lambda shared, table, array, first: shared)
+def numbers_in_lanes(typing_context, shared, table, array, first):
+    """One like `shared` of Lanes, in rows of an array from `first` on.
 
-    @in_kernels(lambda shared, table, array, first: shared)
-    def read(typing_context, shared, table, array, first):
-        """One like `shared`; `shared` itself without a `table`, or if it is not of floats."""
-        if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
-            return shared(shared, table, array, first), _as_it_is
-        found = like(shared, number)
+    `shared` itself without a `table`, or if it is not of floats.
+    """
+    if isinstance(table, types.NoneType) or not _is_plain(shared, types.float64):
+        return shared(shared, table, array, first), _as_it_is
+    found = like(shared, lanes)
 
-        def build(context, builder, sig, args):
-            """Load the numbers of all fields, which are `spacing` numbers apart."""
-            step = ir.Constant(args[3].type, spacing)
-            place = builder.mul(args[3], step)
-            pointer = context.get_value_type(number).as_pointer()
-            values = []
-            for _ in shared.types:
-                address = element(context, builder, sig.args[2], args[2], place)
-                values.append(builder.load(builder.bitcast(address, pointer), align=8))
-                place = builder.add(place, step)
-            return context.make_tuple(builder, found, values)
+    def build(context, builder, sig, args):
+        """Load the Lanes of all fields, one behind the other."""
+        step = ir.Constant(args[3].type, LANES)
+        place = builder.mul(args[3], step)
+        pointer = context.get_value_type(lanes).as_pointer()
+        values = []
+        for _ in shared.types:
+            address = element(context, builder, sig.args[2], args[2], place)
+            values.append(builder.load(builder.bitcast(address, pointer), align=8))
+            place = builder.add(place, step)
+        return context.make_tuple(builder, found, values)
 
-        return found(shared, table, array, types.intp), build
-
-    return read
-
-
-# Numbers of one scene, side by side in the array; and Lanes of eight, in blocks of it.
-numbers_in_row = _read_as(types.float64, 1)
-numbers_in_lanes = _read_as(lanes, LANES)
+    return found(shared, table, array, types.intp), build
 
 
 @in_kernels(lambda each, i: each)
@@ -75,7 +68,7 @@ def numbers_at_lane(typing_context, each, i):
 
 
 def numbers_of(potential: Any) -> Sequence[float]:
-    """A row of a table for `numbers_in_row`; empty where the potential has others than floats."""
+    """The numbers of a potential, a row of a table; empty where it has others than floats."""
     fields = potential if isinstance(potential, tuple) else ()
     return tuple(fields) if all(isinstance(value, float) for value in fields) else ()
 

@@ -13,10 +13,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from llvmlite import ir
+from llvmlite.binding import parse_assembly
 from numba import types
 from numba.extending import models, register_model
-
-from tribo.compiler.numba_private import JITCodeLibrary, parse_assembly
 
 # A struct of this module in LLVM's text; a name is a digest of the struct's members.
 NAMED_STRUCT = re.compile(r'%"?(tribo\.[0-9a-f]{16})"?')
@@ -112,15 +111,3 @@ def _declarations(text: str) -> list[str]:
             found[name] = _structs[name].get_declaration()
             waiting.append(found[name])
     return list(found.values())
-
-
-class TupleLibrary(JITCodeLibrary):
-    """Code whose functions may have named tuples of kernels as arguments."""
-
-    def create_ir_module(self, name: str) -> Any:
-        """An empty module that declares what it uses."""
-        plain = super().create_ir_module(name)
-        module = Module(plain.name)
-        module.triple = plain.triple
-        module.data_layout = plain.data_layout
-        return module

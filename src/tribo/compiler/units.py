@@ -29,8 +29,7 @@ from tribo.compiler.pointers import pointer_to
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
-    from tribo.compiler.linking import LoopCompiler
-    from tribo.compiler.numba_private import CFunc
+    from tribo.compiler.linking import unit_of
 
 _WORD = ir.IntType(64)
 
@@ -89,34 +88,41 @@ def _load_words_in_lanes(context, builder, sig, args):
 
 def _call_unit(typing_context, address, arguments):
     """Call a unit, which returns a float."""
-
-    def build(context, builder, sig, args):
-        """The call of the address, with arrays as pointers and literals as their types."""
-        values = cgutils.unpack_tuple(builder, args[1])
-        passed = []
-        for kind, value in zip(sig.args[1], values, strict=True):
-            if isinstance(kind, types.Literal):
-                value = context.cast(builder, value, kind, types.unliteral(kind))
-            elif isinstance(kind, types.Array):
-                value = pointer_to(context, builder, kind, value)
-            passed.append(value)
-        result = ir.DoubleType()
-        function = ir.FunctionType(result, [value.type for value in passed])
-        return builder.call(builder.inttoptr(args[0], function.as_pointer()), passed)
-
-    return types.float64(types.int64, arguments), build
+    return types.float64(types.int64, arguments), _call
 
 
-def _call_python(unit: Callable[..., float], arguments: tuple[Any, ...]) -> float:
+def _call_unit_in_lanes(typing_context, address, arguments):
+    """Call a unit, which returns Lanes."""
+    return lanes(types.int64, arguments), _call
+
+
+def _call(context, builder, sig, args):
+    """The call of the address, with arrays as pointers and literals as their types."""
+    values = cgutils.unpack_tuple(builder, args[1])
+    passed = []
+    for kind, value in zip(sig.args[1], values, strict=True):
+        if isinstance(kind, types.Literal):
+            value = context.cast(builder, value, kind, types.unliteral(kind))
+        elif isinstance(kind, types.Array):
+            value = pointer_to(context, builder, kind, value)
+        passed.append(value)
+    result = context.get_value_type(sig.return_type)
+    function = ir.FunctionType(result, [value.type for value in passed])
+    return builder.call(builder.inttoptr(args[0], function.as_pointer()), passed)
+
+
+def _call_python(unit: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     return unit(*arguments)
 
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
     fetched: Any = lambda item: item  # noqa: E731
     call_unit: Any = _call_python
+    call_unit_in_lanes: Any = _call_python
 else:
     fetched = extending.intrinsic(_fetched)
     call_unit = extending.intrinsic(_call_unit)
+    call_unit_in_lanes = extending.intrinsic(_call_unit_in_lanes)
 
 
 def memory_of(plugins: tuple[Any, ...]) -> tuple[np.ndarray, np.ndarray]:
@@ -138,33 +144,33 @@ _units: dict[Any, Any] = {}
 
 
 def address_of(
-    function: FunctionType, kinds: tuple[Any, ...], stamp: str | None, version: str
+    function: FunctionType,
+    kinds: tuple[Any, ...],
+    stamp: str | None,
+    version: str,
+    returns: types.Type = types.float64,
 ) -> Any:
     """The address of a unit for arguments of these types, compiled or loaded at its first use.
 
-    `stamp` and `version` are those of plug-ins as for `tribo.compiler.jit.time_loop`.  Raises
-    numba's errors.
+    `stamp` is the hash of what a plug-in is compiled from; with None nothing is kept on disk.
+    `version` tells plug-ins without a stamp apart.  Raises numba's errors.
     """
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return function
     key = function, kinds, version
     if key not in _units:
         with undisturbed():
-            _units[key] = _compiled(function, kinds, stamp)
+            _units[key] = _compiled(function, returns(*kinds), stamp)
     return _units[key].address
 
 
-def _compiled(function: FunctionType, kinds: tuple[Any, ...], stamp: str | None) -> Any:
-    """The unit for some kinds of arguments, from disk where `stamp` tells its version."""
-    sig = types.float64(*kinds)
+def _compiled(function: FunctionType, sig: Any, stamp: str | None) -> Any:
+    """The unit for a signature, from disk where `stamp` tells its version."""
     if not NATIVE:
         clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}_plain")
         return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
     clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
-    options = {**NUMPY_ERRORS, **UNCOUNTED}
-    kinds = sig.args
-    result = sig.return_type
-    unit: Any = CFunc(clone, (kinds, result), {}, options, pipeline_class=LoopCompiler)  # type: ignore[arg-type]
+    unit = unit_of(clone, sig.args, sig.return_type, {**NUMPY_ERRORS, **UNCOUNTED})
     if stamp is not None:
         remove_stale(function)
         # With no folder that can be written, each process compiles.

@@ -204,7 +204,7 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     interrupted = runs.fill(store, count)
     attributes |= {"n": count, "members": json.dumps(store.tally.statuses)}
     plan = runs.policy.simulation.plan
-    step = plan.setting if isinstance(plan.setting, float) and not plan.automatic else None
+    step = None if plan.automatic else plan.setting.step
     attributes |= {"doubtful": doubtful(store.tally.statuses) if step is not None else 0}
     attributes |= target.attributes(interrupted, store.tally.notes(step))
     if isinstance(store, StatisticsStore):

@@ -126,9 +126,9 @@ class SingleRuns(Policy):
         if self.own_numbers or is_random(simulation.scene):
             scene = members.scene(index, simulation.scene)
             simulation = from_settings(scene, simulation.settings)
-            step = simulation.plan.setting
+            step = simulation.plan.setting.step
             method = simulation.method
-            if simulation.plan.tuned is None and isinstance(step, float) and method.splits:
+            if simulation.plan.tuned is None and step is not None and method.splits:
                 check_resolved(simulation.layout, method, step)
         # The errors of sums are those of some members, which are run again.
         estimate = self.kept.with_errors or not self.kept.counts
@@ -187,8 +187,8 @@ class StepRuns(Policy):
         super().__init__(simulation, kept, own_numbers)
         layout = simulation.layout
         self._batch = simulation.integrator.batch(bool(own_numbers))
-        assert isinstance(simulation.plan.setting, float)
-        self._step = simulation.plan.setting
+        self._setting = simulation.plan.setting
+        self._step = self._setting.of_equal_steps()
         self.chunk = chunk_of(simulation, layout.scene.duration / self._step + layout.times.size)
 
     def compute(self, members: Members) -> KeptValues:
@@ -217,7 +217,7 @@ class StepRuns(Policy):
         if own is not None and simulation.method.splits:  # refuse a step too long for some member
             check_damped_step(longest_damped_step(simulation.layout, own), self._step)
             check_resolved(simulation.layout, simulation.method, self._step, own)
-        return self._batch.run(self._step, starts)
+        return self._batch.run(self._setting, starts)
 
     def _resolved(self, runs: MemberRuns) -> np.ndarray:
         """Which members completed, with a step that resolves their motion if it was chosen."""

@@ -21,16 +21,17 @@ from tribo.accuracy.comparison import strictest, weak_notes
 from tribo.accuracy.levels import FLOOR, ToleranceScales, setting_at, tolerance_scales
 from tribo.accuracy.member_comparison import FineRuns
 from tribo.accuracy.plan import NEAR_ALONE
-from tribo.accuracy.scales import EPSILON
+from tribo.accuracy.scales import EPSILON, ROLES
 from tribo.ensembles.batches import Policy, chunk_of, complete_members, delivered, kept_series
 from tribo.ensembles.engines import in_threads
 from tribo.ensembles.kept_values import ERROR, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, Variation
 from tribo.integrators.tableaux import RKN8, RKN12
 from tribo.kernels.status import CODE, COMPLETED, EVALUATIONS, STEPS
+from tribo.ledger.series_table import names_with_accuracy
 from tribo.loops.batch import Batch, MemberRuns, MemberStarts
 from tribo.loops.batch_pair import PairLanes, has_lanes
-from tribo.loops.integrate import Setting
+from tribo.loops.setting import Setting
 from tribo.prepared import Simulation
 
 # The first members, by which the setting is chosen; all are checked: few of a million.
@@ -76,6 +77,8 @@ ROOM = 0.3
 SETTINGS_KEPT = 8
 # Part of a level to which it is lowered at most, since errors need not be proportional to it.
 LOWERED = 0.1
+# And at most: smaller changes approach the room without ever reaching it.
+TIGHTENED = 0.7
 
 
 class Stepper(NamedTuple):
@@ -115,7 +118,11 @@ class CheckedRuns(Policy):
         super().__init__(simulation, kept, own_numbers)
         assert simulation.accuracy is not None
         asked = simulation.accuracy
-        self._accuracy = asked if isinstance(asked, Mapping) else dict.fromkeys(kept.names, asked)
+        if not isinstance(asked, Mapping):
+            # Quantities without an accuracy follow from others; alone, from any of them.
+            compared = [name for name in kept.names if name.rpartition(".")[2] in ROLES]
+            asked = dict.fromkeys(compared or names_with_accuracy(simulation.layout), asked)
+        self._accuracy = asked
         self.strictest = strictest(self._accuracy)
         self.exact = simulation.method.name  # that of single runs, and of the first stepper
         self.steppers = _steppers(simulation, bool(own_numbers))
@@ -191,8 +198,11 @@ class CheckedRuns(Policy):
             set_notes(found, now, weak_notes(scales.work, scales.energy, self._accuracy))
             for name in self.kept.names if self.kept.with_errors else ():
                 worst = np.maximum(excess / KEPT, EPSILON / self.strictest)  # of any quantity
-                asked = self._accuracy.get(name, np.nan)
-                found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
+                asked = self._accuracy.get(name)
+                if asked is None:
+                    found[f"{name}{ERROR}"][now] = np.nan
+                else:
+                    found[f"{name}{ERROR}"][now] = worst * asked * scales.of(name)
             found["error"][now] = np.where(known, excess * self.strictest, np.nan)
             bad = ~(excess <= KEPT)
             now = now[bad]
@@ -232,7 +242,7 @@ def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: i
     starts = runs.begin(variation.sample(count, runs.pilot))
     plan, error = _with_most_evaluations(runs, chosen, starts, threads)
     while error > ROOM and plan.level > runs.finest:
-        level = plan.level * max(LOWERED, ROOM / error)
+        level = plan.level * max(LOWERED, min(TIGHTENED, ROOM / error))
         plan = plan._replace(level=max(runs.finest, level))
         plan, error = _with_most_evaluations(runs, plan, starts, threads)
     return plan

@@ -31,8 +31,7 @@ BOUNDED_ALONE = 256
 
 def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy:
     """The same policy, whose step resolves the motion of the first members of `count`."""
-    step = policy.simulation.plan.setting
-    assert isinstance(step, float)
+    step = policy.simulation.plan.setting.of_equal_steps()
     before = count // FEWEST
     if isinstance(policy, StepRuns):
         if variation.own_numbers:
@@ -55,7 +54,7 @@ def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy
 def _with_step(policy: Policy, step: float) -> Policy:
     simulation = policy.simulation
     plan = simulation.plan.with_step(step)
-    if plan.setting == simulation.plan.setting:
+    if plan.setting.step == simulation.plan.setting.step:
         return policy
     return type(policy)(Simulation(plan, simulation.integrator), policy.kept, policy.own_numbers)
 

@@ -104,7 +104,7 @@ def settings_attributes(runs: Runs) -> dict[str, str | float]:
     return {
         "method": plan.method,
         "method_alone": plan.method,
-        "step": json.dumps(plan.setting if plan.accuracy is None else None),
+        "step": json.dumps(plan.setting.step if plan.accuracy is None else None),
         **({"automatic": 1, "interval": json.dumps(plan.interval)} if plan.automatic else {}),
         "accuracy": json.dumps(plan.accuracy),
         "seed": str(runs.variation.seed),

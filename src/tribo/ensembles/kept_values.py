@@ -26,8 +26,6 @@ UNKNOWN = ""
 # The status of a point of a sweep that cannot be run, and of one that an interrupt left out.
 REFUSED = "Refused"
 NOT_RUN = "not run"
-# Works and heats of each asperite whose sums over a surface are kept.
-WORKS = ("w1", "w2", "wL", "wR", "w_int", "w_field", "w_T", "heat", "heat_swing")
 # Quantities of asperites, whose sums over a surface are kept.
 SUMMED = quantities.ASPERITE_QUANTITIES | quantities.OPTIONAL_QUANTITIES
 # What is added to the name of an average over time for the half-width of its 95 % interval.
@@ -262,7 +260,12 @@ def sum_names(scene: Scene) -> list[str]:
     """Names of the works and heats of asperites that are summed over their surface."""
     found = _reported(scene)
     tables = [(name, table) for name, each in found for table in (each.asperites, each.blocks)]
-    return [f"{name}.{work}" for name, table in tables for work in table if work in WORKS]
+    return [
+        f"{surface}.{name}"
+        for surface, table in tables
+        for name, quantity in table.items()
+        if quantity.is_summed
+    ]
 
 
 def _reported(scene: Scene) -> list[tuple[str, quantities.Reported]]:

@@ -201,8 +201,7 @@ class _Means:
         note = self.found["note"]
         number = int(np.count_nonzero(complete))
         total = complete.size
-        step = simulation.plan.setting if simulation.accuracy is None else None
-        assert step is None or isinstance(step, float)
+        step = simulation.plan.setting.step if simulation.accuracy is None else None
         of_first = [line for line in str(note[0]).splitlines() if PART not in line]
         of_scene = run_notes(simulation.layout, simulation.method, step)
         yield from dict.fromkeys([*of_scene, *of_first])

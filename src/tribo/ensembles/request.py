@@ -14,7 +14,7 @@ from tribo.integrators.methods import noisy
 from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.ledger.quantities import FURTHER, needs_accounts, with_inputs
+from tribo.ledger.quantities import AVERAGED, FURTHER, needs_accounts, with_inputs
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output
@@ -58,7 +58,8 @@ class Request(NamedTuple):
             kinds = with_inputs({name.rpartition(".")[2] for name in self.keep})
             series = tuple(word for word, names in FURTHER.items() if kinds & names.keys())
             output = replace(output, series=series)
-            if self.at == END and "forces" not in series:  # forces are averages over times
+            averaged = kinds.intersection(AVERAGED)
+            if self.at == END and not averaged and "forces" not in series:
                 without = output.ledger == "none" and not any(map(needs_accounts, kinds))
                 output = Output(samples=2, series=series, ledger="none" if without else "asperites")
         return replace(scene, numerics=numerics, output=output)
@@ -136,5 +137,5 @@ class Request(NamedTuple):
         if self.keep is None or self.at != END or not (noisy(scene) and equal):
             return simulation
         plan = replace(simulation.plan, interval=float(intervals[0]))
-        assert isinstance(plan.setting, float)
-        return Simulation(plan.with_step(plan.setting), simulation.integrator)
+        step = plan.setting.of_equal_steps()
+        return Simulation(plan.with_step(step), simulation.integrator)

@@ -19,6 +19,7 @@ from tribo.kernels.potential_in_lanes import is_vectorized
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.general import GeneralLoop
+from tribo.loops.setting import Setting
 from tribo.model.effects import EFFECTS, Effect, reason_for
 from tribo.model.scene import Scene
 from tribo.threads.shared_run import Threads, threads_of
@@ -271,7 +272,7 @@ def contact(layout: Layout, method: Method) -> Contact:
     if not config.DISABLE_JIT:  # type: ignore[attr-defined]
         acting = [each for each in acting if not is_vectorized(type_of(each))]
     names = tuple(dict.fromkeys(type(each).__name__ for each in acting))
-    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, Setting(step=1.0), layout.start, 0.0)
     if method.splits:  # which select the asperites that they step
         loop.advance(layout.times[-1:], loop.room(1), 0)
     return Contact(*pairs_of_bobs(layout), "scalar" if names else "lanes", names, loop.inactive)

@@ -28,8 +28,9 @@ from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import PORTION_BYTES, StreamedLedger, is_streamed
 from tribo.loops import resolution
 from tribo.loops.general import GeneralLoop
-from tribo.loops.integrate import MOST_PREDICTED, Integration, Setting, most_evaluations, reach_of
+from tribo.loops.integrate import MOST_PREDICTED, Integration, most_evaluations, reach_of
 from tribo.loops.select import Integrator
+from tribo.loops.setting import Setting
 
 # Time of all runs of a search, by the model of costs [s].
 BUDGET = 1.0
@@ -101,8 +102,8 @@ class Search(Integrator):
         """Integrate through `times`.  Raises OverBudgetError or KeyboardInterrupt."""
         rest = self._budget - self.evaluations
         most = most or most_evaluations(self.layout.scene)
-        if isinstance(setting, float):
-            count = counted(self.layout, self.method, setting, times)
+        if setting.step is not None:
+            count = counted(self.layout, self.method, setting.step, times)
             if count > rest:
                 self.runs.append((times, count, count))
                 raise OverBudgetError
@@ -124,12 +125,12 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
     layout = search.layout
     method = search.method
     tuned = None
-    setting = None
+    step = choice.step
     began = time.perf_counter()
     try:
         plan = make_plan(choice, search)
         tuned = plan.tuned
-        setting = plan.setting
+        step = plan.setting.step or step
         basis = "searched"
         evaluations = float(search.evaluations)
         samples = sum(times.size for times, _, _ in search.runs)
@@ -138,13 +139,12 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         evaluations = _extrapolated(choice, search)
         samples = 2 * sum(times.size for times in StopTimes.for_samples(layout.times))
     seconds = time.perf_counter() - began
-    step = setting if isinstance(setting, float) else choice.step
     if search.evaluations:
         each = seconds / search.evaluations
     else:  # nothing is measured of a run that ends where it starts
         each = 0.0 if tuned is not None else _measured(search, step)
     if choice.step is not None:
-        assert isinstance(step, float)
+        assert step is not None
         basis = "counted"
         samples = layout.times.size
         evaluations = counted(layout, method, step, layout.times)
@@ -165,7 +165,9 @@ def _measured(search: Search, step: float | None) -> float:
     """Seconds of an evaluation in a short run with equal steps, after the first of them."""
     layout = search.layout
     first = search.first_step
-    loop = GeneralLoop(layout, search.method, step or first, layout.start, 0.0, search.threads)
+    loop = GeneralLoop(
+        layout, search.method, Setting(step=step or first), layout.start, 0.0, search.threads
+    )
     columns = loop.room(layout.times.size + 1)
     evaluations = loop.clocks.evaluations
     loop.advance(layout.times, columns, 1)
@@ -217,7 +219,7 @@ def _extrapolated(choice: Choice, search: Search) -> float:
 
 def bytes_of_run(layout: Layout, method: Method, samples: int, compared: bool) -> int:
     """Bytes of a scene, its loop, so many samples in all runs, all series, and comparing these."""
-    loop = GeneralLoop(layout, method, 1.0, layout.start, 0.0)
+    loop = GeneralLoop(layout, method, Setting(step=1.0), layout.start, 0.0)
     times = layout.times.size
     found = loop.bytes
     series = assemble(layout, Samples.at_zero(layout))

@@ -1,5 +1,6 @@
 """What holds and moves the surfaces of a scene, as fixes of LAMMPS."""
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -7,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from tribo.export.lammps_atoms import Atoms
+from tribo.model.drives import Stage
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
+from tribo.model.schedule import Schedule, changes, constant
 from tribo.model.surface import Surface
 
 
@@ -64,6 +67,9 @@ def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
         ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.reservoir("swing") is not None,
+        "reservoirs that differ between asperites": not all(
+            each.is_uniform for each in surface.reservoirs
+        ),
         "the temperature of the start": bool(surface.initial.temperature),
         "springs with turned rest vectors": bool(surface.springs and surface.springs.turned),
     }
@@ -96,15 +102,49 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
     drive = surface.drive
     forces = ["0", "0"]
     if drive.stage is not None:
-        stiffness, speed = drive.stage
-        forces[0] = f"{stiffness * speed!r}*time"
+        stiffness, speed, _ = drive.stage
+        if drive.stage.follows_schedule:
+            forces[0] = f"{stiffness!r}*({_displacement(drive.stage)})"
+        else:
+            forces[0] = f"{stiffness * constant(speed)!r}*time"
         yield f"fix {group}_spring {group} spring/self {stiffness!r} x"
     if drive.ramp is not None:
         pairs = zip(drive.ramp.force, drive.ramp.rate, strict=True)
-        forces = [f"{force!r}+{rate!r}*time" for force, rate in pairs]
-    if drive.load is not None:
-        forces[1] = repr(-drive.load * surface.facing_sign)
+        forces = [
+            _formula(force) if changes(force) else f"{force!r}+{rate!r}*time"
+            for force, rate in pairs
+        ]
+    if isinstance(drive.load, Schedule):
+        forces[1] = _formula(drive.load.times(-surface.facing_sign))
+    elif drive.load is not None:
+        forces[1] = repr(-constant(drive.load) * surface.facing_sign)
     yield from _added(group, "drive", "equal", forces)
+
+
+def _displacement(stage: Stage) -> str:
+    """How far a stage is from its rest, as a formula."""
+    if stage.position is not None:
+        return _formula(stage.position)
+    assert changes(stage.speed)
+    return _formula(stage.speed, integral=True)
+
+
+def _formula(schedule: Schedule, integral: bool = False) -> str:
+    """The value of a schedule, or its integral from 0 on, as a formula of the time."""
+    ends = [-math.inf, *(kink for kink in schedule.kinks if kink > 0.0), math.inf]
+    terms = []
+    for begin, end in itertools.pairwise(ends):
+        inside = max(0.5 * (max(begin, 0.0) + end), 0.0) if end < math.inf else max(begin, 0.0)
+        piece = schedule.integral_piece(inside) if integral else schedule.piece(inside)
+        u = f"(time-({piece.since!r}))"
+        term = f"({piece.c0!r})+({piece.c1!r})*{u}+({piece.c2!r})*{u}*{u}"
+        if piece.amplitude != 0.0:
+            turn = f"({piece.frequency!r})*{u}+({piece.phase!r})"
+            term += f"+({piece.amplitude!r})*sin({turn})"
+        begun = f"(time>={begin!r})*" if begin > 0.0 else ""
+        ended = f"(time<{end!r})*" if end < math.inf else ""
+        terms.append(f"{begun}{ended}({term})")
+    return "+".join(terms)
 
 
 def _added(group: str, name: str, style: str, forces: Sequence[str]) -> Iterator[str]:
@@ -118,16 +158,19 @@ def _added(group: str, name: str, style: str, forces: Sequence[str]) -> Iterator
 def _reservoir(surface: Surface, group: str, atoms: Atoms, index: int, seed: int) -> Iterator[str]:
     """Friction and noise at the bars; LAMMPS has the ratio of mass and friction."""
     reservoir = surface.reservoir("bar")
-    if reservoir is None or reservoir.gamma == 0.0:
+    if reservoir is None or not reservoir.is_uniform:
         return
-    gamma = reservoir.gamma
-    temperature = reservoir.temperature
+    gamma = reservoir.strongest
+    temperature = reservoir.warmest
     types = atoms.types_of(index)
     masses = [atoms.kinds[i - 1].mass for i in types]
     line = f"fix {group}_friction {group} viscous {gamma!r}"
     if temperature > 0.0:
         number = 1 + (1000 * seed + index) % 900_000_000  # LAMMPS's largest seed
         ends = f"{temperature!r} {temperature!r}"
+        if changes(reservoir.temperature):
+            yield f'variable {group}_temperature equal "{_formula(reservoir.temperature)}"'
+            ends = f"v_{group}_temperature {temperature!r}"
         line = f"fix {group}_friction {group} langevin {ends} {masses[0] / gamma!r} {number}"
         for i, mass in zip(types[1:], masses[1:], strict=True):
             line += f" scale {i} {mass / masses[0]!r}"
@@ -142,6 +185,8 @@ def _fields(scene: Scene, surface: Surface, group: str) -> Iterator[str]:
         if surface.name in item.on and type(item.potential) in FORCES:
             x = f"c_unwrapped-({item.origin[0]!r})-({item.velocity[0]!r})*time"
             force = FORCES[type(item.potential)](item.potential, x)
+            if item.modulation is not None:
+                force = f"({_formula(item.modulation)})*({force})"
             yield from _added(group, f"field{number}", "atom", [force, "0"])
 
 

@@ -187,7 +187,7 @@ def evaluate_powers(method, model, neighbours, clock, h, state, work):
         if method.c[i] > 0.0:
             evaluate_node(model, neighbours, method, i, clock, h, state.y, work)
             t = clock.t + method.c[i] * h
-            all_powers(model, model.ledger, t, *halves(work.y), work.powers[i])
+            all_powers(model, t, *halves(work.y), work.powers[i])
             copy(work.acceleration, work.accelerations[i])
 
 

@@ -243,7 +243,7 @@ for _method in METHODS.values():
 def noisy(scene: Scene) -> bool:
     """Whether the scene has thermal noise."""
     for surface in scene.surfaces:
-        if any(reservoir.temperature > 0.0 for reservoir in surface.reservoirs):
+        if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
             return True
     return False
 

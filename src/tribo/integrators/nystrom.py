@@ -147,7 +147,7 @@ def evaluate_powers(method, model, t, h, state, work):
             exchange_forces(model, work, i, True)
             combine(state.y[n:], h, method.r[i], work.accelerations, work.v)
             now = t + method.c[i] * h
-            all_powers(model, model.ledger, now, work.q[i], work.v, work.powers[i])
+            all_powers(model, now, work.q[i], work.v, work.powers[i])
         exchange_forces(model, work, 0, True)
 
 

@@ -30,6 +30,7 @@ from tribo.kernels.blocks import (
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
 from tribo.kernels.powers import add_total, add_works, momentum
+from tribo.kernels.schedule import scheduled
 
 
 @inlined
@@ -49,6 +50,15 @@ def torsion_gains(model, s, i, t, tau, q):
     twist = block(q, i) - bar_angles(model, s, i, t, q)
     stiffness = constant(model, rows.KAPPA, s, i)
     return 0.0 - tau * ratio * stiffness * constant(model, rows.INVERSE_INERTIA, s, i) * twist
+
+
+@inlined
+def temperature_of(model, schedule, row, number, i, t):
+    """The temperature of a reservoir on a block: a number, or what its schedule has at a time."""
+    if schedule == 0:
+        return own_number(model.own, row, number, i)
+    heat = scheduled(model.schedules, schedule, t)
+    return where_less(heat, 0.0, 0.0, heat)  # what rounding made negative
 
 
 @inlined
@@ -76,7 +86,7 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     deviates = 6 if s.swing_gamma > 0.0 else 4  # of each asperite
     first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, deviates)
     gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
-    heat = own_number(model.own, rows.OWN_TEMPERATURE, s.temperature, i)
+    heat = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
     present = block(model.each[rows.PRESENT], i)
     slip = tx * x + ty * y
     gain = tx * gain_x + ty * gain_y
@@ -88,9 +98,11 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
         turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
         gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
         swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+        number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
+        swing_heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
         along, turning, far, turn, given = damped_arc(
             (gamma * across, swing_gamma * inverse_inertia),
-            (heat, own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)),
+            (heat, swing_heat),
             (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
             lever,
             (slip + lever * omega, omega),
@@ -203,7 +215,8 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
             if s.swing_gamma > 0.0 and s.gamma == 0.0:
                 for i in range(s.start, s.stop, LANES):
                     gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-                    heat = own_number(model.own, rows.OWN_SWING_TEMPERATURE, s.swing_temperature, i)
+                    number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
+                    heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
                     mobility = constant(model, rows.INVERSE_INERTIA, s, i)
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)

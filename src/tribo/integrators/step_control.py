@@ -55,7 +55,7 @@ def stricter(tolerance: Tolerance, factor: float) -> Tolerance:
 @apart
 def current_encounter(model, neighbours, t, y, speeds):
     """The encounter rate [1 / time] and the smallest distance of two bobs, for bobs in place."""
-    top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
+    top_speeds(model, neighbours, t, y, speeds)
     found = next_encounter(model, neighbours, speeds, ONE_RUN)
     return found.rate, found.closest
 
@@ -66,7 +66,7 @@ def encounter_bound(model, neighbours, clock, y, speeds, h):
 
     No pair can have moved farther towards its next encounter than the fastest bobs of all have.
     """
-    top_speeds(model, active_of(neighbours), clock.t, *halves(y), speeds)
+    top_speeds(model, neighbours, clock.t, y, speeds)
     speed = fastest_approach(model, active_of(neighbours), speeds)
     clock.clearance -= speed * clock.encounter_age
     clearance = least_clearance(model, clock.clearance)
@@ -102,7 +102,7 @@ def evaluate_rates(model, neighbours, t, y, acceleration, power):
     """Compute q'' and s' at one instant."""
     q, v = halves(y)
     equations_of_motion(model, neighbours, t, q, v, acceleration)
-    all_powers(model, model.ledger, t, q, v, power)
+    all_powers(model, t, q, v, power)
 
 
 @apart

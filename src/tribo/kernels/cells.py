@@ -7,6 +7,8 @@ ones.  In a periodic scene the cells are, too.
 
 import math
 
+import numpy as np
+
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels.blocks import active_range, column_of
@@ -113,7 +115,7 @@ def near_blocks(box, own, k, boxes, reach, cells, near):
     halves = boxes.halves
     cx = cell_of(cells, 0, place[0, k], box_x)
     cz = cell_of(cells, 1, place[2, k], box_z)
-    count = 0
+    count = np.int64(0)  # not the literal, for which sort_row would be compiled once more
     for kz in range(*adjacent(cz, nz, box_z)):
         for kx in range(*adjacent(cx, nx, box_x)):
             c = kz % nz * nx + kx % nx

@@ -25,12 +25,12 @@ from tribo.compiler.lanes import (
     with_lane,
 )
 from tribo.compiler.lanes_memory import block
-from tribo.compiler.numbers_in_lanes import numbers_at_lane
 from tribo.compiler.python_callback import call_at
-from tribo.compiler.units import call_unit, fetched
+from tribo.compiler.units import fetched
 from tribo.kernels import blocks
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
+from tribo.kernels.potential_units import energy_at
 from tribo.kernels.records import CHARGE, Acting, X, Y, Z
 
 # Square of a distance below which the squares of its components lose digits to underflow.
@@ -189,7 +189,7 @@ def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
 
 @inlined
 def acting(model, n, potential, box, species):
-    """The nth interaction, with its potential."""
+    """The nth interaction, with its potential, or None where that is not needed."""
     contacts = model.contacts
     pairs = contacts.first[n], contacts.first[n + 1], contacts.pairs, contacts.rows
     return Acting(potential, box, species, contacts.species[n], *pairs)
@@ -301,10 +301,10 @@ def distance_of(model, i, j):
 
 
 @kernel
-def pair_energy(model, contact, k, neighbours, lane):
-    """Potential energy of one interaction between one pair of surfaces, for `lane` of one run."""
+def energy_of_pair(model, neighbours, n, k, lane):
+    """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
+    contact = acting(model, n, None, model.box, model.species)
     charges = model.each[CHARGE]
-    potential = numbers_at_lane(contact.potential, lane)
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
@@ -312,28 +312,13 @@ def pair_energy(model, contact, k, neighbours, lane):
         partners = partner_species(contact.species, contact.kinds, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
-        for n in range(first, last):
-            low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
+        for place in range(first, last):
+            low, high = blocks.columns_at(block_of(neighbours, is_listed, place), lane)
             for j in range(max(start, low), min(high, other.end)):
-                if not is_partner(contact.species, partners, j):
-                    continue
-                r = distance_of(model, i, j)
-                if r < potential.range_between(charges[i], charges[j]):
-                    energy += potential.energy_between(r, charges[i], charges[j])
+                if is_partner(contact.species, partners, j):
+                    r = distance_of(model, i, j)
+                    energy += energy_at(model.contacts, n, r, charges[i], charges[j], lane)
     return energy
-
-
-def contact_energy_unit(model, neighbours, potential, n, k, lane):
-    """Energy of the nth interaction in the kth pair of surfaces, for `lane` of one member."""
-    contact = acting(model, n, fetched(potential), model.box, model.species)
-    return pair_energy(model, contact, k, neighbours, lane)
-
-
-@kernel
-def energy_of(model, neighbours, n, k, lane):
-    """The same, from outside of the unit."""
-    contacts = model.contacts
-    return call_unit(contacts.energy[n], (model, neighbours, contacts.numbers[n], n, k, lane))
 
 
 @kernel
@@ -344,5 +329,5 @@ def contact_energy(model, neighbours, lane):
     for n in range(contacts.energy.size):
         if contacts.within[n] == 0:
             for k in range(contacts.first[n], contacts.first[n + 1]):
-                energy += energy_of(model, neighbours, n, k, lane)
+                energy += energy_of_pair(model, neighbours, n, k, lane)
     return energy

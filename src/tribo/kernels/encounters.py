@@ -8,11 +8,12 @@ import numpy as np
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import between_lanes, broadcast, maximum
 from tribo.compiler.lanes_memory import block
-from tribo.compiler.numbers_in_lanes import numbers_at_lane
-from tribo.compiler.units import call_unit, fetched
+from tribo.compiler.units import call_unit
 from tribo.kernels import blocks
+from tribo.kernels import records as rows
 from tribo.kernels.contact import acting, block_of, distance_of, first_candidate, row_of
 from tribo.kernels.neighbours import is_partner, partner_species
+from tribo.kernels.potential_units import clearance_at, energy_at
 from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE
 
 # With noise, an encounter can matter if at some distance up to the present one, of this many that
@@ -48,38 +49,39 @@ def thermal_energy(model, own, lane):
             bar = s.temperature
             swing = s.swing_temperature
             if not blocks.absent(own):
-                i = blocks.column_range(s, lane)[0]
-                bar = own[OWN_TEMPERATURE, i]
-                swing = own[OWN_SWING_TEMPERATURE, i]
+                bar = 0.0
+                swing = 0.0
+                for i in range(*blocks.column_range(s, lane)):
+                    bar = max(bar, own[OWN_TEMPERATURE, i])
+                    swing = max(swing, own[OWN_SWING_TEMPERATURE, i])
             energy = max(energy, bar, swing)
     return energy
 
 
 @kernel
-def can_matter(potential, r, charge, other_charge, thermal):
-    """Whether a pair at r can come to feel its potential, against the thermal energy."""
+def can_matter(contacts, n, r, charge, other_charge, lane, thermal):
+    """Whether a pair at r can come to feel the nth interaction, against the thermal energy."""
     if thermal <= 0.0:
         return True
-    end = potential.range_between(charge, other_charge)
     for k in range(PROBES):
         place = (k + 1) / PROBES * r
-        if place < end:
-            energy = potential.energy_between(place, charge, other_charge)
-            if not abs(energy) < NEGLIGIBLE * thermal:
-                return True
+        energy = energy_at(contacts, n, place, charge, other_charge, lane)
+        if not abs(energy) < NEGLIGIBLE * thermal:
+            return True
     return False
 
 
 @kernel
-def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
-    """Let encounters of one interaction take the place of those found before that come later."""
+def encounter_of_contact(model, n, neighbours, speeds, found, lane):
+    """Let encounters of the nth interaction replace those found before that come later."""
+    contact = acting(model, n, None, model.box, model.species)
+    contacts = model.contacts
     charges = model.each[CHARGE]
     rate = found[RATE]
     closest = found[CLOSEST]
     clearance = found[CLEARANCE]
     ignored = found[IGNORED]
     thermal = found[THERMAL]
-    potential = numbers_at_lane(contact.potential, lane)
     for k in range(contact.first, contact.stop):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
@@ -87,8 +89,8 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
             partners = partner_species(contact.species, contact.kinds, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
-            for n in range(first, last):
-                low, high = blocks.columns_at(block_of(neighbours, is_listed, n), lane)
+            for place in range(first, last):
+                low, high = blocks.columns_at(block_of(neighbours, is_listed, place), lane)
                 for j in range(max(start, low), min(high, other.end)):
                     if not is_partner(contact.species, partners, j):
                         continue
@@ -96,20 +98,21 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
                     vx = speeds[0, i] - speeds[0, j]
                     vy = speeds[1, i] - speeds[1, j]
                     speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
-                    own = potential.clearance_between(r, charges[i], charges[j])
+                    own = clearance_at(contacts, n, r, charges[i], charges[j], lane)
                     if own < math.inf:
                         closest = min(closest, r)
                     clearance = min(clearance, own)
                     faster = speed / own
                     if faster > rate:
-                        if can_matter(potential, r, charges[i], charges[j], thermal):
+                        if can_matter(contacts, n, r, charges[i], charges[j], lane, thermal):
                             rate = faster
                         elif faster > ignored:
                             ignored = faster
                             found[ONE] = i
                             found[OTHER] = j
         if contact.rows[k] >= 0:
-            speed = closing_speed(model, neighbours.active, contact.pairs[k], speeds)
+            pair = contact.pairs[k, 0], contact.pairs[k, 1]
+            speed = closing_speed(model, neighbours.active, pair, speeds)
             rate = max(rate, speed / neighbours.skin)
             clearance = min(clearance, neighbours.skin)
     found[RATE] = rate
@@ -118,16 +121,18 @@ def encounter_of_contact(model, contact, neighbours, speeds, found, lane):
     found[IGNORED] = ignored
 
 
-def encounter_unit(model, neighbours, potential, n, speeds, lane):
-    """Find the encounters of the nth interaction, for `lane` of one member."""
-    contact = acting(model, n, fetched(potential), model.box, model.species)
-    encounter_of_contact(model, contact, neighbours, speeds, model.found, lane)
-    return 0.0
-
-
-@apart
+@kernel
 def next_encounter(model, neighbours, speeds, lane):
-    """The next encounters of all pairs, or of one member of an ensemble; bobs in place.
+    """The next encounters of all pairs, or of one member of an ensemble; bobs in place."""
+    call_unit(model.units[rows.ENCOUNTERS], (model, neighbours, speeds, lane))
+    found = model.found
+    one = int(found[ONE])
+    other = int(found[OTHER])
+    return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
+
+
+def encounters_unit(model, neighbours, speeds, lane):
+    """The unit of :func:`next_encounter`, which leaves what it finds in the model.
 
     A potential's clearance_between(r, one, other) is the distance that a pair of charges at r may
     move before its force changes; where there is no force there is no encounter.  Pairs that are
@@ -135,7 +140,6 @@ def next_encounter(model, neighbours, speeds, lane):
     pairs whose potential is far below k_B T are counted apart.  `speeds` (3, n) has the velocity of
     each centre of mass, and the largest speed of the bob about it.
     """
-    contacts = model.contacts
     found = model.found
     found[RATE] = 0.0
     found[CLOSEST] = np.inf
@@ -144,11 +148,9 @@ def next_encounter(model, neighbours, speeds, lane):
     found[ONE] = -1.0
     found[OTHER] = -1.0
     found[THERMAL] = thermal_energy(model, model.own, lane)
-    for n in range(contacts.encounter.size):
-        call_unit(contacts.encounter[n], (model, neighbours, contacts.numbers[n], n, speeds, lane))
-    one = int(found[ONE])
-    other = int(found[OTHER])
-    return Encounter(found[RATE], found[CLOSEST], found[CLEARANCE], found[IGNORED], one, other)
+    for n in range(model.contacts.clearance.size):
+        encounter_of_contact(model, n, neighbours, speeds, found, lane)
+    return 0.0
 
 
 @apart

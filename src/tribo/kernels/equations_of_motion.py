@@ -21,12 +21,14 @@ from tribo.kernels.blocks import (
     column_of,
     constant,
     coordinates,
+    halves,
     own_number,
     plus,
     plus_if_any,
     set_all,
     set_vectors,
     vectors,
+    vectors_if_any,
 )
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.elastic import elastic_forces
@@ -34,7 +36,17 @@ from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.levers import lever_mass
 from tribo.kernels.neighbours import crowded, has_lists, refresh
-from tribo.kernels.records import BARS, FORCED, PENDULUMS, PULLED, PUSHED, RIGID, RIGID_ASPERITES
+from tribo.kernels.records import (
+    BARS,
+    FORCED,
+    MOVED,
+    PENDULUMS,
+    PULLED,
+    PUSHED,
+    RIGID,
+    RIGID_ASPERITES,
+)
+from tribo.kernels.schedule import number_or_scheduled, rate_of_schedule, scheduled
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces, has_customs
 
@@ -106,15 +118,17 @@ def friction_forces(model, friction, swing_friction, v):
         for i in range(s.start, s.stop, LANES):
             if not absent(friction):
                 vx, vy = velocities_of_bars(model, s, i, v)
-                fx = -s.gamma * (vx - s.reservoir_x)
-                fy = -s.gamma * (vy - s.reservoir_y)
+                gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
+                fx = -gamma * (vx - s.reservoir_x)
+                fy = -gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
                 if s.block == RIGID_ASPERITES:  # as `integrators.reservoirs` shares it
                     share = (s.end - s.start) / s.mass
                     present = present * share * constant(model, rows.MASS, s, i)
                 set_vectors(friction, i, present * fx, present * fy)
             if not absent(swing_friction):
-                set_block(swing_friction[0], i, -s.swing_gamma * block(v, i))
+                gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+                set_block(swing_friction[0], i, -gamma * block(v, i))
 
 
 @apart
@@ -141,6 +155,39 @@ def gathered_contact(members, s):
 
 
 @inlined
+def bob_forces(model, i):
+    """Force on a block of bobs: f1, contact within the surface, and external fields."""
+    f1 = vectors(model.f1, i)
+    if not model.on_bobs:
+        return f1
+    return plus_if_any(plus_if_any(f1, model.inner, i), model.external, i)
+
+
+@apart
+def moving_force(model, s, i, t):
+    """f2 that gives a block of rigid asperites the acceleration of a motion, forces in place."""
+    x, y = bob_forces(model, i)
+    bar_x, bar_y = vectors_if_any(model.internal, i)
+    mass = constant(model, rows.MASS, s, i)
+    ax = broadcast(0.0)
+    ay = broadcast(0.0)
+    if s.push_schedule > 0:
+        ax = rate_of_schedule(model.schedules, s.push_schedule, t)
+    if s.load_schedule > 0:
+        ay = rate_of_schedule(model.schedules, s.load_schedule, t)
+    present = block(model.each[rows.PRESENT], i)
+    return present * (mass * ax - x - bar_x), present * (mass * ay - y - bar_y)
+
+
+@inlined
+def load_of_block(model, s, i, t):
+    """f2_y on a block of loaded or pushed bars."""
+    if s.load_schedule > 0:
+        return scheduled(model.schedules, s.load_schedule, t)
+    return own_number(model.own, rows.OWN_LOAD, s.load, i) + s.load_rate * t
+
+
+@inlined
 def drive_of_block(model, s, i, t, q):
     """f2 on a block of bars, contact forces in place."""
     fx, fy = vectors(model.f1, i)
@@ -155,14 +202,19 @@ def drive_of_block(model, s, i, t, q):
         if s.elastic_block > 0:
             bar = broadcast(s.ax)
         stiffness = own_number(model.own, rows.OWN_STIFFNESS, s.stiffness, i)
-        speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
-        gx = stiffness * ((s.anchor + speed * t) - bar)
+        if s.stage_schedule > 0:
+            gx = stiffness * ((s.anchor + scheduled(model.schedules, s.stage_schedule, t)) - bar)
+        else:
+            speed = own_number(model.own, rows.OWN_SPEED, s.speed, i)
+            gx = stiffness * ((s.anchor + speed * t) - bar)
     elif s.drive == PUSHED:
-        gx = broadcast(s.push + s.push_rate * t)
+        push = broadcast(s.push + s.push_rate * t)
+        gx = number_or_scheduled(model.schedules, s.push_schedule, push, t)
+    elif s.drive == MOVED:
+        return moving_force(model, s, i, t)
     else:
         gx = broadcast(0.0)
-    load = own_number(model.own, rows.OWN_LOAD, s.load, i)
-    gy = load + s.load_rate * t if s.loaded else -fy
+    gy = load_of_block(model, s, i, t) if s.loaded else -fy
     if s.stiffness_y > 0.0:
         if s.elastic_block > 0:
             gy = gy - s.stiffness_y * s.ay
@@ -226,15 +278,6 @@ def bar_forces(model, i, drive):
     if absent(model.left):
         return force
     return plus(force, plus(vectors(model.left, i), vectors(model.right, i)))
-
-
-@inlined
-def bob_forces(model, i):
-    """Force on a block of bobs: f1, contact within the surface, and external fields."""
-    f1 = vectors(model.f1, i)
-    if not model.on_bobs:
-        return f1
-    return plus_if_any(plus_if_any(f1, model.inner, i), model.external, i)
 
 
 @inlined
@@ -315,9 +358,14 @@ def all_forces(model, neighbours, t, q, v):
         custom_forces(model, t, q, v)
 
 
-@apart
+@kernel
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
+    call_unit(model.units[rows.RATES], (model, neighbours, t, q, v, acceleration))
+
+
+def rates_unit(model, neighbours, t, q, v, acceleration):
+    """The unit of :func:`equations_of_motion`, which all methods share that need q''."""
     place_bobs(model, t, q)
     if has_lists(neighbours):
         refresh(model, neighbours)
@@ -328,16 +376,24 @@ def equations_of_motion(model, neighbours, t, q, v, acceleration):
     accelerate(model, 1.0, t, q, acceleration)
     if not absent(model.torsional):
         call_unit(model.units[rows.TORSIONAL_ACCELERATIONS], (model, t, q, acceleration))
+    return 0.0
 
 
-@apart
-def top_speeds(model, active, t, q, v, speeds):
+@kernel
+def top_speeds(model, neighbours, t, y, speeds):
+    """Set the speeds of bobs, see :func:`speeds_unit`."""
+    q, v = halves(y)
+    call_unit(model.units[rows.SPEEDS], (model, neighbours, t, q, v, speeds))
+
+
+def speeds_unit(model, neighbours, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
     the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
     not set.
     """
+    active = active_of(neighbours)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for n in range(*active_range(active, s, k)):
@@ -352,3 +408,4 @@ def top_speeds(model, active, t, q, v, speeds):
             set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
             set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
             set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
+    return 0.0

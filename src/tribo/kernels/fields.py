@@ -1,10 +1,18 @@
 """External fields: their forces on the bobs, and their energy, bobs in place."""
 
-from tribo.compiler.jit import apart, kernel
+from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.lanes import broadcast
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels.blocks import clear, column_range
 from tribo.kernels.records import X, Y
+from tribo.kernels.schedule import number_or_scheduled
+
+
+@inlined
+def factor_of_field(model, n, t):
+    """The factor on the nth field at a time, as Lanes."""
+    return number_or_scheduled(model.schedules, model.fields.modulation[n], broadcast(1.0), t)
 
 
 @kernel
@@ -20,12 +28,17 @@ def field_forces_unit(model, potential, n, t):
     potential = fetched(potential)
     fields = model.fields
     shift_x, shift_y = field_shift(fields, n, t)
+    factor = factor_of_field(model, n, t)
     for k in range(fields.first[n], fields.first[n + 1]):
         s = model.surfaces[fields.surfaces[k]]
         for i in range(s.start, s.end):
             x = model.bobs[X, i] + lane_of(shift_x, i)
             y = model.bobs[Y, i] + lane_of(shift_y, i)
             fx, fy = potential.force_at(x, y)
+            if fields.modulation[n] > 0:
+                now = lane_of(factor, i)
+                fx = now * fx
+                fy = now * fy
             model.external[X, i] += fx
             model.external[Y, i] += fy
     return 0.0
@@ -42,6 +55,8 @@ def energy_in_field(model, potential, n, t, lane):
             x = model.bobs[X, i] + shift_x
             y = model.bobs[Y, i] + shift_y
             energy += potential.energy_at(x, y)
+    if model.fields.modulation[n] > 0:
+        energy = lane_of(factor_of_field(model, n, t), 0) * energy
     return energy
 
 

@@ -190,7 +190,8 @@ def list_pair(model, team, neighbours, k, used):
         if share_rows(model, team, neighbours, k, used):
             return join_chunks(model, team, neighbours, k, used)
     blocks = own.count[0]
-    return list_rows(model, model.box, neighbours, k, 0, blocks, used, neighbours.index.size)
+    first = np.int64(0)
+    return list_rows(model, model.box, neighbours, k, first, blocks, used, neighbours.index.size)
 
 
 @apart
@@ -259,7 +260,7 @@ def rebuild(model, neighbours):
     For rows that do not fit, all pairs are computed until the list is given more room.
     """
     start = neighbours.start
-    used = 0
+    used = np.int64(0)  # not the literal, for which all of this would be compiled once more
     for k in range(neighbours.reach.size):
         used = list_pair(model, model.team, neighbours, k, used)
     start[start.size - 1] = used

@@ -16,7 +16,8 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
     field      external fields on the bob: Jx, Jy, about, pseudowork
     thermal    Langevin at the bar: Jx, Jy, about, pseudowork
     swing      Langevin on the swing: work
-    moving     of a field: work of the agent that moves it through the laboratory
+    moving     of a field: work of the agent that moves it through the laboratory, or modulates it
+    stage      of a surface: work of a stage that follows a schedule
     block      of a surface: pseudowork of all external forces at the centre of all its masses
 
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
@@ -30,7 +31,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import apart, inlined
+from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import add_block, block, set_block
@@ -50,10 +51,11 @@ from tribo.kernels.blocks import (
     vectors,
     vectors_if_any,
 )
-from tribo.kernels.fields import field_shift
+from tribo.kernels.fields import factor_of_field, field_shift
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import lever_mass, levers, velocities_of_centres
 from tribo.kernels.records import BARS, PENDULUMS
+from tribo.kernels.schedule import rate_of_schedule
 
 # Number of accounts in each group, as listed above; POINT is that of internal, field and thermal.
 CONTACT = 4
@@ -263,13 +265,17 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
 
 
 def field_power_unit(model, potential, n, t, accounts, tau):
-    """Write the power of the agent that moves the nth field through the laboratory.
+    """Write the power of the agent that moves the nth field, or modulates it.
 
     `tau` is nan for powers, or the time in which they do work.
     """
     potential = fetched(potential)
     fields = model.fields
     total = broadcast(0.0)
+    factor = factor_of_field(model, n, t)
+    growth = broadcast(0.0)
+    if fields.modulation[n] > 0:
+        growth = rate_of_schedule(model.schedules, fields.modulation[n], t)
     shift_x, shift_y = field_shift(fields, n, t)
     for k in range(fields.first[n], fields.first[n + 1]):
         s = model.surfaces[fields.surfaces[k]]
@@ -278,7 +284,11 @@ def field_power_unit(model, potential, n, t, accounts, tau):
             y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
             fx, fy = potential.force_at(x, y)
             place = i % LANES
-            done = lane(total, place) + fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            moved = fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            if fields.modulation[n] > 0:
+                moved = lane_of(factor, i) * moved
+                moved += lane_of(growth, i) * potential.energy_at(x, y)
+            done = lane(total, place) + moved
             total = with_lane(total, place, done)
     x = totals(model.members, total)
     if math.isnan(tau):
@@ -349,6 +359,15 @@ def external_force(model, s):
 
 
 @apart
+def power_of_stage(model, s, t):
+    """Power of a stage that follows a schedule, in its surface's first frame; Lanes of members."""
+    force = broadcast(0.0)
+    for i in range(s.start, s.stop, LANES):
+        force = force + block(model.drive[rows.X], i)
+    return totals(model.members, force * rate_of_schedule(model.schedules, s.stage_schedule, t))
+
+
+@apart
 def shared_powers(model, ledger, t, v, power):
     """Set the powers of the accounts that are of no asperite, if there is a ledger."""
     if ledger:
@@ -362,19 +381,28 @@ def shared_powers(model, ledger, t, v, power):
                 px, py = momentum(model, s, v)
                 x = (fx * px + fy * py) * s.inverse_total_mass
                 write_total(model.members, power.accounts, power.tau, s.acc_block, x)
+            if s.acc_stage >= 0:
+                x = power_of_stage(model, s, t)
+                write_total(model.members, power.accounts, power.tau, s.acc_stage, x)
 
 
-@apart
-def all_powers(model, ledger, t, q, v, accounts):
+@kernel
+def all_powers(model, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
-    if ledger:
-        power = Powers(accounts, model.sums, None)
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            for i in range(s.start, s.stop, LANES):
-                velocities = all_coordinates(s, i, v)
-                powers_of_block(model, s, i, 1.0, t, q, velocities, power)
-        set_bath_momenta(model, v)
-        shared_powers(model, ledger, t, v, power)
-        if not absent(model.torsional):
-            call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))
+    if model.ledger:
+        call_unit(model.units[rows.POWERS], (model, t, q, v, accounts))
+
+
+def powers_unit(model, t, q, v, accounts):
+    """The unit of :func:`all_powers`, which all methods share that need rates of change."""
+    power = Powers(accounts, model.sums, None)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        for i in range(s.start, s.stop, LANES):
+            velocities = all_coordinates(s, i, v)
+            powers_of_block(model, s, i, 1.0, t, q, velocities, power)
+    set_bath_momenta(model, v)
+    shared_powers(model, model.ledger, t, v, power)
+    if not absent(model.torsional):
+        call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))
+    return 0.0

@@ -64,7 +64,10 @@ FREQUENCY, INVERSE_MASS, INVERSE_INERTIA, INVERSE_BAR_LENGTH = range(11, len(CON
 X_START, Y_START, Z, CHARGE, PRESENT = range(5)
 EACH_ROWS = 5
 
-FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED = range(7)
+# Numbers of a surface that may follow a schedule; see `tribo.layout.legs`.
+SCHEDULED = ("stage", "load", "push", "heat", "swing_heat")
+
+FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED = range(8)
 
 # What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
 RIGID_ASPERITES, PENDULUMS = 1, 2
@@ -79,7 +82,7 @@ SURFACE = np.dtype(
         ("vy", "f8"),
         ("turning", "i8"),  # 1 where clamped bars turn
         ("tilted", "i8"),  # 1 where the angles of bars at the start, or their rates, are not 0
-        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED
+        ("drive", "i8"),  # FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED
         ("user_ends", "i8"),  # 1 where a plug-in exerts the forces on the ends of bars
         ("fixed", "i8"),  # 1 where pendulums are fixed to their bars: rigid asperites
         ("mass", "f8"),  # of all its asperites
@@ -100,6 +103,10 @@ SURFACE = np.dtype(
         ("damping_y", "f8"),  # of the same along y
         ("ax", "f8"),  # acceleration of a rigid body, or mean displacement of elastic bars, scratch
         ("ay", "f8"),
+        # Rows of the table of schedules that take the place of these numbers; 0 where none does.
+        # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.  Of
+        # a surface with a given motion, "push" and "load" are its velocities along x and y.
+        *((f"{name}_schedule", "i8") for name in SCHEDULED),
         ("fx", "f8"),  # sum of the contact forces' x components, scratch
         ("oscillators", "i8"),  # its bath's rows: first <= n < first + oscillators, on every bar
         ("first_oscillator", "i8"),
@@ -121,6 +128,8 @@ SURFACE = np.dtype(
         ("account_mask", "i8"),  # of an asperite's place in its surface: its place in an account
         *((group, "i8") for group in GROUPS),  # those of its first asperite
         ("acc_block", "i8"),  # account of the surface's own pseudowork, -1 if absent
+        # Of the work of a stage that follows a schedule, at its velocity relative to the surface's.
+        ("acc_stage", "i8"),
     ],
     align=True,
 )
@@ -161,6 +170,7 @@ CLOCK = np.dtype(
         ("passages", "i8"),  # steps in which bobs passed an encounter that cannot matter
         ("passing", "i8"),  # the bobs that did so last
         ("passed", "i8"),
+        ("leg", "i8"),  # kinks of schedules that were passed
     ],
     align=True,
 )
@@ -205,8 +215,8 @@ class Contacts(NamedTuple):
 
     forces: np.ndarray  # (n,) units that add forces on bobs
     pieces: np.ndarray  # (n,) units that do a piece of that; 0 where no threads share it
-    energy: np.ndarray  # (n,) units that find the energy of a pair of surfaces
-    encounter: np.ndarray  # (n,) units that find the next encounters
+    energy: np.ndarray  # (n,) units that find the energy at a distance
+    clearance: np.ndarray  # (n,) units that find how far bobs may move before their force changes
     numbers: np.ndarray  # (n,) of the potentials
     memory: np.ndarray  # where these are
     feature: np.ndarray  # (n,) shortest length over which a force changes [length]
@@ -220,7 +230,7 @@ class Contacts(NamedTuple):
 class Acting(NamedTuple):
     """One of all interactions, in a unit of its potential."""
 
-    potential: Any
+    potential: Any  # None outside of it
     box: Any  # Box; None where space is known to be open
     species: Any  # (n,) of each bob; None where it is known not to matter
     kinds: np.ndarray  # (2,) between bobs of which species; -1: of any
@@ -239,7 +249,8 @@ class FieldOn(NamedTuple):
     velocity: np.ndarray  # (2,) of the first surface, in the field's own frame
     drift: np.ndarray  # (2,) velocity of the field in the laboratory
     anchor: np.ndarray  # (2,) displacement of the field at t = 0, included in `origin`
-    account: int  # of the work done by moving it; -1 where it stands
+    account: int  # of the work done by moving or modulating it; -1 where it stands
+    modulation: int = 0  # row of the schedule of its factor; 0 where that is 1
 
 
 class Fields(NamedTuple):
@@ -256,6 +267,7 @@ class Fields(NamedTuple):
     velocity: np.ndarray  # (n, 2)
     drift: np.ndarray  # (n, 2)
     account: np.ndarray  # (n,)
+    modulation: np.ndarray  # (n,)
 
 
 class Custom(NamedTuple):
@@ -400,6 +412,7 @@ class Tables(NamedTuple):
     members: Any = None
     own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
+    schedules: Any = None  # (1 + schedules, COLUMNS) in the first leg, see `kernels.schedule`
 
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
@@ -410,10 +423,12 @@ UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
     *("share_contacts", "share_step", "drift", "kick", "join_blocks"),
+    *("rates", "powers", "speeds", "encounters", "sample"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
-SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, len(UNITS))
+SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, 15)
+RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(15, len(UNITS))
 
 
 class Model(NamedTuple):
@@ -465,3 +480,4 @@ class Model(NamedTuple):
     # ensemble, one asperite of each; empty where the asperites of a block are of one run.
     members: np.ndarray
     own: np.ndarray  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
+    schedules: np.ndarray  # (rows, COLUMNS) in the present leg, see `kernels.schedule`

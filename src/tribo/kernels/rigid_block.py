@@ -18,6 +18,7 @@ from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
 from tribo.kernels.levers import lever_mass
+from tribo.kernels.schedule import rate_of_schedule
 
 
 @inlined
@@ -107,7 +108,7 @@ def add_constraints(model, t, q, v):
 
 
 @apart
-def damp_drives(model, v):
+def damp_drives(model, t, v):
     """Add the dampers between rigid bodies and their stages to the drives."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
@@ -115,14 +116,17 @@ def damp_drives(model, v):
             if s.damping > 0.0 or s.damping_y > 0.0:
                 for i in range(s.start, s.stop, LANES):
                     present = block(model.each[rows.PRESENT], i)
-                    x = s.damping * (s.speed - coordinates(s.dof_x, s, i, v))
+                    speed = broadcast(s.speed)
+                    if s.stage_schedule > 0:
+                        speed = rate_of_schedule(model.schedules, s.stage_schedule, t)
+                    x = s.damping * (speed - coordinates(s.dof_x, s, i, v))
                     y = -s.damping_y * coordinates(s.dof_y, s, i, v)
                     add_vectors(model.drive, i, present * x, present * y)
 
 
 def join_blocks(model, t, q, v):
     """Set R'' of all rigid bodies and their constraints' forces, all other forces in place."""
-    damp_drives(model, v)
+    damp_drives(model, t, v)
     accelerate_blocks(model, t, q, v)
     add_constraints(model, t, q, v)
     return 0.0

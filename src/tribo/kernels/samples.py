@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.units import call_unit
 from tribo.kernels import baths
@@ -14,10 +14,11 @@ from tribo.kernels.blocks import (
     column_range,
     halves,
 )
-from tribo.kernels.contact import contact_energy, energy_of
+from tribo.kernels.contact import contact_energy, energy_of_pair
 from tribo.kernels.elastic import elastic_energies
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
+from tribo.kernels.records import SAMPLE as SAMPLE_UNIT
 from tribo.kernels.springs import spring_energies
 
 SPRINGS, BATH, TORSIONAL, WITHIN, MOMENTUM_X, MOMENTUM_Y, STORED = range(7)
@@ -73,6 +74,20 @@ class Record(NamedTuple):
     s_places: np.ndarray  # (accounts,) the same
 
 
+# For the types of both in units.
+EXAMPLE_OF_STATE = initial_state(np.zeros(0), 0, 0, splits=True)
+EXAMPLE_OF_RECORD = Record(
+    y=np.empty((0, 0)),
+    s=np.empty((0, 0)),
+    contact=np.empty(0),
+    field=np.empty(0),
+    stored=np.empty((0, 0, 0)),
+    baths=np.empty((0, 0, 0)),
+    y_places=np.empty(0, np.int64),
+    s_places=np.empty(0, np.int64),
+)
+
+
 @kernel
 def copy(source, target):
     """Make one array equal to another of its length.
@@ -111,7 +126,9 @@ def energies_within(model, neighbours, stored, lane):
     for n in range(contacts.energy.size):
         if contacts.within[n] == 1:
             for k in range(contacts.first[n], contacts.first[n + 1]):
-                stored[contacts.pairs[k, 0], WITHIN] += energy_of(model, neighbours, n, k, lane)
+                stored[contacts.pairs[k, 0], WITHIN] += energy_of_pair(
+                    model, neighbours, n, k, lane
+                )
 
 
 @kernel
@@ -160,9 +177,14 @@ def first_place(place, lane):
     return place + max(lane, 0)
 
 
-@apart
+@kernel
 def write_row(model, neighbours, t, state, record, k, lane):
     """Record the state at time t in row k, that of one member in a lane; the bobs are in place."""
+    call_unit(model.units[SAMPLE_UNIT], (model, neighbours, t, state, record, k, lane))
+
+
+def sample_unit(model, neighbours, t, state, record, k, lane):
+    """The unit of :func:`write_row`, which all loops share."""
     q, v = halves(state.y)
     for m in range(record.y_places.size):
         record.y[k, m] = state.y[first_place(record.y_places[m], lane)]
@@ -179,6 +201,7 @@ def write_row(model, neighbours, t, state, record, k, lane):
     if not (absent(model.bath) and absent(model.torsional)):
         samples = record.stored[k], record.baths[k], lane
         call_unit(model.units[BATH_SAMPLES_UNIT], (model, t, q, v, *samples))
+    return 0.0
 
 
 def bath_samples(model, t, q, v, stored, baths, lane):

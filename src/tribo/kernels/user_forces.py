@@ -1,12 +1,14 @@
 """Forces of plug-ins on the bars and on their ends, asperite by asperite."""
 
 from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bar_angle
 from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.schedule import scheduled
 
 
 @kernel
@@ -16,11 +18,19 @@ def coordinate(slot, s, i, q):
 
 
 @kernel
-def share_among_bars(model, s, gx, gy):
+def load_or(model, s, gy, t, i):
+    """f2_y on a bar: the load of its surface, or `gy` without one."""
+    if s.load_schedule > 0:
+        return lane_of(scheduled(model.schedules, s.load_schedule, t), i % LANES)
+    return s.load if s.loaded else gy
+
+
+@kernel
+def share_among_bars(model, s, gx, gy, t):
     """Set f2 on each bar of a rigid body to these equal parts; s.load is such a part."""
     for i in range(s.start, s.end):
         model.drive[rows.X, i] = gx
-        model.drive[rows.Y, i] = s.load if s.loaded else gy
+        model.drive[rows.Y, i] = load_or(model, s, gy, t, i)
 
 
 def custom_drive_unit(model, plugin, n, t, q, v):
@@ -57,10 +67,10 @@ def custom_drive_unit(model, plugin, n, t, q, v):
             fx, fy = sum_fx, sum_fy
         gx, gy = plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
         if s.block > 0:
-            share_among_bars(model, s, gx / count, gy / count)
+            share_among_bars(model, s, gx / count, gy / count, t)
         else:
             model.drive[rows.X, i] = gx
-            model.drive[rows.Y, i] = s.load if s.loaded else gy
+            model.drive[rows.Y, i] = load_or(model, s, gy, t, i)
     return 0.0
 
 

@@ -8,7 +8,6 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators import step_control as control
-from tribo.kernels.blocks import active_of, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import top_speeds
 from tribo.kernels.samples import write_row
@@ -129,7 +128,7 @@ def refill_lanes(
     control.evaluate_rates(model, neighbours, t, state.y, new.acceleration, new.power)
     take_lanes(new.acceleration, state.acceleration, begun)
     take_lanes(new.power, state.power, begun)
-    top_speeds(model, active_of(neighbours), t, *halves(state.y), speeds)
+    top_speeds(model, neighbours, t, state.y, speeds)
     for lane in range(LANES):
         if tried[TAKEN, lane] == 1.0:
             found = next_encounter(model, neighbours, speeds, lane)

@@ -13,7 +13,7 @@ from tribo.integrators.drift import settle_end_works
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import active_of, clear, halves
+from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
 from tribo.kernels.samples import write_row
@@ -126,7 +126,7 @@ def nystrom_members(
         end = block(tried[END], 0)
         error = try_step(method, model, neighbours, t, h, end, state, new, tolerance, work)
         set_block(tried[ERROR], 0, error)
-        top_speeds(model, active_of(neighbours), end, *halves(new.y), speeds)
+        top_speeds(model, neighbours, end, new.y, speeds)
         for lane in range(LANES):
             taken = False
             if queue.held[lane] >= 0:
@@ -152,7 +152,7 @@ def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
         if not (near or all_of_them):
             continue
         if not known:
-            top_speeds(model, active_of(neighbours), t, *halves(y), speeds)
+            top_speeds(model, neighbours, t, y, speeds)
             known = True
         found = next_encounter(model, neighbours, speeds, lane)
         watch[RATE, lane] = found.rate
@@ -174,6 +174,7 @@ def splitting_members(
     clock = clocks[0]
     splitting, times, watch, noise = pointers((splitting, times, watch, noise))
     last = times[times.size - 1]
+    rows = record.contact.size // LANES  # of a member; `times` may end before them
     q, v = halves(state.y)
     clear(model.friction)
     clear(model.swing_friction)
@@ -188,7 +189,7 @@ def splitting_members(
             arrive(model, neighbours, clock, state, work)
         while left <= 0.0:
             for lane in range(LANES):
-                k = lane * times.size + clock.sample
+                k = lane * rows + clock.sample
                 write_row(model, neighbours, clock.t, state, record, k, lane)
             clock.sample += 1
             if clock.sample == times.size:

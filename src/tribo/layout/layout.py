@@ -16,6 +16,7 @@ from tribo.kernels import records
 from tribo.kernels.records import OF_MEMBERS, Neighbours, Tables
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
+from tribo.layout.legs import BEGUN, SAME, Legs, Scheduled, begun_of, legs_of, scheduled_numbers
 from tribo.layout.scene_records import (
     MemberNumbers,
     fields_on_surfaces,
@@ -30,8 +31,6 @@ from tribo.model.identity import loaded
 from tribo.model.scene import Scene
 from tribo.potentials.from_ase import Call
 
-# Times that differ by less than this fraction of the duration are one.
-SAME = 1e-12
 # Largest error of rounding to the nearest double, relative to it.
 ROUNDING = 0.5 * float(np.finfo(float).eps)
 
@@ -74,7 +73,7 @@ class Layout:
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
-    # (surfaces, 2) when the own times of each drive, and of a user's forces on ends, were zero.
+    # (surfaces, BEGUN) when the own times of each drive and of the others there were zero.
     begun: np.ndarray
     beginning: float = 0.0  # time at which the run starts
     numbers: MemberNumbers | None = None
@@ -96,6 +95,20 @@ class Layout:
         times = self.scene.times
         later = times - self.beginning > SAME * self.scene.duration
         return np.concatenate([[self.beginning], times[later]])
+
+    @cached_property
+    def legs(self) -> Legs:
+        """The times between kinks of schedules; one leg without any."""
+        return legs_of(self.scene, self.begun)
+
+    @cached_property
+    def stops(self) -> np.ndarray:
+        """The times at which steps end: those to record, and kinks of schedules."""
+        kinks = self.legs.kinks[self.legs.kinks > self.beginning + self.legs.same]
+        if kinks.size == 0:
+            return self.times
+        nearest = np.min(np.abs(kinks[:, None] - self.times), axis=1)
+        return np.sort(np.concatenate([self.times, kinks[nearest > self.legs.same]]))
 
     @property
     def run_time(self) -> float:
@@ -123,11 +136,25 @@ class Layout:
         stages = [(x, 0.0) for x in self.model.surfaces.anchor]
         return np.array([*stages, *(field.anchor for field in self.model.fields or ())])
 
-    @property
-    def drifts(self) -> np.ndarray:
-        """Velocity of each pulling stage and each field, (surfaces + fields, 2)."""
-        stages = [(speed, 0.0) for speed in self.model.surfaces.speed]
-        return np.array([*stages, *(field.drift for field in self.model.fields or ())])
+    def moved(self, t: float) -> np.ndarray:
+        """How far each pulling stage and each field is at t from its anchor, (stages + fields, 2).
+
+        A stage's is relative to the initial motion of its surface.
+        """
+        stages = [(float(self.stage_moved(k, t)), 0.0) for k in range(len(self.scene.surfaces))]
+        fields = [np.multiply(field.drift, t) for field in self.model.fields or ()]
+        return np.array([*stages, *fields])
+
+    def stage_moved(self, index: int, t: Any) -> Any:
+        """How far the pulling stage of a surface is from its anchor at times t, likewise."""
+        for each in self._scheduled:
+            if each.surface == index and each.name == "stage":
+                return each.at(t, begun_of(each, self.begun))
+        return self.number_of(index, "speed") * np.asarray(t)
+
+    @cached_property
+    def _scheduled(self) -> tuple[Scheduled, ...]:
+        return scheduled_numbers(self.scene)
 
     def begun_at(self, begun: np.ndarray, anchors: np.ndarray) -> Layout:
         """The same layout with drives and ends that began at other times.
@@ -138,18 +165,30 @@ class Layout:
         count = len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
-        surfaces.push -= surfaces.push_rate * begun[:, 0]
-        surfaces.load -= surfaces.load_rate * begun[:, 0]
-        drives = _begun_at(model.drives, begun[:, 0])
-        ends = _begun_at(model.ends, begun[:, 1])
+        since = begun[:, BEGUN.index("drive")]
+        surfaces.push -= surfaces.push_rate * since
+        surfaces.load -= surfaces.load_rate * since
+        own = model.own
+        if own is not None:
+            own = own.copy()
+            for surface in surfaces:
+                own[records.OWN_LOAD, surface.start : surface.end] = surface.load
+        drives = _begun_at(model.drives, since)
+        ends = _begun_at(model.ends, begun[:, BEGUN.index("ends")])
         moved = tuple(
             field._replace(origin=field.origin - anchor, anchor=anchor)
             for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
         )
         model = model._replace(
-            surfaces=surfaces, fields=moved or None, drives=drives or None, ends=ends or None
+            surfaces=surfaces,
+            fields=moved or None,
+            drives=drives or None,
+            ends=ends or None,
+            own=own,
         )
-        return replace(self, model=model, begun=begun)
+        begun_then = replace(self, model=model, begun=begun)
+        model = model._replace(schedules=begun_then.legs.tables[0])
+        return replace(begun_then, model=model)
 
     @property
     def constants(self) -> np.ndarray:
@@ -298,6 +337,9 @@ def lay_out(scene: Scene) -> Layout:
     sliding = slots.slide(scene) & kept
     fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
     physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    staged = (physics["stage_schedule"] > 0) & kept
+    physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
+    shared += int(np.sum(staged))
     mine = slots.number(scene, physics, shared, width=1)
     theirs = slots.number(scene, physics, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
@@ -344,8 +386,9 @@ def lay_out(scene: Scene) -> Layout:
         calculator_calls=calls,
         rows=rows,
         skin=skin,
-        begun=np.zeros((len(scene.surfaces), 2)),
+        begun=np.zeros((len(scene.surfaces), len(BEGUN))),
     )
+    layout = replace(layout, model=model._replace(schedules=layout.legs.tables[0]))
     for plugin in layout.plugins:
         recognize(plugin)
     return layout

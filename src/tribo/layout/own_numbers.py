@@ -29,6 +29,8 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     loop of a pair takes no mass of a surface from the scene.
     """
     surfaces = layout.scene.surfaces
+    if not all(each.is_uniform for surface in surfaces for each in surface.reservoirs):
+        return False  # the table of numbers has those of each asperite
     slides = slide(layout.scene) & (not by_pair_loop)
     plain = [
         f"{surface.name}.{ASPERITE_PART}."
@@ -41,6 +43,9 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     # A field, a plug-in or a reservoir may be given in the laboratory.
     reservoirs = [reservoir for surface in surfaces for reservoir in surface.reservoirs]
     fixed = any(reservoir.velocity is not None for reservoir in reservoirs)
+    # So is the way of a stage that follows a schedule.
+    fixed = fixed or bool(np.any(layout.surfaces["stage_schedule"] > 0))
+    fixed = fixed or any(surface.drive.gives_motion for surface in surfaces)
     if not (layout.model.fields or layout.model.drives or layout.model.ends or fixed):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
     # Surfaces without charges are no pair of a layout whose potential acts between charges.
@@ -57,14 +62,22 @@ def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
     """Keys of a surface's drive and reservoir, which pairs do not have -> names in `OF_MEMBERS`."""
     surface = layout.scene.surfaces[index]
     drive = surface.drive
-    given = (name for name in drive.own_numbers if getattr(drive, name) is not None)
+    given = [name for name in drive.own_numbers if _is_float(drive, name)]
+    if drive.stage is not None and drive.stage.follows_schedule:
+        given = [name for name in given if name != "speed"]
     found = {f"drive.{name}": name for name in given}
-    if any(each.temperature > 0.0 for each in surface.reservoirs):  # so that there is noise
+    if any(each.warmest > 0.0 for each in surface.reservoirs):  # so that there is noise
         for each in surface.reservoirs:
             part = reservoir_part(surface, each.on)
             before = "swing_" * (each.on == "swing")
-            found |= {f"{part}.{name}": before + name for name in ("gamma", "temperature")}
+            names = [name for name in ("gamma", "temperature") if _is_float(each, name)]
+            found |= {f"{part}.{name}": before + name for name in names}
     return found
+
+
+def _is_float(item: object, name: str) -> bool:
+    """Whether a field is one number, which members may have of their own."""
+    return isinstance(getattr(item, name), float)
 
 
 def _is_plain(surface: Surface) -> bool:
@@ -114,7 +127,7 @@ def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.nda
     table[..., :2] = velocity - velocity[:, :1]
     for index, surface in enumerate(layout.scene.surfaces):
         stage = surface.drive.stage
-        if stage is not None:
+        if stage is not None and not stage.follows_schedule:
             table[:, index, OWN_SPEED] = stage.speed - velocity[:, index, 0]
         for part, name in _numbers_of_parts(layout, index).items():
             key = f"{surface.name}.{part}"

@@ -12,8 +12,10 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.layout.legs import scheduled_numbers
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
+from tribo.model.schedule import constant
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -43,6 +45,7 @@ class MemberNumbers(NamedTuple):
 def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The asperites, whose surfaces have `bobs` (n, 3), and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
+    scheduled = scheduled_numbers(scene)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         own = asperites[scene.parts[surface.name]]
@@ -60,6 +63,10 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         record["inverse_total_mass"] = 1.0 / record["total_mass"]
         record["turning"] = np.any(own["nu"] != 0.0)
         record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
+    for row, each in enumerate(scheduled, start=1):
+        if each.field >= 0:
+            continue
+        surfaces[each.surface][f"{each.name}_schedule"] = row
     return asperites, surfaces
 
 
@@ -100,7 +107,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record[name] = value if name in ("speed", "loaded") else value / bars
     if drive.load is not None:
         record["loaded"] = 1
-        record["load"] = -drive.load * surface.facing_sign / bars
+        record["load"] = -constant(drive.load) * surface.facing_sign / bars
     if drive.block and surface.elastic is not None:
         record["elastic_block"] = 1
     elif drive.block:
@@ -108,8 +115,8 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
-        record[f"{before}gamma"] = reservoir.gamma
-        record[f"{before}temperature"] = reservoir.temperature
+        record[f"{before}gamma"] = reservoir.strongest
+        record[f"{before}temperature"] = reservoir.warmest
         if reservoir.velocity is not None:
             record["reservoir_x"] = reservoir.velocity[0] - surface.velocity[0]
             record["reservoir_y"] = reservoir.velocity[1] - surface.velocity[1]
@@ -126,10 +133,13 @@ def fields_on_surfaces(
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
-    for item in scene.fields:
+    each = enumerate(scheduled_numbers(scene), start=1)
+    rows = {one.field: row for row, one in each if one.field >= 0}
+    for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
         on = np.array([names.index(name) for name in item.on])
-        moves = accounts is not None and bool(np.any(drift != 0.0))
+        changes = bool(np.any(drift != 0.0)) or item.modulation is not None
+        moves = accounts is not None and changes
         field = FieldOn(
             potential=item.potential,
             surfaces=on,
@@ -138,6 +148,7 @@ def fields_on_surfaces(
             drift=drift,
             anchor=np.zeros(2),
             account=count if moves else -1,
+            modulation=rows.get(number, 0),
         )
         fields.append(field)
         count += moves

@@ -62,7 +62,36 @@ def model_tables(
         bath=bath,
         bath_momentum=None if bath is None else True,
         torsional=torsional,
+        own=own_of_reservoirs(scene, numbering, columns),
     )
+
+
+def own_of_reservoirs(scene: Scene, numbering: Numbering, columns: np.ndarray) -> np.ndarray | None:
+    """Numbers of surfaces, a column for each asperite, where reservoirs differ between asperites.
+
+    None where none do.  See `kernels.records.OF_MEMBERS`.
+    """
+    reservoirs = [each for surface in scene.surfaces for each in surface.reservoirs]
+    if all(each.is_uniform for each in reservoirs):
+        return None
+    own = room((len(records.OF_MEMBERS), numbering.columns))
+    fill_own(own, numbering.surfaces)
+    for surface in scene.surfaces:
+        mine = columns[scene.parts[surface.name]]
+        for reservoir in surface.reservoirs:
+            before = "swing_" * (reservoir.on == "swing")
+            for name, each in zip(
+                ("gamma", "temperature"), reservoir.for_each(surface.count), strict=True
+            ):
+                own[records.OF_MEMBERS.index(before + name), mine] = each[:, None]
+    return own
+
+
+def fill_own(own: np.ndarray, surfaces: np.ndarray) -> None:
+    """Let all asperites of a surface have its numbers."""
+    for surface in surfaces:
+        for row, name in enumerate(records.OF_MEMBERS):
+            own[row, surface["start"] : surface["end"]] = surface[name]
 
 
 def are_alike(surface: np.void, asperites: np.ndarray) -> bool:

@@ -7,6 +7,7 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -187,16 +188,43 @@ GROUPS = {
 EXTERNAL = tuple(name for name in FORCES if name != "w_int")
 APPLIED = ("w2", "wL", "wR", "w_T")
 
+# The terms of an account: the work about the centre of mass, the pseudowork, the impulse along x
+# and y at the velocity of the surface, and, of a reservoir's force, at that of the reservoir.
+ABOUT, PSEUDO, BOOST_X, BOOST_Y, RESERVOIR_X, RESERVOIR_Y = range(6)
 
-def accounted(forces: Accounts, name: str) -> np.ndarray:
-    """What is linear in the accounts: "w1", "w1_ps", ..., "w", "w_ps" of all forces, or a heat."""
-    span = forces.span
-    if name == "heat_swing":
-        return forces.whole(-forces.swing_work)
-    if name == "heat":
-        vx, vy = span.reservoir
-        thermal = forces["w_T"]
-        return forces.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
-    force = name.removesuffix("_ps")
-    kind = Account.pseudowork if name.endswith("_ps") else Account.work
-    return forces.total(FORCES if force == "w" else [force], kind)
+
+class Kind(NamedTuple):
+    """What is taken of accounts."""
+
+    series: Callable[[Accounts, Iterable[str]], np.ndarray]  # from those of some forces
+    terms: tuple[int, ...]  # which terms it sums: their rounding is that of the sum
+
+
+def _heat(accounts: Accounts, forces: Iterable[str]) -> np.ndarray:
+    """Minus the work of reservoirs in the frame in which they rest."""
+    vx, vy = accounts.span.reservoir
+    (name,) = forces
+    thermal = accounts[name]
+    return accounts.whole(vx * thermal.jx + vy * thermal.jy - thermal.about - thermal.pseudo)
+
+
+def _heat_of_swing(accounts: Accounts, forces: Iterable[str]) -> np.ndarray:
+    return accounts.whole(-accounts.swing_work)
+
+
+WORK = Kind(partial(Accounts.total, part=Account.work), (ABOUT, PSEUDO, BOOST_X, BOOST_Y))
+PSEUDOWORK = Kind(partial(Accounts.total, part=Account.pseudowork), (PSEUDO, BOOST_X, BOOST_Y))
+BOOST = Kind(partial(Accounts.total, part=Account.boost), (BOOST_X, BOOST_Y))
+HEAT = Kind(_heat, (ABOUT, PSEUDO, RESERVOIR_X, RESERVOIR_Y))
+HEAT_OF_SWING = Kind(_heat_of_swing, (ABOUT,))
+
+
+class OfAccounts(NamedTuple):
+    """A quantity that is linear in the accounts of some forces."""
+
+    forces: tuple[str, ...]
+    kind: Kind
+
+    def series(self, accounts: Accounts) -> np.ndarray:
+        """Of each asperite of a span, (times, asperites)."""
+        return self.kind.series(accounts, self.forces)

@@ -139,5 +139,13 @@ class Forces:
         places = layout.places.q[: layout.core]
         y = np.ascontiguousarray(samples.y)
         arrays = places, samples.t, y, samples.baths
-        Probe(layout, probe.force_probe)(samples.t.size, *arrays, *scratch, found)
+        forces = Probe(layout, probe.force_probe)
+        legs = layout.legs.of_times(samples.t)
+        ends = [*np.flatnonzero(np.diff(legs)) + 1, legs.size]
+        begin = 0
+        for end in ends:
+            forces.set_schedules(layout.legs.tables[legs[begin]])
+            of_leg = arrays[0], samples.t[:end], *arrays[2:]
+            forces(end, *of_leg, *scratch, found, begin=begin)
+            begin = end
         return found

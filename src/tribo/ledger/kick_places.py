@@ -20,6 +20,9 @@ def at_next_kicks(layout: Layout, samples: Samples, step: float) -> Samples:
     intervals = np.diff(samples.t)
     if intervals.size == 0:
         return samples
+    kinks = np.append(layout.legs.kinks, np.inf)
+    following = kinks[layout.legs.of_times(samples.t[:-1])]  # where a leg ends before a sample
+    intervals = np.minimum(intervals, following - samples.t[:-1])
     steps = intervals / count_of_steps(intervals, step)
     lags = 0.5 * np.append(steps, steps[-1])[:, None]
     y = samples.y.copy()

@@ -3,11 +3,13 @@
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo.kernels.samples import SPRINGS, WITHIN
+from tribo.ledger import accounts
+from tribo.ledger.accounts import APPLIED, EXTERNAL, OfAccounts
 from tribo.ledger.forces import FORCES, Has, always
 from tribo.ledger.motion import Motion
 from tribo.ledger.separation import has_contact_distance
@@ -36,6 +38,7 @@ UNITS = {
     "power": "energy time^-1",
     "force": "force",
     "share": "1",
+    "number": "1",
 }
 
 
@@ -66,6 +69,13 @@ PART = Role("total")
 POTENTIAL = Role("total", ("potential",))
 
 
+class Summary(NamedTuple):
+    """How a quantity stands in the summary of a result."""
+
+    heading: str  # above it in a notebook's table
+    form: str = ""  # format of its value in the text; without one the text leaves it out
+
+
 @dataclass(frozen=True)
 class Quantity:
     kind: str  # a key of `UNITS`
@@ -73,6 +83,10 @@ class Quantity:
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
     present: Has = always  # whether it can be asked for
     role: Role = OWN_SCALE
+    # The sum of terms of accounts whose rounding it has; None where it is no such sum.
+    terms: OfAccounts | None = None
+    is_summed: bool = False  # whether ensembles keep its sum over the asperites of a surface
+    summary: Summary | None = None  # None: results do not show it in their summary
 
     @property
     def units(self) -> str:
@@ -85,19 +99,31 @@ def _moving(
     return Quantity(kind, long_name, Moving(value), role=role)
 
 
-def _accounted(name: str, long_name: str, present: Has = always, role: Role = WORK) -> Quantity:
-    of = Linear(partial(AsperiteSeries.accounted, name=name))
-    return _energy(long_name, of, present, role)
+def _accounted(
+    terms: OfAccounts,
+    long_name: str,
+    present: Has = always,
+    role: Role = WORK,
+    is_summed: bool = False,
+) -> Quantity:
+    """An energy of each asperite that is linear in the accounts of forces."""
+    of = Linear(partial(AsperiteSeries.accounted, quantity=terms))
+    return _energy(long_name, of, present, role, terms=terms, is_summed=is_summed)
 
 
 def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
     """The works of agents, and behind them the pseudoworks but those of single ends."""
-    works = {name: _accounted(name, f"work of {agent}", present) for name, agent in agents.items()}
-    return works | {
-        f"{name}_ps": _accounted(f"{name}_ps", f"pseudowork of {agent}", present)
-        for name, agent in agents.items()
-        if name not in ("wL", "wR")
-    }
+    works: dict[str, Quantity] = {}
+    pseudoworks: dict[str, Quantity] = {}
+    for name, agent in agents.items():
+        is_total = name not in accounts.FORCES
+        forces = tuple(accounts.FORCES) if is_total else (name,)
+        work = OfAccounts(forces, accounts.WORK)
+        pseudowork = OfAccounts(forces, accounts.PSEUDOWORK)
+        works[name] = _accounted(work, f"work of {agent}", present, is_summed=not is_total)
+        if name not in ("wL", "wR"):
+            pseudoworks[f"{name}_ps"] = _accounted(pseudowork, f"pseudowork of {agent}", present)
+    return works | pseudoworks
 
 
 def _has_reservoir(scene: Scene, surface: Surface) -> bool:
@@ -109,8 +135,9 @@ def _energy(
     of: Callable[..., np.ndarray],
     present: Has = always,
     role: Role = OWN_SCALE,
+    **others: Any,
 ) -> Quantity:
-    return Quantity("energy", long_name, of, present, role)
+    return Quantity("energy", long_name, of, present, role, **others)
 
 
 # Of each asperite, in the order in which they are reported.
@@ -156,36 +183,54 @@ ASPERITE_QUANTITIES = {
 OPTIONAL_QUANTITIES = {
     **_works({"w_field": "external fields"}, Scene.has_field),
     **_works({"w_T": "the reservoir"}, _has_reservoir),
-    "heat": _accounted("heat", "heat given to the reservoirs", _has_reservoir, CHANGE),
+    "heat": _accounted(
+        OfAccounts(("w_T",), accounts.HEAT),
+        "heat given to the reservoirs",
+        _has_reservoir,
+        CHANGE,
+        is_summed=True,
+    ),
     "heat_swing": _accounted(
-        "heat_swing",
+        OfAccounts(("w_T",), accounts.HEAT_OF_SWING),
         "heat given to the reservoir on the swing",
         lambda scene, surface: surface.reservoir("swing") is not None,
         CHANGE,
+        is_summed=True,
     ),
 }
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": _energy("work of external forces on the surface", Linear(SurfaceSeries.work), role=TOTAL),
+    "W": _energy(
+        "work of external forces on the surface",
+        Linear(SurfaceSeries.work),
+        role=TOTAL,
+        terms=OfAccounts(EXTERNAL, accounts.WORK),
+        summary=Summary("work", " .6g"),
+    ),
     "W_ps": _energy(
         "pseudowork of external forces on the surface",
         Linear(SurfaceSeries.pseudowork),
         role=TOTAL,
+        terms=OfAccounts(EXTERNAL, accounts.WORK),
+        summary=Summary("pseudowork", " .6g"),
     ),
     "delta_K": _energy(
         "change of the surface's bulk kinetic energy",
         Summed(lambda whole: whole.change_of_kinetic),
         role=TOTAL,
+        summary=Summary("bulk kinetic energy"),
     ),
     "delta_E_int": _energy(
         "change of the surface's internal energy",
         Summed(lambda whole: whole.change_of_internal),
         role=TOTAL,
+        summary=Summary("internal energy", "+.6g"),
     ),
     "friction_work": _energy(
         "minus the initial velocity times the impulse of the contact forces",
         Linear(SurfaceSeries.friction),
         role=PART,
+        terms=OfAccounts(("w1",), accounts.BOOST),
     ),
 }
 # Of the whole system.
@@ -202,6 +247,7 @@ SYSTEM_QUANTITIES = {
         "work of drives, ends, reservoirs and moving fields",
         Linear(SystemSeries.applied),
         role=TOTAL,
+        terms=OfAccounts(APPLIED, accounts.WORK),
     ),
 }
 # Those that have an accuracy.
@@ -241,6 +287,12 @@ FURTHER_OF_ASPERITES = {
     for name, force in FORCES.items()
     for axis, along in enumerate("xy")
 } | {
+    "in_contact": Quantity(
+        "share",
+        "1 where the bob and one of another surface repel each other, else 0",
+        lambda whole: whole.in_contact,
+        has_contact_distance,
+    ),
     "k_trans": _moving("energy", "translational kinetic energy", lambda e: e.translation),
     "k_swing": _moving(
         "energy", "kinetic energy of the pendulum's rotation", lambda e: e.energies[0]
@@ -260,6 +312,28 @@ FURTHER_OF_SURFACES = {
         lambda whole: whole.without_contact,
         has_contact_distance,
     ),
+    "normal_force": Quantity(
+        "force",
+        "contact force on the surface along y, away from what it faces",
+        lambda whole: np.sum(whole.normal_forces, axis=1),
+    ),
+    "load_bearing_share": Quantity(
+        "share",
+        "share of asperites whose contact force points away from what the surface faces",
+        lambda whole: np.mean(whole.normal_forces > 0.0, axis=1),
+    ),
+    "contact_number": Quantity(
+        "number",
+        "number of pairs of a bob and one of another surface that repel each other",
+        lambda whole: whole.contact_number,
+        has_contact_distance,
+    ),
+    "contact_share": Quantity(
+        "share",
+        "share of asperites in contact",
+        lambda whole: np.mean(whole.in_contact, axis=1),
+        has_contact_distance,
+    ),
     "e_springs": _energy(
         "energy of the lattice springs",
         lambda whole: whole.stored[:, SPRINGS],
@@ -274,6 +348,8 @@ FURTHER_OF_SURFACES = {
     "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
     "heat_bath": _energy("heat given to the bath", Summed(lambda w: w.heat_of_bath), _has_bath),
 }
+# Those that follow from the places of bobs alone.
+CONTACTS = ("in_contact", "contact_number", "contact_share")
 # Of each pulled surface as a whole, without an accuracy.
 PULLED_QUANTITIES = {
     "stage_work": _energy(
@@ -286,7 +362,11 @@ PULLED_QUANTITIES = {
     ),
 }
 # Those of which the average over time is kept at the end of a run, not the value at that time.
-AVERAGED = tuple(name for name, each in FURTHER_OF_SURFACES.items() if each.kind == "force")
+AVERAGED = tuple(
+    name
+    for name, each in FURTHER_OF_SURFACES.items()
+    if each.kind == "force" or name in ("load_bearing_share", *CONTACTS)
+)
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
     "field_energy": _energy(
@@ -319,10 +399,12 @@ def _on_request(*kinds: str) -> dict[str, Quantity]:
     return found
 
 
+_FORCES = _on_request("force", "share")
 # The groups in ``output.series``.
 FURTHER: dict[str, Mapping[str, Quantity]] = {
-    "forces": _on_request("force", "share"),
+    "forces": {n: each for n, each in _FORCES.items() if n not in CONTACTS},
     "energies": _on_request("energy"),
+    "contacts": {n: each for n, each in EVERY_QUANTITY.items() if n in CONTACTS},
     "own": OWN_SERIES,
 }
 
@@ -352,10 +434,12 @@ def built_in_names(scene: Scene, surface: Surface) -> frozenset[str]:
 # The sums over the asperites of a surface, by the names of what is summed.
 SUMMED_QUANTITIES = {
     name: _energy(
-        f"{quantity.long_name}, all asperites", Linear(partial(SurfaceSeries.summed, name=name))
+        f"{quantity.long_name}, all asperites",
+        Linear(partial(SurfaceSeries.summed, quantity=quantity.terms)),
+        is_summed=quantity.is_summed,
     )
     for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
-    if needs_accounts(name)
+    if quantity.terms is not None
 }
 
 

@@ -147,7 +147,7 @@ def touching(
 
     Only surfaces that have a reach count.  With `repelling`, whether the bobs are in contact.
     """
-    reaches = _repulsions_of(layout) if repelling else _reaches_of(layout)
+    reaches = repulsions_of(layout) if repelling else _reaches_of(layout)
     pairs = {pair: reach for pair, reach in reaches.items() if counts(pair)}
     if not pairs:
         return np.empty((samples.t.size, 0), bool)
@@ -207,7 +207,7 @@ def _reaches_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
 
 
 @once_per_layout
-def _repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
+def repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
     return _reaches(layout.scene, repelling=True)
 
 
@@ -332,7 +332,7 @@ def _least_energy(scene: Scene, interaction: Interaction) -> float:
     stiffness = np.concatenate([surface.each["kappa"] for surface in surfaces])
     torsion = 0.5 * float(np.min(stiffness[np.isfinite(stiffness)], initial=np.inf))  # by 1 rad
     warm = [surface.bath.temperature for surface in surfaces]
-    warm += [each.temperature for surface in surfaces for each in surface.reservoirs]
+    warm += [each.warmest for surface in surfaces for each in surface.reservoirs]
     return IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
 
 

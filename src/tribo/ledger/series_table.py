@@ -115,6 +115,11 @@ def _starts(widths: tuple[int, ...]) -> np.ndarray:
     return np.cumsum((0, *widths[:-1]))
 
 
+def names_with_accuracy(layout: Layout) -> tuple[str, ...]:
+    """The quantities that runs of a scene are compared by."""
+    return _columns(layout).names
+
+
 @once_per_layout
 def _columns(layout: Layout) -> Columns:
     """The columns of the quantities that a scene reports."""

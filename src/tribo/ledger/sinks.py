@@ -78,7 +78,7 @@ def may_pump(layout: Layout) -> bool:
     temperatures = []
     for surface in scene.surfaces:
         temperatures += [surface.bath.temperature, surface.initial.temperature]
-        temperatures += [reservoir.temperature for reservoir in surface.reservoirs]
+        temperatures += [reservoir.warmest for reservoir in surface.reservoirs]
     warm = any(temperatures)
     return bool(held and not alike and warm and layout.model.ledger)
 

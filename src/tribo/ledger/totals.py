@@ -11,12 +11,13 @@ from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
-from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, Part, accounted
+from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, OfAccounts, Part
+from tribo.ledger.contact_pairs import counts_of_contacts
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.motion import Motion
 from tribo.ledger.samples import Samples
-from tribo.ledger.separation import touching
+from tribo.ledger.separation import bob_places, touching
 
 # In a run that stopped because values were not finite, the last are infinite or NaN here too.
 _with_infinities = np.errstate(over="ignore", invalid="ignore")
@@ -40,9 +41,9 @@ class AsperiteSeries:
         """A quantity of all asperites, (times, asperites)."""
         return _side_by_side([value(motion) for motion in self.motions])
 
-    def accounted(self, integrals: Integrals, name: str) -> np.ndarray:
+    def accounted(self, integrals: Integrals, quantity: OfAccounts) -> np.ndarray:
         """A work, a pseudowork or the heat of all asperites, (times, asperites)."""
-        return _side_by_side([accounted(integrals[span], name) for span in self.spans])
+        return _side_by_side([quantity.series(integrals[span]) for span in self.spans])
 
 
 class SurfaceSeries(AsperiteSeries):
@@ -83,9 +84,9 @@ class SurfaceSeries(AsperiteSeries):
         """The layout, and the index of the surface there."""
         return self._layout, self._index
 
-    def summed(self, integrals: Integrals, name: str) -> np.ndarray:
+    def summed(self, integrals: Integrals, quantity: OfAccounts) -> np.ndarray:
         """The sum over the asperites of a work, a pseudowork or the heat."""
-        return _sum(accounted(integrals[span], name) for span in self._accounted)
+        return _sum(quantity.series(integrals[span]) for span in self._accounted)
 
     def work(self, integrals: Integrals) -> np.ndarray:
         """The work of external forces."""
@@ -105,21 +106,29 @@ class SurfaceSeries(AsperiteSeries):
         return 0.0 - self.sum_over(integrals, ("w1",), Account.boost)
 
     def work_of_stage(self, integrals: Integrals) -> np.ndarray:
-        """The work of the stage that pulls the surface: its speed times the impulse along x."""
+        """The work of the stage that pulls the surface: its speed times the impulse along x.
+
+        Of a stage that follows a schedule, the work at its velocity relative to the surface's has
+        an account.
+        """
         layout = self._layout
         index = self._index
-        speed = layout.velocity_of(index)[0] + layout.number_of(index, "speed")
+        speed = layout.velocity_of(index)[0]
+        slot = self._record.acc_stage
+        if slot < 0:
+            speed = speed + layout.number_of(index, "speed")
         every = (integrals[span] for span in self._accounted)
-        return np.asarray(speed * _sum(each.whole(each["w2"].jx) for each in every))
+        own = integrals.s[:, slot] if slot >= 0 else 0.0
+        return np.asarray(own + speed * _sum(each.whole(each["w2"].jx) for each in every))
 
     @property
     def energy_of_pull(self) -> np.ndarray:
         """The energy of the springs between the bars and the stage."""
         layout = self._layout
         index = self._index
-        stiffness, speed = (layout.number_of(index, name) for name in ("stiffness", "speed"))
+        stiffness = layout.number_of(index, "stiffness")
         anchor = float(layout.model.surfaces[index].anchor)
-        stage = np.asarray(anchor + speed * self.samples.t)[:, None]
+        stage = np.asarray(anchor + layout.stage_moved(index, self.samples.t))[:, None]
 
         def squares(motion: Motion) -> np.ndarray:
             x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)
@@ -178,6 +187,30 @@ class SurfaceSeries(AsperiteSeries):
 
         met = touching(self._layout, self.samples, is_mine, repelling=True)
         return (~np.any(met, axis=1)).astype(float)
+
+    @lazy_property
+    def _contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts of each asperite, (times, asperites), and of the surface, (times,)."""
+        layout = self._layout
+        part = list(layout.parts.values())[self._index]
+        places = bob_places(layout, self.samples)
+        return counts_of_contacts(layout, places, self._index, part)
+
+    @property
+    def in_contact(self) -> np.ndarray:
+        """1 where a bob and one of another surface repel each other, else 0, (times, asperites)."""
+        return (self._contacts[0] > 0).astype(float)
+
+    @property
+    def contact_number(self) -> np.ndarray:
+        """The number of pairs of a bob and one of another surface that repel each other."""
+        return self._contacts[1].astype(float)
+
+    @property
+    def normal_forces(self) -> np.ndarray:
+        """The contact force on each bob away from what its surface faces, (times, asperites)."""
+        facing = self._layout.scene.surfaces[self._index].facing_sign
+        return facing * self.force("f1", 1)
 
     @property
     def stored(self) -> np.ndarray:

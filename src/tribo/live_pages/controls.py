@@ -47,7 +47,9 @@ RANGES = {
 # Those of other values; of 0, from minus one to one.
 OTHERS = (0.0, 3.0)
 # Keys that a mapping of controls may have beside keys of the scene.
-WORDS = ("title", "introduction", "questions")
+WORDS = ("title", "introduction", "questions", "panel")
+# Panels of a page, one of which `panel` names: that which the page opens with.
+PANELS = ("End value", "Energy", "Numbers", "Many starts", "Files")
 
 
 class Choice(NamedTuple):
@@ -88,6 +90,8 @@ def controls_of(scene: Scene, given: object = None) -> Controls:
     choices = tuple(_choices(scene))
     table = _table(given)
     words = {name: str(table.pop(name)) for name in WORDS if name in table}
+    if words.get("panel", PANELS[0]) not in PANELS:
+        raise must_be("controls.panel", f"one of {', '.join(PANELS)}", words["panel"])
     wanted = table or _usual(scene, keys)
     known = {key.key: key.value for key in keys} | {each.key: each.value for each in choices}
     shown = tuple(_control(scene, known, key, value) for key, value in wanted.items())

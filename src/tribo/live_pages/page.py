@@ -19,7 +19,10 @@ from tribo.viewer.html import part as viewer_part
 # The scripts, in the order in which they need one another; those of the viewer first.  A worker has
 # those in WORKER alone.
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
-SCRIPTS = ("machine.js", "state.js", "runs.js", "panels.js", "worker.js", "page.js")
+SCRIPTS = (
+    *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
+    *("end_panel.js", "starts_panel.js", "files_panel.js", "page.js"),
+)
 WORKER = ("machine.js",)
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval' "
@@ -89,8 +92,10 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
     controls : mapping or str or Path, optional
         The values that have sliders, in their order: key -> range (low, high), or None for the
         usual one, or a table with `range` and `label`; beside them "title", "introduction" and
-        "questions" in Markdown.  Or the name of a TOML file with the same.  By default the strength
-        of the force, the gap, the velocity, stiffness, masses, length, drive and duration.
+        "questions" in Markdown, and "panel", the panel that is open at first: "End value",
+        "Energy", "Numbers", "Many starts" or "Files".  Or the name of a TOML file with the same.
+        By default the strength of the force, the gap, the velocity, stiffness, masses, length,
+        drive and duration.
 
     Returns
     -------

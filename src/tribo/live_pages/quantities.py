@@ -3,12 +3,14 @@
 The formulas are those of :mod:`tribo.ledger` for one asperite on one; ``tests/live`` compares both.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine_versine
 from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.pair import step_rows
 from tribo.pair.bodies import slide_of
 from tribo.pair.forces import accelerations_of, contact_of
@@ -21,7 +23,8 @@ class OfAsperite(NamedTuple):
     """Quantities of an asperite, with the names of :mod:`tribo.ledger.quantities`.
 
     Beside these, p1 is the power of the contact force at the bob and p1_cm at the velocity of the
-    centre of mass; p2 and p2_cm are those of the drive, at the bar.
+    centre of mass; p2 and p2_cm are those of the drive, at the bar.  The velocities of bob and bar
+    are named like their places.
     """
 
     theta: Any
@@ -36,6 +39,10 @@ class OfAsperite(NamedTuple):
     y_bob: Any
     x_bar: Any
     y_bar: Any
+    vx_bob: Any
+    vy_bob: Any
+    vx_bar: Any
+    vy_bar: Any
     w1: Any
     w2: Any
     wL: Any
@@ -81,6 +88,23 @@ class OfSystem(NamedTuple):
 # Rows of quantities: those of the first asperite, of the second, and of both.
 MEMBERS = len(OfAsperite._fields)
 QUANTITIES = 2 * MEMBERS + len(OfSystem._fields)
+# What only pages show, with its dimension; others are in tribo.ledger.quantities.
+ONLY_HERE = {
+    **dict.fromkeys(("p1", "p1_cm", "p2", "p2_cm"), "power"),
+    **dict.fromkeys(("vx_bob", "vy_bob", "vx_bar", "vy_bar"), "velocity"),
+    "distance": "length",
+}
+DIMENSIONS = ("angle", "rate", "length", "velocity", "energy", "force", "power")
+
+
+def _dimension(name: str) -> int:
+    """The place of a quantity's dimension among DIMENSIONS."""
+    own = ONLY_HERE.get(name)
+    return DIMENSIONS.index(own if own is not None else EVERY_QUANTITY[name].kind)
+
+
+# That of each row.
+DIMENSION = tuple(map(_dimension, (*2 * OfAsperite._fields, *OfSystem._fields)))
 
 
 class Side(NamedTuple):
@@ -300,6 +324,10 @@ def quantities_of(side, t, now, start, fx, fy):
         y_bob=y_bob,
         x_bar=x_bar,
         y_bar=y_bar,
+        vx_bob=bob_x,
+        vy_bob=bob_y,
+        vx_bar=bar_x,
+        vy_bar=bar_y,
         w1=work(side, contact),
         w2=work(side, drive),
         wL=work(side, left),
@@ -353,7 +381,8 @@ def both_motions(pair, potential, sides, t, row):
     first = motion_of(one, FIRST_COLUMNS, row, angles, lane(alpha1, 0))
     angles = lane(sin, 1), lane(cos, 1), lane(versine, 1)
     second = motion_of(other, SECOND_COLUMNS, row, angles, lane(alpha2, 0))
-    return first, second, lane(contact.fx, 0), lane(contact.fy, 0), lane(contact.r, 0)
+    distance = math.sqrt(lane(contact.square, 0))
+    return first, second, lane(contact.fx, 0), lane(contact.fy, 0), distance
 
 
 @apart  # once for all runs

@@ -80,3 +80,11 @@ def set_times(duration, times):
     for k in range(last):
         times[k] = k * step
     times[last] = duration
+
+
+@kernel
+def move_times(times, part):
+    """Move every other time by this part of the time between two; the last stays."""
+    step = times[1] - times[0]
+    for k in range(1, times.size - 1, 2):
+        times[k] += part * step

@@ -14,7 +14,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import inputs, program
 from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
-from tribo.live_pages.controls import Controls, controls_of, least
+from tribo.live_pages.controls import PANELS, Controls, controls_of, least
 from tribo.live_pages.keys import numbers_of
 from tribo.live_pages.quantities import OfAsperite, OfSystem
 from tribo.loops.pair import KNOWN, is_pair
@@ -34,7 +34,7 @@ MOST_STEPS = 20_000
 # Options of the program that the page's script reads and writes.
 PLACES = (
     *("LEVEL", "NEAR", "ESTIMATE", "MOST_STEPS", "REACHED", "EVALUATIONS", "PASSED", "NEEDED"),
-    *("AMPLITUDE", "PHASE1", "PHASE2"),
+    *("AMPLITUDE", "PHASE1", "PHASE2", "ROUGH", "TEMPERATURE", "DRAWN1", "DRAWN2"),
 )
 # Meanings of what only live pages show.
 MEANINGS_HERE = {
@@ -49,16 +49,17 @@ MEANINGS_HERE = {
 def check(scene: Scene) -> Layout:
     """The layout of a scene that can go into a page.  Raises InputError for others."""
     layout = lay_out(scene)
-    if is_pair(layout) and not _has_arrays(scene.interactions[0].potential):
+    if is_pair(layout) and not _has_other_arrays(scene.interactions[0].potential):
         return layout
     raise InputError("scene", f"cannot go into a live page: {_why_not(scene)}; {ELSEWHERE}")
 
 
-def _has_arrays(potential: Any) -> bool:
-    """Whether a potential or a part of it has arrays: LLVM makes no WebAssembly of its code."""
+def _has_other_arrays(potential: Any) -> bool:
+    """Whether a potential or a part of it has arrays that the page's script does not pass."""
     parts = [value for value in potential if hasattr(value, "_fields")]
     arrays = [value for value in potential if isinstance(value, np.ndarray)]
-    return bool(arrays) or any(map(_has_arrays, parts))
+    others = [each for each in arrays if each.ndim != 1 or each.dtype != np.float64]
+    return bool(others) or any(map(_has_other_arrays, parts))
 
 
 def _why_not(scene: Scene) -> str:
@@ -71,8 +72,8 @@ def _why_not(scene: Scene) -> str:
         return f"it has {len(scene.interactions)} interactions between two bobs, not one"
     if scene.output.ledger != "asperites":
         return f'output.ledger is "{scene.output.ledger}", not "asperites"'
-    if _has_arrays(scene.interactions[0].potential):
-        return "its potential is a table of points, and live pages have formulas"
+    if _has_other_arrays(scene.interactions[0].potential):
+        return "its potential has an array that is no row of numbers of type float"
     return (
         "live pages have forced, free and driven bars without a load, whose bars are at an angle "
         "of 0 and do not turn, and centres of mass that start at rest in their surface"
@@ -90,6 +91,7 @@ def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
         "title": controls.words.get("title") or scene.title or "A scene of tribo",
         "introduction": controls.words.get("introduction", ""),
         "questions": controls.words.get("questions", ""),
+        "panel": controls.words.get("panel", PANELS[0]),
         "toml": scene.to_toml(),
     }
 
@@ -114,6 +116,7 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
         "level": program.level_of(accuracy),
         "near": program.NEAR_FINE,
         "most": MOST_STEPS,
+        "rough": bool(np.isfinite(scene.smoothness)),
         "places": {name: getattr(program, name) for name in PLACES},
         "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
         "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,

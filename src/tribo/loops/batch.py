@@ -14,7 +14,6 @@ from tribo.compiler.jit import EntryPoint
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.integrators.methods import Method
-from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
@@ -23,7 +22,8 @@ from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
 from tribo.loops.general import GeneralLoop, in_blocks, is_damped, unit_setting
-from tribo.loops.integrate import Columns, Setting
+from tribo.loops.integrate import Columns
+from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.threads.writable_memory import arrays_in, together
 
@@ -125,13 +125,13 @@ class RecordingLoop(ABC):
         times = self.layout.times
         members = len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
-        watched = is_damped(layout) and isinstance(setting, float)
+        watched = is_damped(layout) and setting.step is not None
         sums = np.zeros((members if watched else 0, 3, layout.core))
         counts = self.fill(setting, starts, columns, sums)
         stiffness = None
-        if isinstance(setting, float) and watched:
+        if watched:
             steps = int(np.max(counts[:, STEPS]))
-            stiffness = stiffness_of(layout, sums, steps, setting, starts.numbers)
+            stiffness = stiffness_of(layout, sums, steps, setting.of_equal_steps(), starts.numbers)
         each_time = (np.concatenate(np.swapaxes(each[:members], 0, 1)) for each in columns)
         samples = Samples.of_runs(members, np.repeat(times, members), *each_time)
         if starts.numbers is not None:
@@ -205,10 +205,11 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
     ) -> np.ndarray:
         """Run members from their seeds; the samples of those that did not complete are zeros."""
         self._constants = self._method.coefficients, keep(in_blocks(setting, self.layout))
-        if isinstance(setting, Tolerance):
+        tolerance = setting.tolerance
+        if tolerance is not None:
             clock = self._fresh[1]
-            clock["h"] = integrate.first_step_at(setting, self._longest, self._method.order)
-            clock["encounter_fraction"] = setting.encounter_fraction
+            clock["h"] = integrate.first_step_at(tolerance, self._longest, self._method.order)
+            clock["encounter_fraction"] = tolerance.encounter_fraction
         counts = np.empty((len(starts.y), COUNTS), np.int64)
         clock = self.clocks.view(np.ndarray)[0]
         for m, count in enumerate(counts):
@@ -228,8 +229,8 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                     each[...] = 0.0
         return counts
 
-    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        return self._entry(*self._arguments(times, columns, budget))
+    def _call(self, arguments: tuple[Any, ...]) -> int:
+        return self._entry(*arguments)
 
     def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""

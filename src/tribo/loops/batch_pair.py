@@ -14,8 +14,8 @@ from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
-from tribo.loops.integrate import Setting
 from tribo.loops.pair import Pair, factors_of, record_of
+from tribo.loops.setting import Setting
 from tribo.pair import lanes
 from tribo.pair.forces import PAIR_NUMBERS, PairScene
 from tribo.pair.lanes import GROUPS, coefficients, pair_members_in_lanes
@@ -33,26 +33,29 @@ class PairMembers:
         """Compile the loop, which takes the numbers of members as arguments."""
         self._pair = pair
         self._times = pair.layout.times
-        self._record, potential = pair.scene_arguments
-        self._numbers = np.array([numbers_of(potential)], float)
+        self._record = pair.record
+        self._numbers = np.array([pair.units.numbers])
         self._rows = pair.rows()
         self._clocks = np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(self._record, self._numbers, starts)
-        self._loop = pair.entry_of_members(pair_members, None, (potential,), examples)
+        self._loop = pair.entry_of_members(pair_members, None, (pair.units,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members; those whose start the loop cannot have are PAUSED."""
-        assert isinstance(setting, Tolerance)
-        self._rows[LIMITS:STATE] = self._pair.limits(setting)
-        self._clocks["encounter_fraction"] = setting.encounter_fraction
+        tolerance = setting.of_adaptive_steps()
+        self._rows[LIMITS:STATE] = self._pair.limits(tolerance)
+        self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         record = self._record
-        potential = self._numbers
+        addresses = self._numbers
         numbers = starts.numbers
         if numbers is not None:
             record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             potential = np.ascontiguousarray(numbers.potential)
-        arguments = self._arguments(record, potential, np.ascontiguousarray(starts.y))
+            addresses = addresses.repeat(len(potential))
+            if potential.shape[1] > 0:
+                addresses = potential.ctypes.data + potential.strides[0] * np.arange(len(potential))
+        arguments = self._arguments(record, addresses, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
         records = arguments[-2].swapaxes(0, 1)  # (times + 1, members, COLUMNS)
         counts = records[-1, :, :COUNTS].astype(np.int64)
@@ -60,12 +63,12 @@ class PairMembers:
         return _pair_runs(self._pair, self._times, records[:-1], counts, starts)
 
     def _arguments(
-        self, record: np.ndarray, potential: np.ndarray, starts: np.ndarray
+        self, record: np.ndarray, addresses: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the potential; records before the last."""
         times = self._times
         records = np.empty((len(starts), times.size + 1, COLUMNS))
-        return record, potential, self._rows, self._clocks, starts, times, records, MOST_STEPS
+        return record, addresses, self._rows, self._clocks, starts, times, records, MOST_STEPS
 
 
 def _pair_runs(
@@ -88,7 +91,7 @@ def has_lanes(pair: Pair) -> bool:
     At most one asperite may be free, and neither surface may move along y.
     """
     along_x = all(surface.velocity[1] == 0.0 for surface in pair.layout.scene.surfaces)
-    return bool(along_x and _follow_from_motion(pair.scene_arguments[0])[0])
+    return bool(along_x and _follow_from_motion(pair.record)[0])
 
 
 def _follow_from_motion(records: np.ndarray) -> np.ndarray:
@@ -111,19 +114,18 @@ class PairLanes:
         self._times = np.array([0.0, pair.layout.scene.duration])
         self._stages = method.c.size
         self._table = coefficients(method)
-        (record,), potential = pair.scene_arguments
-        numbers = PAIR_NUMBERS + len(numbers_of(potential))
+        (record,) = pair.record
+        numbers = PAIR_NUMBERS + len(numbers_of(pair.potential))
         scenes = np.zeros((1, numbers)) if own_numbers else None
         rows = lanes.F + 3 * self._stages + own_numbers * numbers
         self._memory = GROUPS, rows, LANES  # its shape
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
-        fixed = PairScene(*record.item()), potential
+        fixed = PairScene(*record.item()), pair.units_in_lanes(own_numbers)
         self._loop = pair.entry_of_members(pair_members_in_lanes, own_numbers, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""
-        assert isinstance(setting, Tolerance)
         y = np.ascontiguousarray(starts.y)
         numbers = starts.numbers
         scenes = None
@@ -132,7 +134,7 @@ class PairLanes:
             records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
-        arguments = self._arguments(scenes, self._limits(setting), y)
+        arguments = self._arguments(scenes, self._limits(setting.of_adaptive_steps()), y)
         self._loop(*arguments)
         samples, queue = arguments[-3:-1]
         queue.counts[others, CODE] = PAUSED

@@ -21,11 +21,13 @@ from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
-from tribo.loops.integrate import Columns, Memory, Setting, TimeLoop
+from tribo.loops.integrate import Columns, Memory, TimeLoop
+from tribo.loops.legs import LegsOfLoop
+from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.threads.kernel_model import set_step_units
+from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.shared_run import assisted
 from tribo.threads.writable_memory import arrays_in, own_model, shared_loop
 
@@ -56,14 +58,16 @@ class GeneralLoop(TimeLoop):
         self.layout = layout
         self._neighbours = layout.neighbours(method.splits)
         self.model, self.calls = own_model(layout)
+        self._legs = LegsOfLoop(layout, self.model)
+        self._keeps_rates = not method.splits
         self._kept = keep(self.model)
         self._lists = keep(self._neighbours)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step if method.adaptive else 0.0
-        if isinstance(setting, Tolerance):
-            self.clocks.encounter_fraction = setting.encounter_fraction
+        if setting.tolerance is not None:
+            self.clocks.encounter_fraction = setting.tolerance.encounter_fraction
         coordinates, accounts = layout.room
         places = layout.places
         n = layout.coordinates
@@ -75,9 +79,12 @@ class GeneralLoop(TimeLoop):
         self._recorded = np.concatenate([core, coordinates + core]), places.s
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(self.model, self.state)
+        set_loop_units(self.model)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
             set_step_units(self.model, self.state, work, 0)
+        else:
+            set_rate_units(self.model)
         speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)
@@ -96,9 +103,18 @@ class GeneralLoop(TimeLoop):
         return sample_columns(self.layout, samples)
 
     def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        arguments = self._arguments(times, columns, budget)
+        if self._legs.is_one:
+            return self._call(self._arguments(times, columns, budget))
+
+        def call(times: np.ndarray, budget: int) -> int:
+            return self._call(self._arguments(times, columns, budget))
+
+        return self._legs.advance(self.clocks[0], times, budget, call, self._keeps_rates)
+
+    def _call(self, arguments: tuple[Any, ...]) -> int:
         with assisted(self.model.team, self._assistants, self.assist):
-            return self.compiled(self._kept, *arguments)
+            code: int = self.compiled(self._kept, *arguments)
+        return code
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""
@@ -154,7 +170,7 @@ class GeneralLoop(TimeLoop):
 
     def memory(self) -> Memory:
         """All that a run continues from: clock, state, lists of neighbours, and noise."""
-        memory = {"clock": numbers_of(self.clocks)}
+        memory = {"clock": numbers_of_clock(self.clocks)}
         memory |= self.state._asdict()
         if self.layout.rows > 0:
             for name in LISTS:
@@ -215,26 +231,28 @@ def is_damped(layout: Layout) -> bool:
 def unit_setting(layout: Layout, method: Method) -> Setting:
     """A step of 1, or tolerances of 1, of the type that a method takes."""
     if not method.adaptive:
-        return 1.0
-    return Tolerance(np.ones(2 * layout.coordinates), np.ones(layout.accounts), 1.0, 1.0)
+        return Setting(step=1.0)
+    ones = np.ones(2 * layout.coordinates), np.ones(layout.accounts)
+    return Setting(tolerance=Tolerance(*ones, 1.0, 1.0))
 
 
-def in_blocks(setting: Setting, layout: Layout) -> Setting:
+def in_blocks(setting: Setting, layout: Layout) -> float | Tolerance:
     """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
-    if not isinstance(setting, Tolerance):
-        return setting
+    tolerance = setting.tolerance
+    if tolerance is None:
+        return setting.of_equal_steps()
     coordinates, accounts = layout.room
     y = room((2 * coordinates,))
     s = room((accounts,))
     n = layout.coordinates
     y[:] = 1.0
     s[:] = 1.0
-    y[layout.places.q] = setting.y[:n]
-    y[coordinates + layout.places.q] = setting.y[n:]
-    s[layout.places.s] = setting.s
-    return setting._replace(y=y, s=s)
+    y[layout.places.q] = tolerance.y[:n]
+    y[coordinates + layout.places.q] = tolerance.y[n:]
+    s[layout.places.s] = tolerance.s
+    return tolerance._replace(y=y, s=s)
 
 
-def numbers_of(clocks: np.ndarray) -> np.ndarray:
+def numbers_of_clock(clocks: np.ndarray) -> np.ndarray:
     """The fields of a clock as numbers; counts below 2^53 are exact."""
     return np.array(clocks[0].tolist(), float)

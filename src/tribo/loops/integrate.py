@@ -42,7 +42,6 @@ OF_A_TRIAL = 20
 # nine or more of them.
 LOOKS = 100
 Progress = Callable[[float], None]  # called with the time reached, a few times a second
-Setting = float | Tolerance  # of a time loop: its step, or the tolerances of an adaptive one
 Columns = tuple[np.ndarray, ...]  # raw samples of a time loop; the first axis of each is time
 Memory = dict[str, np.ndarray]  # all that a time loop needs to continue bit for bit
 # Seconds between two checks for an interrupt: short for a person, long against a call.

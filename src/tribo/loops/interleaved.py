@@ -12,13 +12,13 @@ from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model, Tabl
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
-from tribo.layout.tables import constants_of, model_tables
+from tribo.layout.tables import constants_of, fill_own, model_tables
 from tribo.model.scene import Scene
 from tribo.threads.kernel_model import model_of
 from tribo.threads.writable_memory import together
 
 # Tables with a column for each asperite of each member, and what says where these stand.
-OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs")
+OF_COLUMNS = ("surfaces", "core", "constants", "pivots", "each", "species", "springs", "own")
 
 
 class Interleaved(NamedTuple):
@@ -46,9 +46,11 @@ def interleaved(
     old = layout.model
     mine = np.asarray(layout.surfaces)
     # Accounts that are of no asperite come first.
-    shared = max([-1, *mine["acc_block"].tolist(), *layout.accounts_of_fields]) + 1
+    own = mine["acc_block"].tolist() + mine["acc_stage"].tolist()
+    shared = max([-1, *own, *layout.accounts_of_fields]) + 1
     surfaces = mine.copy()
-    surfaces["acc_block"] *= np.where(surfaces["acc_block"] >= 0, LANES, 1)
+    for name in ("acc_block", "acc_stage"):
+        surfaces[name] *= np.where(surfaces[name] >= 0, LANES, 1)
     theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
     places = []
@@ -79,9 +81,7 @@ def interleaved(
 def _with_own_numbers(model: Tables) -> Tables:
     """The model with tables of what may differ beside the constants of asperites."""
     own = room((len(records.OF_MEMBERS), model.each.shape[1]))
-    for surface in model.surfaces:
-        for row, name in enumerate(records.OF_MEMBERS):
-            own[row, surface["start"] : surface["end"]] = surface[name]
+    fill_own(own, model.surfaces)
     contacts = model.contacts
     if len(contacts) == 1 and model.inner is None:
         numbers = np.array(numbers_of(contacts[0].potential), float)
@@ -123,7 +123,8 @@ def rows_of_numbers(scene: Scene, numbers: MemberNumbers) -> np.ndarray:
     others = np.stack([a["x"], y, numbers.charges])
     of_surfaces = np.moveaxis(numbers.of_surfaces[:, a["surface"][0]], 2, 0)
     tables = np.concatenate([constants, others, of_surfaces]).swapaxes(0, 1)
-    return np.concatenate([tables.reshape(len(a), -1), numbers.potential], axis=1)
+    rows = np.concatenate([tables.reshape(len(a), -1), numbers.potential], axis=1)
+    return np.ascontiguousarray(rows)  # those of one asperite come by columns
 
 
 def _unlisted(contact: Contact) -> Contact:

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import Status
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.frames import PART, Arrays, Frames, as_bytes
-from tribo.loops.integrate import Columns, Reached, Setting, TimeLoop
+from tribo.loops.integrate import Columns, Reached, TimeLoop
 from tribo.loops.saved_state import below, under
+from tribo.loops.setting import Setting
 from tribo.model.identity import Identity
 from tribo.validation import InputError
 
@@ -126,6 +126,7 @@ class JournaledIntegration:
 def key_of(setting: Setting, times: np.ndarray, start: np.ndarray) -> bytes:
     """What tells one integration of a scene from another."""
     digest = hashlib.blake2b(digest_size=16)
-    for item in (*(setting if isinstance(setting, Tolerance) else (setting,)), times, start):
+    steps = (setting.step,) if setting.tolerance is None else setting.tolerance
+    for item in (*steps, times, start):
         digest.update(np.asarray(item, float).tobytes())
     return digest.digest()

@@ -25,9 +25,11 @@ from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
 from tribo.loops.general import remembered, unit_setting
-from tribo.loops.integrate import Columns, Setting, first_step_at
+from tribo.loops.integrate import Columns, first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
-from tribo.threads.kernel_model import set_step_units
+from tribo.loops.legs import LegsOfLoop
+from tribo.loops.setting import Setting
+from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.writable_memory import shared_loop
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
@@ -51,6 +53,8 @@ def fit_lanes(layout: Layout, method: Method) -> bool:
     if layout.surfaces.block.any() or elastic:  # whose sums are over the asperites of one run
         return False
     small = layout.asperites.size <= MOST_ASPERITES
+    # Adaptive steps of members pass kinks at times of their own.
+    fits = fits and (method.splits or layout.legs.kinks.size == 0)
     return fits and small and layout.model.sums is None and not layout.calculator_calls
 
 
@@ -77,6 +81,8 @@ class LaneLoop(RecordingLoop):
         self._order = method.order
         self.eight = eight = interleaved(layout, own_numbers, not method.splits)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
+        set_loop_units(eight.model, times_in_lanes=not method.splits)
+        self._legs = LegsOfLoop(layout, eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
         start = np.zeros(2 * coordinates)
@@ -148,8 +154,8 @@ class LaneLoop(RecordingLoop):
 class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep a clock for each lane and memory of trials, and compile the loop."""
-        assert isinstance(setting, Tolerance)
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
+        set_rate_units(self.eight.model, times_in_lanes=True)
         speeds = room((3, self.eight.model.each.shape[1]))
         layout = self.layout
         tried = room((TRIED, LANES))
@@ -159,7 +165,8 @@ class NystromLanes(LaneLoop):
         )
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
-        examples = self._arguments(setting, queue_of(0, LANES), *none, columns, 0)
+        tolerance = setting.of_adaptive_steps()
+        examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
         self._entry = EntryPoint(shared_loop(nystrom_members), self._kept, examples)
 
     def run_in_lanes(
@@ -171,12 +178,12 @@ class NystromLanes(LaneLoop):
         sums: np.ndarray,
     ) -> np.ndarray:
         """Run members side by side; their motion has no noise, and takes no seeds."""
-        assert isinstance(setting, Tolerance)
+        tolerance = setting.of_adaptive_steps()
         self.forget()
-        self._clocks["encounter_fraction"] = setting.encounter_fraction
+        self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         queue = queue_of(len(starts.y), LANES)
         y = np.ascontiguousarray(starts.y)
-        arguments = self._arguments(setting, queue, y, numbers, columns, TRIALS)
+        arguments = self._arguments(tolerance, queue, y, numbers, columns, TRIALS)
         while self._entry(*arguments) == PAUSED:
             pass
         return queue.counts
@@ -209,7 +216,6 @@ class NystromLanes(LaneLoop):
 class SplittingLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep one clock for all lanes and count deviates of a step, and compile the loop."""
-        assert isinstance(setting, float)
         self._clocks = np.zeros(1, CLOCK).view(np.recarray)
         watch = room((WATCHED, LANES))
         self._state, self._work, self._watch = self.keep(
@@ -219,7 +225,9 @@ class SplittingLanes(LaneLoop):
         set_step_units(self.eight.model, self._state, self._work, nothing)
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
-        examples = self._arguments(setting, columns, 0, np.empty((0, LANES)))
+        step = setting.of_equal_steps()
+        times = self.layout.times
+        examples = self._arguments(step, times, columns, 0, np.empty((0, LANES)))
         self._entry = EntryPoint(shared_loop(splitting_members), self._kept, examples)
 
     def run_in_lanes(
@@ -231,7 +239,7 @@ class SplittingLanes(LaneLoop):
         sums: np.ndarray,
     ) -> np.ndarray:
         """Run members eight by eight: with equal steps, all of them end together."""
-        assert isinstance(setting, float)
+        step = setting.of_equal_steps()
         members = len(starts.y)
         times = self.layout.times.size
         chosen = np.arange(padded(members)).clip(max=members - 1)
@@ -241,7 +249,7 @@ class SplittingLanes(LaneLoop):
             rows = slice(first * times, (first + LANES) * times)
             some = tuple(each[rows] for each in columns)
             self.eight.memory[self.eight.numbers] = numbers[own]
-            lost = self._run_eight(setting, starts.y[own], starts.seeds[own].tolist(), some)
+            lost = self._run_eight(step, starts.y[own], starts.seeds[own].tolist(), some)
             counts[own, CODE] = np.where(lost, PAUSED, COMPLETED)
             clock = self._clocks[0]
             counts[own, STEPS] = clock.steps
@@ -258,23 +266,37 @@ class SplittingLanes(LaneLoop):
         self.forget()
         self._state.y[self._places] = starts
         generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
-        left = int(np.sum(count_of_steps(np.diff(self.layout.times), step)))
-        code = PAUSED
-        while code == PAUSED:
-            budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
-            deviates = np.empty((budget * self._draws, LANES))
-            for lane, generator in enumerate(generators):
-                deviates[:, lane] = generator.standard_normal(len(deviates))
-            code = self._entry(*self._arguments(step, columns, budget, deviates))
-            left -= budget
+        code = COMPLETED
+        begin = self.layout.times[0]
+        for leg, stops, is_sample in self._legs.each(self.layout.times):
+            self._legs.set_leg(leg)
+            ahead = np.append(begin, stops[stops > begin])
+            begin = stops[-1]
+            left = int(np.sum(count_of_steps(np.diff(ahead), step)))
+            code = PAUSED
+            while code == PAUSED:
+                budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
+                deviates = np.empty((budget * self._draws, LANES))
+                for lane, generator in enumerate(generators):
+                    deviates[:, lane] = generator.standard_normal(len(deviates))
+                code = self._entry(*self._arguments(step, stops, columns, budget, deviates))
+                left -= budget
+            if code != COMPLETED:
+                break
+            if not is_sample:
+                self._clocks[0].sample -= 1
         return np.asarray((self._watch[LOST] > 0.0) | (code != COMPLETED))
 
     def _arguments(
-        self, step: float, columns: Columns, budget: int, deviates: np.ndarray
+        self,
+        step: float,
+        times: np.ndarray,
+        columns: Columns,
+        budget: int,
+        deviates: np.ndarray,
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         state = keep(self._state)
-        times = self.layout.times
         record = self.record(columns)
         run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))

@@ -10,6 +10,7 @@ import numpy as np
 
 from tribo.kernels.records import PENDULUMS
 from tribo.layout.layout import Layout, lay_out
+from tribo.layout.legs import BEGUN
 from tribo.ledger.samples import Samples
 from tribo.loops.fitted_scene import fitted
 from tribo.loops.fitted_start import fitted_start
@@ -94,8 +95,21 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
     anchors = state.anchors
     begun = state.begun
     if not same_scene:
-        anchors = _anchors(layout, state, old, new)
+        for k, item in enumerate(scene.fields):
+            if item.modulation is not None:
+                raise InputError(
+                    f"field[{k}].modulation",
+                    "cannot continue from a state of another scene; simulate the scene from t = 0",
+                )
+        for surface in scene.surfaces:
+            if surface.drive.gives_motion:
+                raise InputError(
+                    f"{surface.name}.drive",
+                    "gives a motion, which cannot continue from a state of another scene; simulate "
+                    "the scene from t = 0",
+                )
         begun = _begun(layout, state, old, new)
+        anchors = _anchors(replace(layout, begun=begun), state, old, new)
         if 0.0 < scene.output.run_in <= state.t:
             notes += (
                 f"output.run_in = {scene.output.run_in:g} is before the state's t = {state.t:g}: "
@@ -137,7 +151,7 @@ def _check_arrays(layout: Layout, state: State, same_scene: bool) -> None:
     surfaces = layout.scene.surfaces
     moved = len(surfaces) + len(state.scene.fields)
     wanted: dict[str, tuple[int, ...]] = dict.fromkeys(("anchors", "phases"), (moved, 2))
-    wanted["begun"] = len(surfaces), 2
+    wanted["begun"] = len(surfaces), len(BEGUN)
     for surface in surfaces:
         for name in (*MOTIONS, *MOTIONS.values()):
             wanted[f"surface_{name}_{surface.name}"] = (surface.count,)
@@ -181,14 +195,14 @@ def _anchors(layout: Layout, state: State, old: dict[str, Any], new: dict[str, A
         if stage is None or other is None:
             known.append((None, False))
         else:
-            known.append((places.index(surface.name), stage.speed == other.speed))
+            known.append((places.index(surface.name), stage.moves_as(other)))
     ones = old.get("field", [])
     others = new.get("field", [])
     found = _known_fields(ones, others, state.phases[len(places) :])
     for place, field in zip(found, others, strict=True):
         same = place is not None and ones[place]["velocity"] == field["velocity"]
         known.append((None if place is None else len(places) + place, same))
-    anchors = -layout.drifts * state.t
+    anchors = -layout.moved(state.t)
     for k, (place, same) in enumerate(known):
         if place is not None:
             anchors[k] = state.anchors[place] if same else state.phases[place] + anchors[k]
@@ -232,21 +246,32 @@ def _is_of_same_kind(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any]) -> np.ndarray:
-    """When the own times of drives and of forces on ends were zero, (surfaces, 2).
+    """When the own times of drives, forces on ends and schedules were zero, (surfaces, BEGUN).
 
-    Those that are the same as in the state's scene go on; others begin with the run.  A load has no
-    time of its own.
+    Those that are the same as in the state's scene go on; others begin with the run.
     """
-    begun = np.full((len(layout.scene.surfaces), 2), state.t)
+    begun = np.full((len(layout.scene.surfaces), len(BEGUN)), state.t)
     before = {table["name"]: (k, table) for k, table in enumerate(old["surface"])}
     for k, table in enumerate(new["surface"]):
         place, other = before[table["name"]]
-        for column, (mine, theirs) in enumerate(zip(_forces(table), _forces(other), strict=True)):
-            if mine == theirs:
-                begun[k, column] = state.begun[place, column]
+        theirs = _timed(other)
+        for column, mine in _timed(table).items():
+            if mine == theirs[column]:
+                begun[k, BEGUN.index(column)] = state.begun[place, BEGUN.index(column)]
     return begun
 
 
-def _forces(surface: dict[str, Any]) -> tuple[dict[str, Any], object]:
-    """What depends on time in the table of a surface: its drive without the load, and its ends."""
-    return {k: v for k, v in surface["drive"].items() if k != "load"}, surface["bars"]
+def _timed(surface: dict[str, Any]) -> dict[str, object]:
+    """What depends on time in the table of a surface, by the names in `BEGUN`."""
+    drive = surface["drive"]
+    given = surface.get("langevin", [])
+    reservoirs = given if isinstance(given, list) else [given]
+    warm = {each["on"]: each["temperature"] for each in reservoirs}
+    return {
+        "drive": {k: v for k, v in drive.items() if k != "load"},
+        "ends": surface["bars"],
+        "stage": [drive.get(key) for key in ("kind", "speed", "position")],
+        "load": drive.get("load"),
+        "heat": warm.get("bar"),
+        "swing_heat": warm.get("swing"),
+    }

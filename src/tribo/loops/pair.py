@@ -14,36 +14,41 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import config
+from numba import config, types
 
 from tribo.compiler.jit import EntryPoint
-from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes import LANES, lanes
+from tribo.compiler.numbers_in_lanes import numbers_of
+from tribo.compiler.units import memory_of
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
+from tribo.kernels.potential_units import clearance_unit, energy_unit
 from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.pair_samples import Factors, PairSamples
-from tribo.loops.general import numbers_of
+from tribo.loops.general import numbers_of_clock
 from tribo.loops.integrate import (
     Checkpoints,
     Columns,
     Integration,
     Memory,
     Progress,
-    Setting,
     TimeLoop,
     first_step_at,
     integrate,
 )
+from tribo.loops.setting import Setting
 from tribo.model.effects import Effect
 from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
+from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
 from tribo.pair.step import table
-from tribo.threads.writable_memory import entry_point
+from tribo.threads.kernel_model import Known
+from tribo.threads.writable_memory import shared_loop
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
 ARC1 = ENERGY
@@ -64,6 +69,8 @@ FIRST_STEP_FACTOR = 8.0
 BEGINNINGS_KEPT = 4
 # Steps before a run without a progress report can be interrupted: a few milliseconds.
 UNINTERRUPTED_STEPS = 2048
+# Types of two charges of one run.
+CHARGES = types.float64, types.float64
 
 
 class Slots(NamedTuple):
@@ -201,7 +208,19 @@ class Pair:
         """Fill the rows that no run changes, and compile the loop of single runs."""
         began = time.perf_counter()
         self.layout = layout
-        self.scene_arguments = _scene_arguments(layout)
+        self.record = _record_of(layout)
+        self.potential = layout.model.contacts[0].potential
+        memory, (numbers,) = memory_of((self.potential,))
+        self._potential_memory = memory
+        self._numbers = int(numbers)
+        known = Known(layout.scene, self.potential)
+        distance = known.kind, types.float64, *CHARGES, types.int64
+        self.units = PotentialUnits(
+            force=known.unit(force_unit, (known.kind, lanes, *CHARGES), lanes),
+            clearance=known.unit(clearance_unit, distance),
+            energy=known.unit(energy_unit, distance),
+            numbers=self._numbers,
+        )
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step = FIRST_STEP_FACTOR * first_step
@@ -214,7 +233,8 @@ class Pair:
         self._rows[: step_rows.LIMITS] = _table_of(method.name)
         own_memory = (self._rows, np.zeros(1, CLOCK))
         examples = (*own_memory, layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        self.entry = entry_point(layout, pair_collocation, self.scene_arguments, examples)
+        loop = shared_loop(pair_collocation)
+        self.entry = EntryPoint(loop, (self.record, self.units), examples)
         self._beginnings: tuple[Beginning, ...] = ()
         self._members: dict[Hashable, EntryPoint] = {}
         self.compile_seconds = time.perf_counter() - began
@@ -223,9 +243,21 @@ class Pair:
         """The same loops for a layout in which the places of bobs alone are others."""
         pair = copy(self)
         pair.layout = layout
-        pair.scene_arguments = _scene_arguments(layout)
-        pair.entry = self.entry.with_fixed(*pair.scene_arguments)
+        pair.record = _record_of(layout)
+        pair.entry = self.entry.with_fixed(pair.record, self.units)
         return pair
+
+    def units_in_lanes(self, own_numbers: bool) -> PotentialUnits:
+        """The units of the potential for members side by side, which may have `own_numbers`."""
+        numbers = own_numbers and bool(numbers_of(self.potential))
+        known = Known(self.layout.scene, self.potential, in_lanes=numbers)
+        charges = (lanes, lanes) if own_numbers else CHARGES
+        return PotentialUnits(
+            force=known.unit(force_unit, (known.kind, lanes, *charges), lanes),
+            clearance=known.unit(clearances_unit, (known.kind, lanes, *charges), lanes),
+            energy=known.unit(energy_unit, (known.kind, types.float64, *CHARGES, types.int64)),
+            numbers=self._numbers,
+        )
 
     def entry_of_members(
         self, loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
@@ -233,7 +265,7 @@ class Pair:
         """The code of a loop over members, looked up once for each kind of its arguments."""
         key = loop, kind
         if key not in self._members:
-            self._members[key] = entry_point(self.layout, loop, fixed, examples)
+            self._members[key] = EntryPoint(shared_loop(loop), fixed, examples)
         return self._members[key].with_fixed(*fixed)
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
@@ -242,7 +274,7 @@ class Pair:
 
     def integrate(
         self,
-        tolerance: Setting,
+        setting: Setting,
         start: np.ndarray,
         times: np.ndarray,
         progress: Progress | None = None,
@@ -250,7 +282,7 @@ class Pair:
         most: float | None = None,
     ) -> Integration:
         """Integrate from `start`, y, with `most` evaluations, or those of the scene without it."""
-        loop = PairLoop(self, self.beginning(tolerance), start)
+        loop = PairLoop(self, self.beginning(setting.of_adaptive_steps()), start)
         if progress is not None or checkpoints is not None:
             return integrate(loop, times, progress, None, checkpoints, most=most)
         return loop.undisturbed(times, most)
@@ -263,7 +295,7 @@ class Pair:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
         return self.beginning(tolerance).rows[step_rows.LIMITS : step_rows.STATE]
 
-    def beginning(self, tolerance: Setting) -> Beginning:
+    def beginning(self, tolerance: Tolerance) -> Beginning:
         """The memory of a loop before runs with some tolerances.
 
         The last ones are kept: a run with an estimate takes three by two tolerances.
@@ -271,7 +303,6 @@ class Pair:
         for known in self._beginnings:
             if known.tolerance is tolerance:
                 return known
-        assert isinstance(tolerance, Tolerance)
         rows = self.rows()
         rows[step_rows.LIMITS : step_rows.STATE] = self._limits_of(tolerance)
         clocks = np.zeros(1, CLOCK)
@@ -303,11 +334,10 @@ def _table_of(method: str) -> np.ndarray:
     return table(coefficients)
 
 
-def _scene_arguments(layout: Layout) -> tuple[np.ndarray, Any]:
-    """The record and the potential that the loop reads."""
+def _record_of(layout: Layout) -> np.ndarray:
+    """The scene as the loop reads it, (1,) of PAIR."""
     charges = layout.model.each[CHARGE, layout.places.columns]
-    record = record_of(layout, np.asarray(layout.asperites)[None], charges)
-    return record, layout.model.contacts[0].potential
+    return record_of(layout, np.asarray(layout.asperites)[None], charges)
 
 
 class PairLoop(TimeLoop):
@@ -347,7 +377,7 @@ class PairLoop(TimeLoop):
 
     def memory(self) -> Memory:
         rows = self._rows[step_rows.STATE :].copy()
-        return {"clock": numbers_of(self.clocks), "pair": rows}
+        return {"clock": numbers_of_clock(self.clocks), "pair": rows}
 
     def restore(self, memory: Memory) -> None:
         self.clocks[0] = tuple(memory["clock"])

@@ -12,6 +12,7 @@ from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.elastic_body import stiffnesses
 from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import curvature_of
@@ -63,12 +64,21 @@ def bath_frequency(layout: Layout) -> float:
     return max(fastest, default=0.0)
 
 
+def schedule_frequency(layout: Layout) -> float:
+    """The largest angular frequency of a schedule that is a sine [rad / time]; or 0."""
+    numbers = scheduled_numbers(layout.scene)
+    return max((each.schedule.frequency for each in numbers), default=0.0)
+
+
 def corrugation_frequency(layout: Layout) -> float:
     """The largest angular frequency of a bob in a field that states its curvature [rad / time]."""
     mobility = _mobility(layout.constants, row.L1)
     fastest = 0.0
+    # The largest factors on fields, by the rows of their schedules.
+    numbers = enumerate(scheduled_numbers(layout.scene), start=1)
+    factors = {row: each.schedule.largest for row, each in numbers}
     for field in layout.model.fields or ():
-        curvature = curvature_of(field.potential)
+        curvature = curvature_of(field.potential) * factors.get(field.modulation, 1.0)
         if curvature > 0.0:
             on = np.isin(layout.asperites.surface, field.surfaces)
             fastest = max(fastest, float(np.sqrt(curvature * np.max(mobility[on]))))
@@ -89,7 +99,7 @@ def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     a = {name: own[name] for name in ("kappa", "inertia", "i2")}
     mobility = np.maximum(1.0 / a["inertia"], 1.0 / a["i2"])
     pendulum = float(np.max(np.sqrt(a["kappa"] * mobility)))
-    fastest = max(pendulum, bath_frequency(layout))
+    fastest = max(pendulum, bath_frequency(layout), schedule_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 
 
@@ -136,7 +146,7 @@ def turn_of_step(layout: Layout, method: Method, step: float, frequency: float) 
 
 def longest_step(layout: Layout, step: float) -> float:
     """The longest of equal parts of the times between samples, of at most `step` [time]."""
-    intervals = np.diff(layout.times)
+    intervals = np.diff(layout.stops)
     return float(np.max(intervals / count_of_steps(intervals, step)))
 
 

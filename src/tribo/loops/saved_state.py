@@ -182,7 +182,7 @@ def _state(layout: Layout, t: float, y: np.ndarray, s: np.ndarray, first: Sample
         s=s,
         first=first,
         anchors=layout.anchors,
-        phases=layout.anchors + layout.drifts * t,
+        phases=layout.anchors + layout.moved(t),
         begun=layout.begun,
         memory={},
         method="",

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tribo.integrators.methods import Method, named
-from tribo.integrators.step_control import Tolerance, stricter
+from tribo.integrators.step_control import stricter
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.guards import facing, lost_sample, passed_through
@@ -14,13 +14,14 @@ from tribo.ledger.sinks import StreamedLedger
 from tribo.loops.batch import Batch, GeneralMembers, Pool
 from tribo.loops.batch_pair import PairMembers
 from tribo.loops.general import GeneralLoop, compile_loop
-from tribo.loops.integrate import Integration, Progress, Setting, first_step_at, integrate
+from tribo.loops.integrate import Integration, Progress, first_step_at, integrate
 from tribo.loops.journal import Journal, key_of
 from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
 from tribo.loops.origin import Origin, continued
 from tribo.loops.pair import Pair, has_pair_loop
 from tribo.loops.resolution import first_step
 from tribo.loops.saved_state import State
+from tribo.loops.setting import Setting
 from tribo.model.scene import Scene
 
 # Factor of tolerances in one of two runs that are compared with a third, where forces are rough:
@@ -94,8 +95,8 @@ class Integrator:
     def loop(self, layout: Layout, setting: Setting, start: np.ndarray) -> GeneralLoop:
         """The general loop before a run from `start`, or from the origin if there is one."""
         first = self.first_step
-        if isinstance(setting, Tolerance):
-            first = first_step_at(setting, first, self.method.order)
+        if setting.tolerance is not None:
+            first = first_step_at(setting.tolerance, first, self.method.order)
         loop = GeneralLoop(layout, self.method, setting, start, first, self.threads)
         if self.origin is not None:
             exactly = np.array_equal(start, self.layout.start)
@@ -120,8 +121,9 @@ class Integrator:
         to be `resolved`, the run stops where they are too long for the stiffest motion it meets.
         """
         layout, pair = self.rounded if rounded else (self.layout, self.pair)
-        if rounded and isinstance(setting, Tolerance) and np.isfinite(layout.scene.smoothness):
-            setting = stricter(setting, OTHER_STEPS)
+        tolerance = setting.tolerance
+        if rounded and tolerance is not None and np.isfinite(layout.scene.smoothness):
+            setting = Setting(tolerance=stricter(tolerance, OTHER_STEPS))
         start = self.layout.start if start is None else start
         journal = self._journal
         entry = None if journal is None else journal.integration(key_of(setting, times, start))
@@ -132,7 +134,7 @@ class Integrator:
         if self.origin is not None:
             before = self.origin.first
             times = times[times >= self.layout.beginning]
-        step = setting if isinstance(setting, float) else None
+        step = setting.step
         run = integrate(
             loop, times, self._progress, streamed, entry, None, before, most, step, resolved
         )

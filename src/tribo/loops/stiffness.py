@@ -16,6 +16,7 @@ from tribo.integrators.stiffness import EVERY
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.layout import Layout
+from tribo.layout.legs import begun_of, scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of
 
@@ -30,6 +31,8 @@ CHANCE = 2.0
 # Least correlation of displacements and changes of acceleration at which a coordinate that moves
 # less than it should at its temperature, such as one that starts at rest, has a frequency.
 CORRELATED = 0.5
+# Schedules of temperatures, and the numbers of surfaces that they replace.
+TEMPERATURES = {"heat": "temperature", "swing_heat": "swing_temperature"}
 # Steps after which a run first looks at its stiffness; it does so again after each doubling.
 FIRST_LOOK = 8 * EVERY
 
@@ -138,8 +141,34 @@ def _of_members(layout: Layout, numbers: MemberNumbers | None) -> tuple[np.ndarr
         constants = constants_of(layout.scene, numbers.asperites.ravel())
         constants = constants.reshape(len(constants), *numbers.asperites.shape)
         own = {name: numbers.of_surfaces[..., k] for k, name in enumerate(OF_MEMBERS)}
+    own |= _mean_temperatures(layout, own)
     bars = np.where(own["gamma"] > 0.0, own["temperature"], 0.0)
     swings = np.where(own["swing_gamma"] > 0.0, own["swing_temperature"], 0.0)
     warmest = np.maximum(bars, swings)
     highest = np.max(warmest, axis=-1, keepdims=True)
-    return np.where(warmest > 0.0, warmest, highest)[..., layout.asperites.surface], constants
+    each = np.where(warmest > 0.0, warmest, highest)[..., layout.asperites.surface]
+    for surface in layout.scene.surfaces:
+        if not all(reservoir.is_uniform for reservoir in surface.reservoirs):
+            own_of_each = np.zeros(surface.count)
+            for reservoir in surface.reservoirs:
+                gamma, heat = reservoir.for_each(surface.count)
+                own_of_each = np.maximum(own_of_each, np.where(gamma > 0.0, heat, 0.0))
+            # Those without a reservoir have the lowest of the others: between two, heat flows.
+            warm = own_of_each[own_of_each > 0.0]
+            lowest = np.min(warm, initial=np.inf) if warm.size else 0.0
+            part = layout.parts[surface.name]
+            each[..., part] = np.where(own_of_each > 0.0, own_of_each, lowest)
+    return each, constants
+
+
+def _mean_temperatures(layout: Layout, own: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Temperatures of reservoirs, of which those that follow schedules are means over the run."""
+    found: dict[str, np.ndarray] = {}
+    for each in scheduled_numbers(layout.scene):
+        if each.name in TEMPERATURES:
+            name = TEMPERATURES[each.name]
+            ends = np.array([layout.beginning, layout.scene.duration])
+            ends = ends - begun_of(each, layout.begun)
+            mean = np.diff(each.schedule.integral(ends)) / np.diff(ends)
+            found.setdefault(name, own[name].copy())[..., each.surface] = mean
+    return found

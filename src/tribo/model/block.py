@@ -15,6 +15,9 @@ def check_block(surface: Any) -> None:
     if surface.bath:
         problem = "cannot go with drive.block = true; langevin damps the bars of a block"
         raise InputError("bath", problem)
+    if any(not reservoir.is_uniform for reservoir in surface.reservoirs):
+        problem = "must have one gamma and one temperature where drive.block = true"
+        raise InputError("langevin", problem)
     if surface.springs and surface.springs.turned:
         problem = "must be 0 where drive.block = true: springs do not stretch between its bars"
         raise InputError("springs.turned", problem)
@@ -28,6 +31,6 @@ def check_block(surface: Any) -> None:
     if surface.initial.temperature:
         problem = "cannot go with drive.block = true unless asperite.kappa = inf: the mass matrix "
         raise InputError("initial.temperature", problem + "of a block depends on its pendulums")
-    if any(reservoir.temperature > 0.0 for reservoir in surface.reservoirs):
+    if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
         problem = "must be 0 where drive.block = true unless asperite.kappa = inf: no method here "
         raise InputError("langevin.temperature", problem + "integrates noise on such pendulums")

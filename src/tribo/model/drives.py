@@ -5,10 +5,13 @@ about its force.  Its `law` names the formula, one of those in
 :func:`tribo.kernels.equations_of_motion.drive_of_block`, or its `plugin` has the formula.
 """
 
+from __future__ import annotations
+
 import difflib
 import functools
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Self
@@ -17,6 +20,7 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.kernels import records
+from tribo.model.schedule import Number, Schedule, as_schedule, at_time, number_or_schedule
 from tribo.model.tables import field_names, table_of
 from tribo.plugins import classes as plugins
 from tribo.validation import InputError
@@ -35,13 +39,29 @@ class Stage(NamedTuple):
     """A stage that moves along x, and the springs from it to every bar."""
 
     stiffness: float  # [force / length]
-    speed: float  # in the laboratory [length / time]
+    speed: Number  # in the laboratory [length / time]
+    position: Schedule | None = None  # instead of the speed: displacement from rest [length]
+
+    @property
+    def follows_schedule(self) -> bool:
+        """Whether its motion is not uniform."""
+        return self.position is not None or isinstance(self.speed, Schedule)
+
+    def moves_as(self, other: Stage) -> bool:
+        """Whether another stage moves alike."""
+        return self.speed == other.speed and self.position == other.position
+
+    def displacement(self, t: Any) -> Any:
+        """How far it has moved at times t since t = 0, or from its rest, in the laboratory."""
+        if self.position is not None:
+            return self.position.at(t)
+        return self.speed.integral(t) if isinstance(self.speed, Schedule) else self.speed * t
 
 
 class Ramp(NamedTuple):
-    """A force on every bar that grows at a constant rate, x and y."""
+    """A force on every bar that grows at a constant rate, or follows a schedule, x and y."""
 
-    force: tuple[float, float]  # when the drive begins [force]
+    force: tuple[Number, Number]  # when the drive begins [force]
     rate: tuple[float, float]  # [force / time]
 
 
@@ -54,7 +74,7 @@ class Drive:
     has an equal part.
     """
 
-    load: float | None = None
+    load: Number | None = None
     block: bool = False
 
     # The drive's name in scene files, and the keys that its table there must have.
@@ -68,6 +88,8 @@ class Drive:
     cancels_y: ClassVar[bool] = True
     # Whether a constraint moves the centres of the bars uniformly.
     holds_bars: ClassVar[bool] = False
+    # Whether asperites follow a given motion along x and y.
+    gives_motion: ClassVar[bool] = False
     # Whether the ledger counts its work; that of f2 = -f1 and f2_x = 0 follows from other works.
     has_account: ClassVar[bool] = True
     # Whether the force depends on the bar's velocity.
@@ -101,6 +123,11 @@ class Drive:
     def ramp(self) -> Ramp | None:
         """The force that is constant or grows at a rate, if it has one."""
         return None
+
+    @property
+    def along_axes(self) -> tuple[Number | None, Number | None]:
+        """Its own force, or the velocity that it gives, along x and y; None without either."""
+        return None, None
 
     @property
     def moves_as_one(self) -> bool:
@@ -147,7 +174,7 @@ class Drive:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        check.fields(self, load=check.one(unit="force"))
+        check.fields(self, load=number_or_schedule(unit="force"))
         check.boolean("block", self.block)
 
 
@@ -220,15 +247,18 @@ class Pulled(Drive):
 
     Attributes
     ----------
-    load : float, optional
+    load : float or Schedule, optional
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     block : bool
         Whether the bars are one rigid body, pulled by one spring of stiffness k, as by the
         cantilever of a microscope; the load is then that on the whole body.
     stiffness : float
         Stiffness k of each spring, or of that of the block [force / length].
-    speed : float
+    speed : float or Schedule
         Velocity v of the stage along x in the laboratory [length / time].
+    position : Schedule, optional
+        Displacement of the stage along x from where the springs are relaxed, in the laboratory,
+        instead of the speed [length]; without steps.
     stiffness_y : float
         Of a block with a load: stiffness of its spring along y, about its height at the start
         [force / length].
@@ -240,7 +270,8 @@ class Pulled(Drive):
     """
 
     stiffness: float = 1.0
-    speed: float = 0.0
+    speed: Number = 0.0
+    position: Schedule | None = None
     stiffness_y: float = 0.0
     damping: float = 0.0
     damping_y: float = 0.0
@@ -259,11 +290,13 @@ class Pulled(Drive):
 
     @property
     def stage(self) -> Stage:
-        return Stage(self.stiffness, self.speed)
+        return Stage(self.stiffness, self.speed, self.position)
 
     def numbers(self, velocity: float) -> dict[str, float]:
+        uniform = not self.stage.follows_schedule
+        speed = self.speed - velocity if uniform else 0.0  # type: ignore[operator]
         own = {name: getattr(self, name) for name in ("stiffness", *OF_BLOCK)}
-        return {"speed": self.speed - velocity, **own}
+        return {"speed": speed, **own}
 
     @property
     def damps(self) -> float:
@@ -276,13 +309,22 @@ class Pulled(Drive):
         super().__post_init__()
         stiffness = check.one(check.NOT_NEGATIVE, "force / length")
         damping = check.one(check.NOT_NEGATIVE, "force time / length")
-        check.fields(self, stiffness=stiffness, speed=check.one(unit="length / time"))
+        check.fields(self, stiffness=stiffness, speed=number_or_schedule(unit="length / time"))
         check.fields(self, stiffness_y=stiffness, damping=damping, damping_y=damping)
         for name in OF_BLOCK:
             if getattr(self, name) != 0.0 and not self.block:
                 raise InputError(name, "needs block = true, of which it is a number")
             if name.endswith("_y") and getattr(self, name) != 0.0 and self.load is None:
                 raise InputError(name, "needs a load, of 0 or more: without one f2_y = -f1_y")
+        if self.position is None:
+            return
+        if self.speed != 0.0:
+            raise InputError("position", "cannot go with a speed; give one or the other")
+        with check.inside("position"):
+            position = as_schedule(self.position)
+            if position.jumps:
+                raise InputError("", "must have no steps; a stage that jumps has no power")
+        object.__setattr__(self, "position", position)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,12 +340,12 @@ class Pushed(Drive):
     block : bool
         Whether the bars are one rigid body; load, force and rate are then those on the whole body.
     force : (float, float)
-        Force on each bar at t = 0, x and y [force].
+        Force on each bar at t = 0, x and y [force]; either may be a Schedule.
     rate : (float, float)
-        Growth of that force, x and y [force / time].
+        Growth of that force, x and y [force / time]; zero beside a schedule.
     """
 
-    force: tuple[float, float] = (0.0, 0.0)
+    force: tuple[Number, Number] = (0.0, 0.0)
     rate: tuple[float, float] = (0.0, 0.0)
 
     kind = "push"
@@ -322,14 +364,18 @@ class Pushed(Drive):
     def ramp(self) -> Ramp:
         return Ramp(self.force, self.rate)
 
+    @property
+    def along_axes(self) -> tuple[Number, Number]:
+        return self.force
+
     def numbers(self, velocity: float) -> dict[str, float]:
-        push, load = self.force
+        push, load = (0.0 if isinstance(each, Schedule) else each for each in self.force)
         push_rate, load_rate = self.rate
         own = {"push": push, "push_rate": push_rate, "load": load, "load_rate": load_rate}
         return {"loaded": 1.0, **own}
 
     def force_along_x(self, x: np.ndarray, begun: np.ndarray, stage: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(self.force[0] + self.rate[0] * begun, x.shape)
+        return np.broadcast_to(at_time(self.force[0], begun) + self.rate[0] * begun, x.shape)
 
     @property
     def presses(self) -> bool:
@@ -338,10 +384,33 @@ class Pushed(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.fields(self, force=check.pair(unit="force"), rate=check.pair(unit="force / time"))
+        check.fields(
+            self,
+            force=_pair_of_numbers("force", "[[[0, 0], [10, 1]], 0]"),
+            rate=check.pair(unit="force / time"),
+        )
+        for k, (force, rate) in enumerate(zip(self.force, self.rate, strict=True)):
+            if isinstance(force, Schedule) and rate != 0.0:
+                raise InputError(f"rate[{k}]", f"must be zero beside a schedule, got {rate:g}")
         for name, (_, along_y) in (("force", self.force), ("rate", self.rate)):
             if self.load is not None and along_y != 0.0:
                 raise InputError(name, f"must be zero along y beside a load, got {along_y:g}")
+
+
+def _pair_of_numbers(unit: str, example: str) -> Callable[[str, Any], tuple[Number, Number]]:
+    """The check of an x and a y, of which each is a number or a schedule."""
+
+    def checked(field: str, value: Any) -> tuple[Number, Number]:
+        points = check.is_list(value) and len(value) > 0 and check.is_list(value[0])
+        numbers = points and len(value[0]) > 0 and not check.is_list(value[0][0])
+        if not check.is_list(value) or len(value) != 2 or numbers:
+            wanted = f"2 numbers [{unit}], each of which may be a schedule, as {example}"
+            raise check.must_be(field, wanted, value)
+        one = number_or_schedule(unit=unit)
+        x, y = (one(f"{field}[{k}]", each) for k, each in enumerate(value))
+        return x, y
+
+    return checked
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -374,6 +443,53 @@ class DrivenBars(Drive):
             raise InputError(
                 "block", 'cannot go with kind = "bars": driven bars move as one anyway'
             )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moved(Drive):
+    """Rigid asperites follow a given motion along x and y, whatever forces act on them.
+
+    f2 = M a - (all other forces), with a the acceleration of the motion.  Its work is that of the
+    agent that moves the surface: of indentation and retraction, for example.  The motion begins
+    with the surface's velocity.  Takes keywords only.
+
+    Attributes
+    ----------
+    load : None
+        Must be None: the motion is given along y too.
+    speed : (float or Schedule, float or Schedule)
+        Velocity along x and y in the laboratory, without steps [length / time].
+    """
+
+    speed: tuple[Number, Number] = (0.0, 0.0)
+
+    kind = "moved"
+    required = ("speed",)
+    law = records.MOVED
+    cancels_y = False
+    gives_motion = True
+    own_numbers = ()
+
+    def __post_init__(self) -> None:
+        if self.load is not None:
+            raise InputError("load", "cannot go with a given motion, which is along y too")
+        if self.block:
+            raise InputError("block", "cannot go with a given motion, which moves bars as one")
+        check.fields(self, speed=_pair_of_numbers("length / time", "[[[0, 0], [10, 1]], 0]"))
+        for k, speed in enumerate(self.speed):
+            if isinstance(speed, Schedule) and speed.jumps:
+                problem = "must have no steps, at which the force is infinite; give a short ramp"
+                raise InputError(f"speed[{k}]", problem)
+
+    @property
+    def along_axes(self) -> tuple[Number, Number]:
+        return self.speed
+
+    @property
+    def first_velocity(self) -> tuple[float, float]:
+        """The velocity at t = 0."""
+        x, y = (float(at_time(each, 0.0)) for each in self.speed)
+        return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -499,7 +615,7 @@ def _check_flags(plugin: Any, flags: dict[str, bool], given: tuple[float, ...]) 
 
 
 KINDS: dict[str, type[Drive]] = {
-    each.kind: each for each in (Forced, Free, Pulled, Pushed, DrivenBars)
+    each.kind: each for each in (Forced, Free, Pulled, Pushed, DrivenBars, Moved)
 }
 
 
@@ -527,7 +643,9 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind.holds_bars and "rigid" in table:
         raise InputError("rigid", 'cannot go with kind = "bars": driven bars move as one anyway')
-    own = check.known_keys(table, field_names(kind), kind.required)
+    replaced = ("speed",) if "position" in table else ()
+    required = [name for name in kind.required if name not in replaced]
+    own = check.known_keys(table, field_names(kind), required)
     if not own.get("rigid"):
         return kind(**own)
     check.boolean("rigid", own.pop("rigid"))

@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from tribo.model.drives import Moved
 from tribo.model.interaction import Interaction
+from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 from tribo.potentials.tables import as_table
+from tribo.validation import short_repr
 
 
 class Effect(StrEnum):
@@ -36,6 +39,7 @@ class Effect(StrEnum):
     )
     PULL = "pull", "springs to a moving stage"
     PUSH = "push", "a force on each bar that is constant, or grows"
+    SCHEDULE = "schedule", "a number that changes with time: speed, load, push, temperature, field"
     LOAD = "load", "a force that presses the surfaces together"
     OWN_DRIVE = "own drive", "forces f2 of the user's own"
     OWN_ENDS = "own ends", "forces of the user's own on the ends of bars"
@@ -110,7 +114,7 @@ def _reservoirs(on: str) -> Finder:
             for j, reservoir in enumerate(surface.reservoirs):
                 if reservoir.on == on:
                     place = f"[{j}]" if len(surface.reservoirs) == 2 else ""
-                    yield f"surface[{i}].langevin{place}.gamma = {reservoir.gamma}"
+                    yield f"surface[{i}].langevin{place}.gamma = {short_repr(reservoir.gamma)}"
 
     return found
 
@@ -152,6 +156,27 @@ def _clamped(surface: Surface) -> str | None:
     return '"clamped"' if held else None
 
 
+def _schedules(scene: Any) -> Iterator[str]:
+    """Numbers that follow schedules."""
+    for i, surface in enumerate(scene.surfaces):
+        drive = surface.drive
+        numbers: dict[str, object] = {"drive.load": drive.load}
+        if drive.stage is not None:
+            numbers |= {"drive.speed": drive.stage.speed, "drive.position": drive.stage.position}
+        if drive.ramp is not None:
+            numbers |= {f"drive.force[{k}]": each for k, each in enumerate(drive.ramp.force)}
+        if isinstance(drive, Moved):
+            numbers |= {f"drive.speed[{k}]": each for k, each in enumerate(drive.speed)}
+        for each in surface.reservoirs:
+            numbers[f"langevin.temperature (on {each.on})"] = each.temperature
+        for key, number in numbers.items():
+            if isinstance(number, Schedule):
+                yield f"surface[{i}].{key} = {number}"
+    for i, item in enumerate(scene.fields):
+        if item.modulation is not None:
+            yield f"field[{i}].modulation = {item.modulation}"
+
+
 def _count(number: int, thing: str) -> str | None:
     return f"{number} {thing}{'s' if number > 1 else ''}" if number else None
 
@@ -171,6 +196,7 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.CLAMPED_ENDS: ("no clamped bar holds a torsion spring", _surfaces("bars", _clamped)),
     Effect.PULL: ('no drive is "pulled"', _drives(Effect.PULL)),
     Effect.PUSH: ('no drive is "push"', _drives(Effect.PUSH)),
+    Effect.SCHEDULE: ("no number follows a schedule", _schedules),
     Effect.LOAD: ("no drive has a load", _surfaces("drive.load", lambda s: s.drive.load)),
     Effect.OWN_DRIVE: ("no drive is a plug-in", _drives(Effect.OWN_DRIVE)),
     Effect.OWN_ENDS: (

@@ -164,6 +164,8 @@ def check_elastic(surface: Any) -> None:
         raise InputError("elastic", "needs a grid of bars: give shape and spacing, not positions")
     if surface.drive.holds_bars:
         raise InputError("elastic", 'cannot go with drive = "bars", whose bars are not displaced')
+    if surface.drive.gives_motion:
+        raise InputError("elastic", 'cannot go with drive = "moved", which moves all bars alike')
     if surface.drive.block and surface.drive.plugin is not None:
         raise InputError("elastic", "cannot go with block = true in a drive of the user's own")
     if surface.drive.block and surface.drive.damps:

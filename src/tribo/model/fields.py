@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo import validation as check
+from tribo.model.schedule import Schedule, as_schedule
 from tribo.plugins import classes as plugins
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
-from tribo.validation import is_list, must_be
+from tribo.validation import InputError, is_list, must_be
 
 # Signature of the method that a plug-in needs, as messages quote it.
 ENERGY_AT = "energy_at(self, x, y)"
@@ -87,6 +88,9 @@ def complete(cls: Any) -> Any:
     return plugins.completed(cls, (), _following, complete, as_field_potential)
 
 
+# Keys of a field beside those of its potential.
+SETTINGS = ("on", "origin", "velocity", "modulation")
+
 BUILT_IN: dict[str, Any] = {"corrugation": Corrugation}
 
 
@@ -104,6 +108,8 @@ class Field:
         Position of the field's own (0, 0) at t = 0 [length].
     velocity : (float, float)
         Velocity of the field in the laboratory [length / time].
+    modulation : Schedule, optional
+        Factor on the potential, which changes with time without steps [1].
 
     Raises
     ------
@@ -115,6 +121,7 @@ class Field:
     on: Sequence[str]
     origin: tuple[float, float] = (0.0, 0.0)
     velocity: tuple[float, float] = (0.0, 0.0)
+    modulation: Schedule | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "potential", as_field_potential(self.potential))
@@ -125,6 +132,12 @@ class Field:
         object.__setattr__(self, "on", tuple(self.on))
         velocity = check.pair(unit="length / time")
         check.fields(self, origin=check.pair(unit="length"), velocity=velocity)
+        if self.modulation is not None:
+            with check.inside("modulation"):
+                modulation = as_schedule(self.modulation)
+                if modulation.jumps:
+                    raise InputError("", "must have no steps; a field that jumps has no power")
+            object.__setattr__(self, "modulation", modulation)
 
 
 def as_field_potential(value: Any) -> Any:
@@ -144,7 +157,7 @@ def as_field_potential(value: Any) -> Any:
 
 def from_table(table: Any, folder: Path) -> Field:
     parameters = check.known_keys(table, table, ["kind", "on"])
-    settings = {k: parameters.pop(k) for k in ("on", "origin", "velocity") if k in parameters}
+    settings = {k: parameters.pop(k) for k in SETTINGS if k in parameters}
     kind = parameters.pop("kind")
     if plugins.is_named(kind):
         return Field(plugins.from_file("kind", kind, parameters, folder, ENERGY_AT), **settings)
@@ -154,5 +167,7 @@ def from_table(table: Any, folder: Path) -> Field:
 
 def as_table(field: Field) -> dict[str, Any]:
     settings = {name: list(getattr(field, name)) for name in ("on", "origin", "velocity")}
+    if field.modulation is not None:
+        settings["modulation"] = field.modulation.as_table()  # type: ignore[assignment]
     kind = plugins.name_of(field.potential, BUILT_IN)
     return {"kind": kind} | field.potential._asdict() | settings

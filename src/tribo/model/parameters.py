@@ -6,6 +6,8 @@ The keys are those of scene files, with the name of a surface in place of its nu
     SURFACE.theta (and the other initial values), SURFACE.velocity, SURFACE.bob, SURFACE.drive, ...
     SURFACE.bob.1           one of two numbers, 0 along x or 1 along y; also of velocity, spacing
     SURFACE.asperite.KEY, and the same for drive, langevin, bath and springs
+    SURFACE.drive.speed.1.0     of a schedule: time (0) or value (1) of a point, from 0 on; mean,
+                            amplitude, period or phase of a sine
     SURFACE.langevin.bar.KEY, SURFACE.langevin.swing.KEY    where a surface has both reservoirs
     interaction.KEY, field.KEY      where the scene has one interaction, or one field
     interaction.first.KEY, interaction.of.KEY               of parts of sums, of scaled potentials
@@ -19,7 +21,7 @@ import operator
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,11 +32,12 @@ from tribo.model.binding import bound
 from tribo.model.drives import Custom, as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.elastic import as_elastic
-from tribo.model.fields import Field
+from tribo.model.fields import SETTINGS, Field
 from tribo.model.initial import Initial
 from tribo.model.interaction import Periodic
 from tribo.model.langevin import PLACES, as_langevin
 from tribo.model.scene import Scene
+from tribo.model.schedule import Schedule, component_of, with_component
 from tribo.model.settings import Numerics, Output
 from tribo.model.springs import as_springs
 from tribo.model.surface import Surface
@@ -61,7 +64,7 @@ READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_tabl
 INTERACTION = "interaction"
 FIELD = "field"
 # The values of a field beside those of its potential.
-OF_FIELD = ("on", "origin", "velocity")
+OF_FIELD = SETTINGS
 
 
 def is_parameter(scene: Scene, key: str) -> bool:
@@ -73,6 +76,8 @@ def is_parameter(scene: Scene, key: str) -> bool:
     part, _, parameter = key.partition(".")
     if part in (INTERACTION, FIELD):
         return _is_number(_values_of_only(scene, part).get(parameter))
+    if (point := _point(scene, key)) is not None:
+        return component_of(point.present, point.place) is not None
     name, _, parameter = key.rpartition(".")
     surface, _, part = name.partition(".")
     found = next((s for s in scene.surfaces if s.name == surface), None)
@@ -133,6 +138,10 @@ def _whole(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
     """The values with both numbers in place of a key of one of them.  Raises InputError."""
     found: dict[str, Any] = {}
     for key, value in values.items():
+        point = _point(scene, key)
+        if point is not None:
+            _set_point(found, values, key, point, value)
+            continue
         one = component(key)
         name, _, of = (key if one is None else one[0]).partition(".")
         surface = next((each for each in scene.surfaces if each.name == name), None)
@@ -146,6 +155,55 @@ def _whole(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
         both[place] = number(key, value)
         found[whole] = tuple(both)
     return found
+
+
+class _Point(NamedTuple):
+    """A number of a schedule in a part of a surface, as of "upper.drive.speed.1.0"."""
+
+    whole: str  # the key of the number that follows the schedule
+    both: tuple[Any, Any] | None  # of a push, of which `axis` follows it
+    axis: int
+    present: Any  # the schedule
+    place: list[str]  # in the schedule
+
+
+def _point(scene: Scene, key: str) -> _Point | None:
+    """The number of a schedule that a key names; None of any other key."""
+    name, _, inner = key.partition(".")
+    surface = next((each for each in scene.surfaces if each.name == name), None)
+    for part in () if surface is None else parts_of(surface):
+        whole, _, rest = inner.removeprefix(f"{part}.").partition(".")
+        if not (inner.startswith(f"{part}.") and rest):
+            continue
+        assert surface is not None
+        present = _value_of_part(surface, part, whole)
+        place = rest.split(".")
+        both = None
+        axis = 0
+        if isinstance(present, tuple) and place[0] in ("0", "1"):
+            both = present
+            axis = int(place.pop(0))
+            present = both[axis]
+        if isinstance(present, Schedule):
+            return _Point(f"{name}.{part}.{whole}", both, axis, present, place)
+    return None
+
+
+def _set_point(
+    found: dict[str, Any], values: Mapping[str, Any], key: str, point: _Point, value: Any
+) -> None:
+    """Set a number of a schedule in `found`, where others of it may have been set."""
+    whole = point.whole
+    for other in (whole, whole.rpartition(".")[0]):
+        if other in values:
+            raise InputError(key, f"cannot go with {other}; give one or the other")
+    with inside(whole if point.both is None else f"{whole}.{point.axis}"):
+        if point.both is None:
+            found[whole] = with_component(found.get(whole, point.present), point.place, value)
+            return
+        both = list(found.get(whole, point.both))
+        both[point.axis] = with_component(both[point.axis], point.place, value)
+        found[whole] = tuple(both)
 
 
 def reservoir_part(surface: Surface, on: str) -> str:
@@ -165,6 +223,8 @@ def value_of(scene: Scene, key: str) -> object:
     outer, _, inner = key.partition(".")
     if outer in (INTERACTION, FIELD) and "." in inner:
         return _values_of_only(scene, outer).get(inner)
+    if (point := _point(scene, key)) is not None:
+        return component_of(point.present, point.place)
     if (one := component(key)) is not None:
         whole, place = one
         name, _, of = whole.partition(".")

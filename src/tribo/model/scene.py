@@ -193,6 +193,8 @@ class Scene(ComparedByValue):
 
     def _held(self, surface: Surface, name: str) -> str:
         """Why centres of mass cannot be displaced along an axis, in a message; else empty."""
+        if surface.drive.gives_motion:
+            return ', as drive = "moved" gives their motion'
         if name[-1] == "x":
             can_move = self.slides_along_x(surface)
             instead = 'drive = "free" lets them move'

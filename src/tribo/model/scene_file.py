@@ -11,7 +11,7 @@ from typing import Any
 
 from tribo.files import read_file
 from tribo.model import drives
-from tribo.model.asperite import Asperite
+from tribo.model.drawn import column, is_column, with_columns
 from tribo.model.fields import from_table as field_of
 from tribo.model.initial import Initial
 from tribo.model.interaction import from_table as interaction_of
@@ -79,12 +79,15 @@ def _surface(table: object, folder: Path) -> Surface:
     """The surface that a table of a scene file describes; files are relative to `folder`."""
     table = known_keys(table, field_names(Surface), ["name"])
     readers: dict[str, Callable[[Any], object]] = {
-        "asperite": partial(from_table, Asperite),
+        # Surfaces draw from distributions, and check the rest.
+        "asperite": partial(with_columns, folder=folder),
         "initial": partial(from_table, Initial),
         "drive": partial(drives.as_drive, folder=folder),
         "bars": partial(drives.as_bars, folder=folder),
     }
     if is_topography(table.get("heights")):
         readers["heights"] = partial(as_topography, folder=folder)
+    if is_column(table.get("heights")):
+        readers["heights"] = partial(column, folder=folder)
     parts = {key: part(read)(key, table[key]) for key, read in readers.items() if key in table}
     return Surface(**table | parts)

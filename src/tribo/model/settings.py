@@ -16,7 +16,7 @@ COARSEST = 0.1
 # Of what the works and pseudoworks are kept.
 LEDGERS = ("asperites", "surfaces", "none")
 # Groups of further series that are reported on request.
-SERIES = ("forces", "energies", "own", "oscillators")
+SERIES = ("forces", "energies", "contacts", "own", "oscillators")
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Output:
         "asperites" keeps works and pseudoworks of each asperite, "surfaces" their sums over each
         surface, and "none" none of them. A run does not compute works that it does not keep.
     series : tuple of str
-        Further series: "forces" on every asperite, "energies" of every kind, "own" for those of
-        :class:`tribo.Quantity`, and displacements of all bath "oscillators".
+        Further series: "forces" on every asperite, "energies" of every kind, numbers of "contacts",
+        "own" for those of :class:`tribo.Quantity`, and displacements of all bath "oscillators".
     keep : tuple of str, optional
         The only quantities to record, as "upper.W" or "contact_energy"; None for all.
     run_in : float

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
@@ -13,7 +14,8 @@ from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.block import check_block
-from tribo.model.drives import Drive, Ends, Forced, as_bars, as_drive
+from tribo.model.drawn import column, is_column, with_draws
+from tribo.model.drives import Drive, Ends, Forced, Moved, as_bars, as_drive
 from tribo.model.elastic import Elastic, as_elastic, check_elastic
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin
@@ -145,6 +147,10 @@ class Surface(ComparedByValue):
         if self.elastic is not None:
             check.fields(self, elastic=part(as_elastic))
         check.fields(self, langevin=part(as_langevin), species=self._checked_species)
+        self._check_reservoirs()
+        with inside("asperite"):
+            drawn = with_draws(self.asperite, self.name, self.count)
+        object.__setattr__(self, "asperite", drawn)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             check.fields(self, **{key: part(partial(from_table, kind))})
             with inside(key):
@@ -153,6 +159,7 @@ class Surface(ComparedByValue):
         self._check_rigid()
         check_block(self)
         check_elastic(self)
+        self._check_given_motion()
         if self.initial.temperature and not np.all(np.asarray(self.asperite.kappa) > 0.0):
             raise InputError("initial.temperature", "needs asperite.kappa > 0, got 0")
 
@@ -171,6 +178,29 @@ class Surface(ComparedByValue):
             raise InputError("bars", 'cannot be forces of the user\'s own where drive = "bars"')
         if self.reservoir("bar") is not None:
             raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
+
+    def _check_given_motion(self) -> None:
+        """Refuse what a given motion of rigid asperites has no use for."""
+        if not isinstance(self.drive, Moved):
+            return
+        if not self.asperite.is_rigid:
+            raise InputError("asperite.kappa", 'must be inf where drive = "moved"')
+        if self.bath:
+            raise InputError("bath", 'cannot go with drive = "moved"')
+        if self.reservoirs:
+            raise InputError("langevin", 'cannot go with drive = "moved"')
+        first = self.drive.first_velocity
+        if self.velocity != first:
+            raise must_be("velocity", f"{list(first)}, that of the drive at t = 0", self.velocity)
+        if self.initial.temperature:
+            raise InputError("initial.temperature", 'cannot go with drive = "moved"')
+
+    def _check_reservoirs(self) -> None:
+        """Refuse reservoirs with lists of numbers that are not one for each asperite."""
+        for k, reservoir in enumerate(self.reservoirs):
+            place = f"[{k}]" if isinstance(self.langevin, tuple) else ""
+            with inside(f"langevin{place}"):
+                reservoir.for_each(self.count)
 
     def _check_rigid(self) -> None:
         """Refuse what would turn the pendulums of rigid asperites."""
@@ -222,7 +252,7 @@ class Surface(ComparedByValue):
     @property
     def noisy_forces(self) -> tuple[str, ...]:
         """The forces on its asperites that have white noise."""
-        noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.temperature > 0.0]
+        noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.warmest > 0.0]
         if "bar" in noisy:
             return ("f_T", "fL", "fR") if self.asperite.is_rigid else ("f_T",)
         return ("f2",) if noisy and self.drive.holds_bars else ()
@@ -368,6 +398,9 @@ def as_heights(value: object, grid: Grid) -> np.ndarray | Roughness | Topography
     if value is None:
         return None
     shape, spacing, _ = grid
+    if is_column(value):
+        with inside("heights"):
+            value = column(value, Path())  # type: ignore[arg-type]
     if is_topography(value):
         with inside("heights"):
             topography = as_topography(value).on(grid)

@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from tribo.model.schedule import Schedule
 from tribo.validation import Check, as_parent, inside, known_keys
 
 Kind = TypeVar("Kind")
@@ -67,6 +68,8 @@ def table_of(item: Any) -> dict[str, Any]:
 def _of_toml(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, Schedule):
+        return value.as_table()
     if isinstance(value, tuple) and not hasattr(value, "_fields"):
         return [_of_toml(item) for item in value]
     return table_of(value) if is_dataclass(value) else value

@@ -12,18 +12,13 @@ import numpy as np
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import (
-    FAST_INVERSE_ROOTS,
-    LANES,
     broadcast,
-    inverse_root,
     lane,
-    sqrt,
-    where_less,
     with_lane,
 )
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.kernels.contact import separation
-from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
+from tribo.pair.potential import clearance_between, energy_between, force_over_distance
 
 
 class PairScene(NamedTuple):
@@ -55,7 +50,7 @@ PAIR_NUMBERS = len(PairScene._fields)
 
 
 class PairContact(NamedTuple):
-    """Directions of the rods, contact force on the first bob, and distance; all are Lanes."""
+    """Directions of the rods, contact force on the first bob, and squared distance; all Lanes."""
 
     sin1: Any
     cos1: Any
@@ -63,16 +58,7 @@ class PairContact(NamedTuple):
     cos2: Any
     fx: Any
     fy: Any
-    r: Any
-
-
-@inlined
-def root_and_inverse(square):
-    if FAST_INVERSE_ROOTS:
-        inverse = inverse_root(square)
-        return 1.0 / inverse, inverse
-    r = sqrt(square)
-    return r, r * (1.0 / square)  # the quotient need not wait for the root
+    square: Any
 
 
 @inlined
@@ -103,11 +89,8 @@ def contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2):
     """The contact force at eight times and directions of the rods."""
     dx, dy = bob_separation(pair, t, k, sin1, cos1, sin2, cos2)
     square = dx * dx + (dy * dy + pair.z_squared)
-    r, inverse = root_and_inverse(square)
-    cutoff = range_in_lanes(potential, pair.charge1, pair.charge2)
-    f = force_in_lanes(potential, r, cutoff, pair.charge1, pair.charge2, 0, LANES) * inverse
-    f = where_less(square, cutoff * cutoff, f, 0.0)
-    return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, r)
+    f = force_over_distance(potential, square, pair.charge1, pair.charge2)
+    return PairContact(sin1, cos1, sin2, cos2, f * dx, f * dy, square)
 
 
 @inlined
@@ -129,15 +112,13 @@ def encounter_rate_of(pair, potential, r, q1, q2, v1, v2, j):
     velocity_x = pair.velocity_x + pair.mobility * j
     speed = math.sqrt(velocity_x * velocity_x + pair.velocity_y * pair.velocity_y)
     speed += abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2
-    return speed / potential.clearance_between(r, pair.charge1, pair.charge2)
+    return speed / clearance_between(potential, r, pair.charge1, pair.charge2)
 
 
 @kernel
-def energy_at(pair, potential, t, q1, q2, k):
-    r = distance(pair, t, q1, q2, k)
-    if r < potential.range_between(pair.charge1, pair.charge2):
-        return potential.energy_between(r, pair.charge1, pair.charge2)
-    return 0.0
+def energy_at(pair, potential, t, q1, q2, k, lane):
+    """The energy of the contact; of the potential of a lane if each has its own."""
+    return energy_between(potential, distance(pair, t, q1, q2, k), pair.charge1, pair.charge2, lane)
 
 
 @inlined

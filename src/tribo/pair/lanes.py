@@ -25,14 +25,15 @@ from tribo.compiler.lanes import (
     with_lane,
 )
 from tribo.compiler.lanes_functions import near_zero, reduced
-from tribo.compiler.lanes_memory import load, rows_of, store
-from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane, numbers_in_lanes
+from tribo.compiler.lanes_memory import address_at, load, rows_of, store
+from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.compiler.pointers import pointers
 from tribo.integrators.nystrom import Nystrom
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.lanes.refill import leave_member, next_member
 from tribo.pair.forces import PAIR_NUMBERS, accelerations_of, contact_of, energy_at
 from tribo.pair.loop import ENERGY
+from tribo.pair.potential import clearances_of, with_numbers
 from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
 from tribo.pair.triples import load_three, plus, store_three, times
 
@@ -81,7 +82,9 @@ def own_scenes(pair, potential, work, at, scenes):
     `at` is the first row of their numbers.
     """
     own = numbers_in_lanes(pair, scenes, work, at)
-    return own, numbers_in_lanes(potential, scenes, work, at + PAIR_NUMBERS)
+    if scenes is not None and scenes.shape[1] > PAIR_NUMBERS:
+        potential = with_numbers(potential, address_at(work[at + PAIR_NUMBERS], 0))
+    return own, potential
 
 
 @kernel
@@ -102,7 +105,7 @@ def accelerations(pair, potential, t, q1, q2, k):
         sin1, cos1, _ = near_zero(q1)
         sin2, cos2, _ = near_zero(q2)
     contact = contact_of(pair, potential, t, k, sin1, cos1, sin2, cos2)
-    return accelerations_of(pair, contact, q1, q2), contact.r
+    return accelerations_of(pair, contact, q1, q2), sqrt(contact.square)
 
 
 @inlined
@@ -135,14 +138,7 @@ def rate_of_encounters(pair, potential, r, q1, q2, rates):
     omega2 = absolute(v2) + math.sqrt(pair.omega_squared2) * absolute(q2)
     speed = absolute(pair.velocity_x + pair.mobility * j)
     speed = speed + (abs(pair.arm1) * omega1 + abs(pair.arm2) * omega2)
-    clear = r
-    for i in range(LANES):
-        own = numbers_at_lane(potential, i)
-        one = pair.charge1
-        other = pair.charge2
-        each = own.clearance_between(lane(r, i), lane_of(one, i), lane_of(other, i))
-        clear = with_lane(clear, i, each)
-    return speed / clear
+    return speed / clearances_of(potential, r, pair.charge1, pair.charge2)
 
 
 @inlined
@@ -233,8 +229,7 @@ def prepare_starts(pair, potential, work, at, scenes, starts, samples):
             own[START + 1] = lane(f[1], i)
             own[START + 2] = lane(f[2], i)
             one = numbers_at_lane(pairs, i)
-            its = numbers_at_lane(potentials, i)
-            own[ENERGY] = energy_at(one, its, 0.0, own[Q1], own[Q2], 0.0)
+            own[ENERGY] = energy_at(one, potentials, 0.0, own[Q1], own[Q2], 0.0, i)
 
 
 @inlined
@@ -256,7 +251,6 @@ def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     i = k % LANES
     m = queue.held[k]
     pair = numbers_at_lane(pairs, i)
-    potential = numbers_at_lane(potentials, i)
     first = samples[0, m]
     last = samples[1, m]
     for row in range(J + 1):
@@ -264,7 +258,7 @@ def end_member(pairs, potentials, work, k, limits, samples, queue, stages):
     for row in range(J + 1, ENERGY):
         last[row] = 0.0
     end = limits[END]
-    last[ENERGY] = energy_at(pair, potential, end, last[Q1], last[Q2], last[K])
+    last[ENERGY] = energy_at(pair, potentials, end, last[Q1], last[Q2], last[K], i)
     gain1 = gain_of(first, last, Q1, V1, pair.omega_squared1)
     gain2 = gain_of(first, last, Q2, V2, pair.omega_squared2)
     slide = 0.5 * last[J] * last[J]
@@ -317,8 +311,9 @@ def pair_members_in_lanes(
 ):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
-    `scenes` (members, numbers) has the numbers of each member's pair, and of its potential if that
-    has floats alone; with None all have those of `pair` and `potential`.  `memory` (GROUPS, F +
+    `potential` has units in lanes.  `scenes` (members, numbers) has the numbers of each member's
+    pair, and of its potential if that has floats alone; with None all have those of `pair` and
+    `potential`.  `memory` (GROUPS, F +
     3 stages + numbers, 8) is zeros, `table` the :func:`coefficients`, `limits` UNIT1 to
     MOST_TRIALS.  `starts` are (members, 2 coordinates) y of the scene's layout.  `samples` (2,
     members, COLUMNS) become those at the start and at the end; J_Y and the integrals of q are 0.

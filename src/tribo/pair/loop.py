@@ -11,12 +11,12 @@ import math
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import rows_of, store
-from tribo.compiler.numbers_in_lanes import numbers_in_row
 from tribo.integrators import step_control as control
 from tribo.integrators.collocation import MAX_EXTRAPOLATION, error_weight
 from tribo.kernels import status as codes
 from tribo.pair import step_rows as rows
 from tribo.pair.forces import accelerations_of, contact_at, distance, encounter_rate_of, energy_at
+from tribo.pair.potential import with_numbers
 from tribo.pair.step import Nodes, try_step
 from tribo.pair.step_rows import Q1, Q2, V1, V2, J
 from tribo.pair.step_sums import end_values, powers
@@ -38,7 +38,7 @@ def write_sample(pair, potential, clock, work, record):
     for account in range(LANES):
         record[k, J + 1 + account] = work[rows.ACCOUNTS, account]
     q1, q2, x = three_in(work, rows.PLACE, Q1)
-    record[k, ENERGY] = energy_at(pair, potential, clock.t, q1, q2, x)
+    record[k, ENERGY] = energy_at(pair, potential, clock.t, q1, q2, x, 0)
     clock.sample += 1
 
 
@@ -131,12 +131,12 @@ integrate_pair = kernel(pair_collocation)
 def pair_members(potential, pairs, numbers, memory, clocks, starts, times, records, budget):
     """Run members one after another with the steps of :func:`pair_collocation`.
 
-    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1, fields) of the potential, without
-    columns if it has others, are those of each member, or of all.  `starts` are (members, 2
-    coordinates); `records` (members, times + 1, COLUMNS) are as for one member.
+    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1,), addresses of the potential's
+    numbers, are those of each member, or of all.  `starts` are (members, 2 coordinates); `records`
+    (members, times + 1, COLUMNS) are as for one member.
     """
     for m in range(starts.shape[0]):
         clocks[0].evaluations = 0
         own = min(m, pairs.size - 1)
-        mine = numbers_in_row(potential, numbers, numbers[own], 0)
+        mine = with_numbers(potential, numbers[own])
         integrate_pair(pairs[own:], mine, memory, clocks, starts[m], times, records[m], budget)

@@ -210,7 +210,7 @@ def try_step(pair, potential, clock, h, encounter, sharpness, work):
     finite = math.isfinite(error) and math.isfinite(sum_of_lanes(end) + (start[0] + start[1]))
     if not error <= 1.0 or not finite:
         return False, growth_factor(error), finite
-    r = lane(nodes.contact.r, 0)
+    r = math.sqrt(lane(nodes.contact.square, 0))
     q1 = lane(nodes.q1, 0)
     q2 = lane(nodes.q2, 0)
     v1, v2, j = plus(three_in(work, rows.PLACE, V1), times(h, sums.once))

@@ -15,7 +15,7 @@ import numpy as np
 
 from tribo import plotting
 from tribo.paper.cases import END, Run
-from tribo.plotting.marks import arrow, frame, note, point_length, time_labels
+from tribo.plotting.marks import Box, arrow, frame, note, point_length, time_labels
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import Pose, pose
 from tribo.plotting.style import COLUMN, INK, WIDE, drawing_on
@@ -80,16 +80,16 @@ def _snapshots(case: str, times: tuple[float, ...]) -> Axes:
     right = 0.0
     for t in times:
         now = pose(result, t)
-        drawn.append(now.shifted((right - now.box[0], 0.0)))
-        right = drawn[-1].box[1] + 0.2  # lengths between snapshots
+        drawn.append(now.shifted((right - now.box.left, 0.0)))
+        right = drawn[-1].box.right + 0.2  # lengths between snapshots
     boxes = np.array([now.box for now in drawn])
-    box = (boxes[0, 0], boxes[-1, 1], boxes[:, 2].min(), boxes[:, 3].max())
+    box = Box(boxes[0, 0], boxes[-1, 1], boxes[:, 2].min(), boxes[:, 3].max())
     with drawing_on(None, WIDE) as ax:
         for now, label in zip(drawn, time_labels(times), strict=True):
-            Picture(ax, now, point_length(ax, *box[:2]))
-            note(ax, (0.5 * (now.box[0] + now.box[1]), box[2]), label, (0.0, -8.0))
+            Picture(ax, now, point_length(ax, box.left, box.right))
+            note(ax, (0.5 * (now.box.left + now.box.right), box.bottom), label, (0.0, -8.0))
             lower = now.cms[now.index("lower", 0), 0]
-            ax.plot(2 * [lower], box[2:], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
+            ax.plot(2 * [lower], [box.bottom, box.top], color=INK, lw=0.6, ls=(0, (4, 2)), zorder=1)
         frame(ax, box, bottom=18.0)
     return ax
 
@@ -112,7 +112,7 @@ def _model() -> Axes:
     theta = np.pi / 6
     l1 = 2.2
     l2 = 1.1
-    box = (-3.05, 3.35, -3.6, 1.8)
+    box = Box(-3.05, 3.35, -3.6, 1.8)
     rod = np.array([[np.sin(theta), -np.cos(theta)]])  # from the bar, at the origin, to the bob
     now = Pose(
         parts={"upper": slice(0, 1)},
@@ -129,7 +129,7 @@ def _model() -> Axes:
         dots=np.empty((0, 2)),
     )
     with drawing_on(None, COLUMN) as ax:
-        Picture(ax, now, point_length(ax, *box[:2]))
+        Picture(ax, now, point_length(ax, box.left, box.right))
         _model_lengths(ax, now)
         _model_angles(ax, now)
         _model_arrows(ax, now)

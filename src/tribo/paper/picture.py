@@ -67,7 +67,7 @@ def draw_overview(tables: Mapping[str, Sequence[Row]], path: str | Path) -> Path
 def _drawing(ax: Axes, case: str) -> None:
     """Both asperites near their closest approach."""
     now = pose(Run.extended(case).result, PASSING)
-    Picture(ax, now, point_length(ax, *now.box[:2]))
+    Picture(ax, now, point_length(ax, now.box.left, now.box.right))
     frame(ax, now.box)
     ax.set_title(f"{case} at $t = {PASSING}$", fontsize="medium")
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.files import checked_target, replace_file
-from tribo.plotting.marks import EDGE, POINTS_PER_INCH, frame, with_minus
+from tribo.plotting.marks import EDGE, POINTS_PER_INCH, Box, frame, with_minus
 from tribo.plotting.picture import Picture
 from tribo.plotting.pose import Pose, pose
 from tribo.plotting.snapshots import typical_swing
@@ -124,7 +124,7 @@ class Film:
         self.figure.text(0.5, 1.0 - 0.3 * TITLE / total, title, ha="center", va="center")
         above = self.figure.add_axes((0.0, CURVES / total, 1.0, height / total))
         above.set_axis_off()
-        box = left, right, bottom, top
+        box = Box(left, right, bottom, top)
         frame(above, box, bottom=2 * EDGE, top=2 * EDGE, left=3 * EDGE, right=3 * EDGE)
         scale = min(WIDTH / (right - left), height / (top - bottom)) * POINTS_PER_INCH
         self._picture = Picture(above, self._pose(0), 1.0 / scale, typical_swing(result))
@@ -170,7 +170,7 @@ class Film:
         return Image.frombuffer("RGBA", size, pixels, "raw", "RGBA", 0, 1).convert("RGB")
 
     def _pose(self, sample: int) -> Pose:
-        return pose(self._result, float(self._result.t[sample]), self._bath)
+        return pose(self._result, float(self._result.t[sample]), self._bath, wrap=True)
 
     def show(self, sample: int) -> None:
         t = self._result.t

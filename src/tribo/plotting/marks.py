@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,11 +13,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike
 
-Box = tuple[float, float, float, float]  # left, right, bottom and top, in units of the Axes
-
 POINTS_PER_INCH = 72.0
 # Margin around a drawing [points].
 EDGE = 4.0
+
+
+class Box(NamedTuple):
+    """A part of a drawing, in the units of its Axes."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
 
 
 def arrow(ax: Axes, start: ArrayLike, tip: ArrayLike, **properties: Any) -> None:
@@ -65,9 +72,8 @@ def point_length(ax: Axes, low: float, high: float, **margins: float) -> float:
 
 def frame(ax: Axes, box: Box, **margins: float) -> None:
     """Show a part of a drawing, with margins `left`, `right`, `bottom` and `top` [points]."""
-    point = point_length(ax, *box[:2], **margins)
-    sides = ("left", "right", "bottom", "top")
-    left, right, bottom, top = (point * margins.get(side, EDGE) for side in sides)
-    ax.set_xlim(box[0] - left, box[1] + right)
-    ax.set_ylim(box[2] - bottom, box[3] + top)
+    point = point_length(ax, box.left, box.right, **margins)
+    left, right, bottom, top = (point * margins.get(side, EDGE) for side in Box._fields)
+    ax.set_xlim(box.left - left, box.right + right)
+    ax.set_ylim(box.bottom - bottom, box.top + top)
     ax.set_aspect("equal")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.layout.scene_records import resting_bobs
-from tribo.plotting import snapshots
+from tribo.plotting import measured, snapshots
 from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing_of
 from tribo.plotting.marks import note, with_minus
 from tribo.plotting.pose import nearest_sample
@@ -189,6 +189,38 @@ class Plots:
             finish(ax, result, f"friction force on {name}")
         return ax
 
+    def loop(
+        self, surface: str | None = None, position: object = None, ax: Axes | None = None
+    ) -> Axes:
+        """Draw the friction loop of a surface: see :meth:`tribo.Result.loop`.
+
+        Parameters
+        ----------
+        surface : str, optional
+            The first without it.
+        position : array_like, (times,), optional
+            The position of the stage of a drive of one's own [length].
+        """
+        return measured.draw_loop(self._result, self._surface(surface), position, ax)
+
+    def friction_map(
+        self, surface: str | None = None, force: str = "friction", ax: Axes | None = None
+    ) -> Axes:
+        """Draw the mean force of each asperite where it rests; along x of a row.
+
+        Parameters
+        ----------
+        surface : str, optional
+            The first without it.
+        force : "friction" or "normal"
+            Which of the forces of :meth:`tribo.Result.friction_map`.
+        """
+        return measured.draw_map(self._result, self._surface(surface), force, ax)
+
+    def contacts(self, surface: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw the share of asperites in contact over time, of the first surface by default."""
+        return measured.draw_contacts(self._result, self._surface(surface), ax)
+
     def phase(self, ax: Axes | None = None) -> Axes:
         """Draw the angular velocity of pendulums over their swing.
 
@@ -363,7 +395,7 @@ class Plots:
             if result.scene.output.ledger != "none":
                 self.work(ax=places["work"])
             if result.scene.periodic:
-                caption = "periodic: positions are not wrapped, images not drawn"
+                caption = "one period; bars that leave it enter at the other side"
                 places["snapshots"].set_title(caption, fontsize="medium")
             figure.draw_without_rendering()  # lays out the Axes, whose sizes snapshots need
             self.snapshots(ax=places["snapshots"])

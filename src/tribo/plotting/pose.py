@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.model.surface import Surface
+from tribo.plotting.marks import Box
 from tribo.plotting.oscillators import oscillator_dots
 from tribo.results.run_result import RunResult
 from tribo.validation import InputError
@@ -50,14 +51,14 @@ class Pose:
         return np.stack([self.bars - half, self.bars + half], axis=1)
 
     @property
-    def box(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top, with the size of the parts."""
+    def box(self) -> Box:
+        """What the parts cover."""
         size = float(self.rods.max())
         ends = self.ends.reshape(-1, 2)
         room = np.array([0.2, 0.1]) * size  # around bobs
         low = np.concatenate([ends - 0.06 * size, self.bobs - room, self.dots]).min(axis=0)
         high = np.concatenate([ends + 0.06 * size, self.bobs + room, self.dots]).max(axis=0)
-        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+        return Box(float(low[0]), float(high[0]), float(low[1]), float(high[1]))
 
     def index(self, surface: str, asperite: int) -> int:
         """The place of an asperite among all."""
@@ -68,8 +69,8 @@ class Pose:
         return replace(self, **moved)
 
 
-def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
-    """All asperites at a time.
+def pose(result: RunResult, t: float, bath: bool = False, wrap: bool = False) -> Pose:
+    """All asperites at a time, with `wrap` within one period of a periodic scene.
 
     Between samples, centres of mass and angles are cubic Hermite interpolants of the samples and
     their rates; bath oscillators are those of the nearest sample.  Raises InputError for a time
@@ -80,12 +81,19 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
     parts = result.scene.parts
     places = [_places(result, surface, t) for surface in surfaces]
     aside = [np.asarray(s.resting_bobs()[:, 2:] * OBLIQUE) for s in surfaces]
+    if wrap:
+        turns = [_turns(result, bars[:, 0]) for bars, *_ in places]
+        aside = [own + turn for own, turn in zip(aside, turns, strict=True)]
     shifts = dict(zip((s.name for s in surfaces), aside, strict=True))
     dots = oscillator_dots(result, np.array([sample])) if bath else {}
     rows = [(d[0] + shifts[name][:, None]).reshape(-1, 2) for name, d in dots.items()]
     joined = [joined_bars(s) + parts[s.name].start for s in surfaces]
     shift = np.concatenate(aside)
     bars, cms, bobs, phi, theta = map(np.concatenate, zip(*places, strict=True))
+    pairs = np.concatenate(joined)
+    if wrap and result.scene.periodic.x is not None:
+        apart = np.abs(np.diff((bars + shift)[pairs, 0], axis=1)[:, 0])
+        pairs = pairs[apart < 0.5 * result.scene.periodic.x]  # not across the picture
     return Pose(
         parts=parts,
         bars=bars + shift,
@@ -97,9 +105,24 @@ def pose(result: RunResult, t: float, bath: bool = False) -> Pose:
         up=np.concatenate([np.full(s.count, s.facing_sign) for s in surfaces]),
         is_twisted=np.concatenate([has_spring(s) for s in surfaces]),
         aside=shift,
-        joined=np.concatenate(joined),
+        joined=pairs,
         dots=np.concatenate([np.empty((0, 2)), *rows]),
     )
+
+
+def _turns(result: RunResult, x: np.ndarray) -> np.ndarray:
+    """(n, 2) shifts by whole periods along x that bring bars into the period of the first surface.
+
+    It begins half a spacing to the left of the surface's first bar, at the start.
+    """
+    found = np.zeros((x.size, 2))
+    period = result.scene.periodic.x
+    if period is not None:
+        first = result.scene.surfaces[0]
+        start = float(np.min(result[first.name]["x_bar"][0]))
+        apart = first.spacing[0] if first.positions is None and first.shape[0] > 1 else period
+        found[:, 0] = -period * np.floor((x - start + 0.5 * min(apart, period)) / period)
+    return found
 
 
 def nearest_sample(result: RunResult, t: float) -> int:

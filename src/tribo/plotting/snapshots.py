@@ -70,17 +70,23 @@ def snapshots(
     """Draw all asperites at the samples nearest to some times."""
     times = encounter_times(result, 4) if times is None else times
     samples = [nearest_sample(result, t) for t in times]
-    poses = [pose(result, float(result.t[k]), bath) for k in samples]
+    poses = [pose(result, float(result.t[k]), bath, wrap=True) for k in samples]
     room = 0.0 if forces is None else ARROW_ROOM * float(poses[0].rods.max())
     boxes = np.array([now.box for now in poses]) + np.array([-room, room, 0.0, 0.0])
     widths = boxes[:, 1] - boxes[:, 0]
     heights = boxes[:, 3] - boxes[:, 2]
     # In a row, pictures are small if it is much wider than high.
-    arranged = _in_a_row if widths.sum() < 6.0 * heights.max() else _in_a_column
+    arranged = [_in_a_row if widths.sum() < 6.0 * heights.max() else _in_a_column]
+    room_above = np.inf
     is_given = ax is not None
+    if is_given:
+        arranged = [_in_a_row, _in_two_columns, _in_a_column]
     with drawing_on(ax, WIDE) as ax:
         width, height = np.array(ax.bbox.size) / ax.figure.dpi * marks.POINTS_PER_INCH
-        layout = arranged(boxes, width, height - BAR_ROOM if is_given else np.inf)
+        if is_given:
+            room_above = height - BAR_ROOM
+        layouts = [arrange(boxes, width, room_above) for arrange in arranged]
+        layout = min(layouts, key=lambda each: each.point)  # the largest pictures
         point = layout.point
         left, right, bottom, top = layout.view
         swing = typical_swing(result)
@@ -124,7 +130,25 @@ def _in_a_row(boxes: np.ndarray, width: float, height: float) -> _Layout:
     below = np.full(len(boxes), low - 0.5 * LINE * point)
     edge = marks.EDGE * point
     labels = np.stack([begins + 0.5 * widths, below], axis=1)
-    view = (boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
+    view = marks.Box(boxes[0, 0] - edge, end + edge, low - LINE * point, high + edge)
+    return _Layout(point, shifts, labels, "center", view)
+
+
+def _in_two_columns(boxes: np.ndarray, width: float, height: float) -> _Layout:
+    """Snapshots two and two in cells of one size, in so many points; times below them."""
+    wide = float(np.max(boxes[:, 1] - boxes[:, 0]))
+    high = float(np.max(boxes[:, 3] - boxes[:, 2]))
+    rows = (len(boxes) + 1) // 2
+    point = 2.0 * wide / (width - GAP - 2.0 * marks.EDGE)
+    point = max(point, rows * high / max(1.0, height - rows * LINE - marks.EDGE))
+    place = np.arange(len(boxes))
+    left = (place % 2) * (wide + GAP * point)
+    top = -(place // 2) * (high + LINE * point)
+    shifts = np.stack([left - boxes[:, 0], top - boxes[:, 3]], axis=1)
+    labels = np.stack([left + 0.5 * wide, top - high - 0.5 * LINE * point], axis=1)
+    edge = marks.EDGE * point
+    lowest = -rows * (high + LINE * point)
+    view = marks.Box(-edge, 2.0 * wide + GAP * point + edge, lowest, edge)
     return _Layout(point, shifts, labels, "center", view)
 
 
@@ -141,7 +165,7 @@ def _in_a_column(boxes: np.ndarray, width: float, height: float) -> _Layout:
     labels = np.stack([start, tops[:-1] - 0.5 * heights], axis=1)
     edge = marks.EDGE * point
     highest, *_, lowest = tops.tolist()
-    view = (left - MARGIN * point, right + edge, lowest, highest + edge)
+    view = marks.Box(left - MARGIN * point, right + edge, lowest, highest + edge)
     return _Layout(point, shifts, labels, "left", view)
 
 
@@ -180,9 +204,9 @@ def sequence(
                     marks.note(
                         ax, (left, floor - 0.5 * gap), phases[k - 1], style="italic", **beside
                     )
-            floor = row.box[2]
+            floor = row.box.bottom
             before = row
-        marks.frame(ax, (left, right, floor, 0.0), left=MARGIN)
+        marks.frame(ax, marks.Box(left, right, floor, 0.0), left=MARGIN)
     return ax
 
 

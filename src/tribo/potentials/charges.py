@@ -28,6 +28,7 @@ class Coulomb(Charged):
     """
 
     strength: float
+    _key = "coulomb"
 
     def energy(self, r):
         return self.strength / r
@@ -59,6 +60,7 @@ class Yukawa(Charged):
     strength: float
     screening: float
     _limits = (("screening", ">=", "1 / length"),)
+    _key = "yukawa"
 
     def energy(self, r):
         return self.strength * np.exp(-self.screening * r) / r
@@ -89,6 +91,7 @@ class Plummer(Charged):
     strength: float
     softening: float
     _limits = (("softening", ">", "length"),)
+    _key = "plummer"
 
     def energy(self, r):
         return self.strength / np.sqrt(r * r + self.softening * self.softening)

@@ -29,6 +29,7 @@ class Morse(Potential):
     alpha: float
     r0: float
     _limits = (("D", ">=", "energy"), ("alpha", ">", "1 / length"))
+    _key = "morse"
 
     def energy(self, r):
         e = np.exp(-self.alpha * (r - self.r0))
@@ -66,6 +67,7 @@ class BornMayer(Potential):
     A: float
     rho: float
     _limits = (("A", ">=", "energy"), ("rho", ">", "length"))
+    _key = "born-mayer"
 
     def energy(self, r):
         return self.A * np.exp(-r / self.rho)
@@ -101,6 +103,7 @@ class Buckingham(Potential):
     rho: float
     C: float
     _limits = (("A", ">", "energy"), ("rho", ">", "length"), ("C", ">=", "energy length^6"))
+    _key = "buckingham"
 
     def energy(self, r):
         return self.A * np.exp(-r / self.rho) - self.C / r**6

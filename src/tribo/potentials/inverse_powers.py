@@ -24,6 +24,7 @@ class LennardJones(Potential):
     epsilon: float
     sigma: float
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
+    _key = "lennard-jones"
 
     def energy(self, r):
         s6 = (self.sigma * (1.0 / r)) ** 6  # as below, so that both are computed once
@@ -65,6 +66,7 @@ class WeeksChandlerAndersen(Potential):
     epsilon: float
     sigma: float
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"))
+    _key = "weeks-chandler-andersen"
 
     def energy(self, r):
         s6 = (self.sigma / r) ** 6
@@ -119,6 +121,7 @@ class Mie(Potential):
     n: float
     m: float
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("m", ">", ""))
+    _key = "mie"
 
     def energy(self, r):
         n = self.n
@@ -169,6 +172,7 @@ class SoftSphere(Potential):
     sigma: float
     n: float
     _limits = (("epsilon", ">=", "energy"), ("sigma", ">", "length"), ("n", ">", ""))
+    _key = "soft-sphere"
 
     def energy(self, r):
         return self.epsilon * (self.sigma / r) ** self.n

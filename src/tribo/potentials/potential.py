@@ -164,6 +164,8 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
 
     _fields: ClassVar[tuple[str, ...]] = ()
     _field_defaults: ClassVar[dict[str, Any]] = {}
+    # Its name in scene files, that of a potential of tribo.
+    _key: ClassVar[str]
     # Parameters that are potentials.
     _parts: ClassVar[tuple[str, ...]] = ()
     # Parameters that are positive, ">", or not negative, ">=", and their units.

@@ -26,6 +26,7 @@ class Gaussian(Potential):
     height: float
     width: float
     _limits = (("width", ">", "length"),)
+    _key = "gaussian"
 
     def energy(self, r):
         x = r / self.width
@@ -63,6 +64,7 @@ class Hertz(Potential):
     A: float
     d: float
     _limits = (("A", ">=", "energy"), ("d", ">", "length"))
+    _key = "hertz"
 
     def energy(self, r):
         overlap = np.maximum(1.0 - r / self.d, 0.0)

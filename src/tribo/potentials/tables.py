@@ -7,33 +7,30 @@ from typing import Any
 
 from tribo.plugins import classes as plugins
 from tribo.plugins.unloaded import left
-from tribo.potentials import from_ase
-from tribo.potentials.charges import Coulomb, Plummer, Yukawa
+from tribo.potentials import charges, exponentials, from_ase, inverse_powers, soft_cores
 from tribo.potentials.combined import Scaled, Sum
 from tribo.potentials.dimers import from_dimer
-from tribo.potentials.exponentials import BornMayer, Buckingham, Morse
 from tribo.potentials.expression import class_of, is_expression
-from tribo.potentials.inverse_powers import LennardJones, Mie, SoftSphere, WeeksChandlerAndersen
 from tribo.potentials.potential import AT_CUTOFF, Potential, as_potential, complete
-from tribo.potentials.soft_cores import Gaussian, Hertz
 from tribo.potentials.spline import Table, from_csv, from_points
 from tribo.validation import InputError, inside, is_list, known_keys, must_be, shortened
 
+# The files of formulas.
+FORMULAS = (charges, exponentials, inverse_powers, soft_cores)
+
+
+def _with_keys() -> dict[str, type]:
+    """The classes in the files of formulas that have a key of their own."""
+    found: dict[str, type] = {}
+    for file in FORMULAS:
+        for each in vars(file).values():
+            if isinstance(each, type) and "_key" in vars(each):
+                found[vars(each)["_key"]] = each
+    return found
+
+
 # The built-in potentials, by their names in scene files.
-BUILT_IN: dict[str, type] = {
-    "coulomb": Coulomb,
-    "morse": Morse,
-    "lennard-jones": LennardJones,
-    "yukawa": Yukawa,
-    "buckingham": Buckingham,
-    "born-mayer": BornMayer,
-    "weeks-chandler-andersen": WeeksChandlerAndersen,
-    "mie": Mie,
-    "plummer": Plummer,
-    "hertz": Hertz,
-    "soft-sphere": SoftSphere,
-    "gaussian": Gaussian,
-}
+BUILT_IN = _with_keys()
 # Keys of a cutoff.
 CUTOFF_KEYS = ("cutoff", "at_cutoff", "switch_from")
 
@@ -101,7 +98,7 @@ def class_named(name: object, folder: Path) -> type:
     if is_expression(name):
         return complete(class_of(name))
     known = shortened(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
-    raise must_be("potential", f'{known}, "yourfile.py:YourClass" or an expression in r', name)
+    raise must_be("potential", f'{known}, "file.py:Class" or an expression in r', name)
 
 
 def as_table(potential: Any) -> dict[str, Any]:

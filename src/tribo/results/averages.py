@@ -347,6 +347,29 @@ def interval(values: np.ndarray, first_stage: int | None = None) -> Interval:
     return Interval(np.mean(values, axis=0), student(degrees) * spread / np.sqrt(len(values)))
 
 
+class SampleMean(NamedTuple):
+    """The mean of independent values.
+
+    Attributes
+    ----------
+    mean : float
+        The mean, in the unit of the values.
+    half_width : float
+        Half-width of its 95 % interval; NaN of a single value.
+    """
+
+    mean: float
+    half_width: float
+
+
+def sample_mean(values: np.ndarray) -> SampleMean:
+    """The mean of independent values (n,), with Student's interval."""
+    if values.size < 2:
+        return SampleMean(float(np.mean(values)), np.nan)
+    found = interval(values)
+    return SampleMean(float(found.mean), float(found.half_width))
+
+
 def members_needed(sample: np.ndarray, half_width: float) -> float:
     """The number of members by Stein's rule, from values (n0, ...) of the first n0; may be inf."""
     largest = float(np.max(np.std(sample, axis=0, ddof=1)))

@@ -4,10 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.layout.legs import BEGUN
 from tribo.model.fields import period_of
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
 from tribo.validation import POSITIVE, InputError, number
+
+# Relative size of a motion backwards that is round-off.
+ROUNDING = 1e-12
 
 
 class Depinning(NamedTuple):
@@ -115,12 +119,30 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
         force = result[surface.name]["f2_x"] if recorded else _force_on_bars(result, index)
         along = float(np.sign(force[-1, 0]))
     if drive.stage is not None:
-        along = float(np.sign(drive.stage.speed * (result.t[-1] - result.t[0]) - ground[-1]))
+        moved = _moved(result, index, result.t) - ground
+        moved = moved - moved[0]
+        along = float(np.sign(moved[-1]))
+        steps = along * np.diff(moved)
+        if drive.stage.follows_schedule and np.any(steps < -ROUNDING * np.max(np.abs(moved))):
+            raise InputError(
+                f"{surface.name}.drive",
+                "must have a stage that does not turn back, to start one "
+                "slide; simulate the part of its schedule with the slide alone",
+            )
     if along == 0.0:
         raise InputError(
             f"{surface.name}.drive", "must be one that pulls or pushes along x, to start a slide"
         )
     return force, along
+
+
+def _moved(result: RunResult, index: int, t: np.ndarray) -> np.ndarray:
+    """How far the stage of a surface is from its place at the end of the run, at times t."""
+    state = result.state()
+    stage = result.scene.surfaces[index].drive.stage
+    assert stage is not None
+    begun = state.begun[index, BEGUN.index("stage")]
+    return np.asarray(stage.displacement(t - begun) - stage.displacement(state.t - begun))
 
 
 def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
@@ -131,9 +153,10 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     x = result[surface.name]["x_bar"]
     drive = surface.drive
     t = result.t[:, None]
-    speed = 0.0 if drive.stage is None else drive.stage.speed
     rest = surface.resting_bobs(seed=[scene.seed, index, 0])[:, 0] + surface.velocity[0] * state.t
-    stage = rest + state.phases[index, 0] + speed * (t - state.t)
+    stage = rest + state.phases[index, 0]
+    if drive.stage is not None:
+        stage = stage + _moved(result, index, t)
     force = drive.force_along_x(x, t - state.begun[index, 0], stage)
     if force is None:
         raise InputError("output.series", f'must have "forces", as "{surface.name}" has {drive}')

@@ -3,9 +3,11 @@
 import numpy as np
 
 from tribo.kernels.status import Status
+from tribo.layout.legs import begun_of, scheduled_numbers
 from tribo.ledger.ledger import Series
 from tribo.ledger.quantities import AVERAGED
 from tribo.model.scene import Scene
+from tribo.model.schedule import changes, largest
 from tribo.model.surface import Surface
 from tribo.results.averages import Average, average_from
 from tribo.results.run_result import RunResult
@@ -91,7 +93,14 @@ def friction_coefficient(
         As of :meth:`friction_force`, relative to the load; the mean is not negative.
     """
     found = friction_force(result, surface, after)
-    load = load_of(next(each for each in result.scene.surfaces if each.name == surface))
+    part = next(each for each in result.scene.surfaces if each.name == surface)
+    if changes(part.drive.load):
+        raise InputError(
+            f"{surface}.drive.load",
+            "changes with time, so that no one load divides the friction force; take "
+            "friction_force, and a mean of the load over the same time",
+        )
+    load = load_of(part)
     if load == 0.0:
         raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
     return found._replace(
@@ -126,10 +135,24 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
     except InputError as error:
         field = "output.run_in" if after is None and error.field == "after" else error.field
         raise InputError(field, "; ".join(filter(None, [error.problem, stop]))) from None
-    notes = [stop, found.note]
+    notes = [stop, found.note, _schedule_note(result, found.after)]
     if name == "pull_force":
         notes.append(_drag_note(result, surface, found.mean))
     return found._replace(note="; ".join(filter(None, notes)))
+
+
+def _schedule_note(result: RunResult, after: float) -> str:
+    """A note where a schedule changes the conditions during an average; else empty."""
+    state = result.state()
+    for each in scheduled_numbers(result.scene):
+        kinks = np.array(each.schedule.kinks) + begun_of(each, state.begun)
+        if each.schedule.is_sine or np.any((kinks > after) & (kinks < result.t[-1])):
+            of = "a field" if each.field >= 0 else f'"{result.scene.surfaces[each.surface].name}"'
+            return (
+                f"a schedule of {of} changes the conditions during the average; select a part "
+                "with one condition by after=, or by the duration"
+            )
+    return ""
 
 
 def _up_to_stop(result: RunResult, series: Series, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -225,8 +248,8 @@ def has_mean_friction(scene: Scene) -> bool:
 
 
 def load_of(surface: Surface) -> float:
-    """The load on all asperites of a surface; zero without one."""
-    return abs(surface.drive.load or 0.0) * (1 if surface.drive.block else surface.count)
+    """The load on all asperites of a surface, the largest of a schedule; zero without one."""
+    return largest(surface.drive.load) * (1 if surface.drive.block else surface.count)
 
 
 def _drag_note(result: RunResult, surface: str, pull: float) -> str:
@@ -239,7 +262,7 @@ def _drag_note(result: RunResult, surface: str, pull: float) -> str:
     still = part.velocity if reservoir.velocity is None else reservoir.velocity
     moved = series["x_bar"][-1] - series["x_bar"][0]
     velocities = moved / (result.t[-1] - result.t[0]) - still[0]
-    drag = float(-reservoir.gamma * np.sum(velocities))
+    drag = float(-np.sum(reservoir.gamma * velocities))
     if abs(drag) <= NOTED_DRAG * abs(pull):
         return ""
     return f"the reservoir's drag on the bars, {drag:.2g}, is more than a tenth of it"

@@ -7,25 +7,15 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
+from tribo.ledger.quantities import BLOCK_QUANTITIES
 from tribo.ledger.separation import contact_distance_of
 from tribo.model.surface import Surface
 from tribo.results import force_averages
 from tribo.results.averages import Average, mean_text
 from tribo.results.run_result import RunResult
 
-# Quantities of surfaces in the summary, their words and their formats.
-WORKS = (
-    ("W", "work", " .6g"),
-    ("W_ps", "pseudowork", " .6g"),
-    ("delta_E_int", "internal energy", "+.6g"),
-)
-# Quantities of surfaces in the table, where they are kept, and what stands above them.
-SHOWN = {
-    "W": "work",
-    "W_ps": "pseudowork",
-    "delta_K": "bulk kinetic energy",
-    "delta_E_int": "internal energy",
-}
+# Quantities of surfaces in the summary, where they are kept.
+SHOWN = {name: each.summary for name, each in BLOCK_QUANTITIES.items() if each.summary}
 
 
 def end(result: RunResult) -> dict[str, Any]:
@@ -83,7 +73,10 @@ def text(result: RunResult) -> str:
     if result.ledger.kept:
         lines.append(f"  only {', '.join(result.ledger.kept)} are recorded")
     for name, block in result.ledger.at_end().blocks.items():
-        parts = [f"{word} {block[key][-1]:{form}}" for key, word, form in WORKS if key in block]
+        parts = []
+        for key, (heading, form) in SHOWN.items():
+            if form and key in block:
+                parts.append(f"{heading} {block[key][-1]:{form}}")
         if "W" not in block and not result.ledger.kept:
             parts = ["works are not kept", *parts]
         if parts:
@@ -153,7 +146,7 @@ def html(result: RunResult) -> str:
     first, *_ = text(result).splitlines()
     blocks = result.ledger.at_end().blocks
     names = [name for name in SHOWN if all(name in block for block in blocks.values())]
-    rows = [_row(["surface", *(SHOWN[name] for name in names)], "th")]
+    rows = [_row(["surface", *(SHOWN[name].heading for name in names)], "th")]
     for surface, block in blocks.items():
         rows.append(_row([surface, *(f"{block[name][-1]:.6g}" for name in names)]))
     bounds = [result.error_estimate.get(name) for name in names]

@@ -13,7 +13,7 @@ from tribo.ledger.quantities import Table
 from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene
-from tribo.validation import InputError
+from tribo.validation import InputError, one_of
 
 T = TypeVar("T")
 
@@ -38,6 +38,12 @@ class _ErrorEstimates(dict[str, float | None]):
 def itself(value: T) -> T:
     """A value that is known already; a partial of it can be pickled."""
     return value
+
+
+def index_of(result: "RunResult", name: str) -> int:
+    """The index of a surface of the scene.  Raises InputError if there is no such surface."""
+    names = [surface.name for surface in result.scene.surfaces]
+    return names.index(one_of("surface", name, names))
 
 
 def of_all(result: "RunResult", name: str) -> np.ndarray:
@@ -74,7 +80,7 @@ class Cost:
     digit_fewer: float | None = None
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class RunResult:
     """The result of a run.
 

@@ -22,7 +22,7 @@ from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
 from tribo.sweeps.dataset import Table
 from tribo.sweeps.effects import check_effects
-from tribo.sweeps.grid import Grid, Keys
+from tribo.sweeps.grid import POINT, Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import members_of, point_sets, runs_of
 from tribo.validation import InputError, boolean, choice, inside, instance, integer
@@ -51,6 +51,7 @@ def sweep(
     progress: Shown = None,
     allow_unresolved: bool = False,
     seed: int = 0,
+    point: str = POINT,
 ) -> xarray.Dataset:
     """Run a scene with every combination of some values: a grid of ensembles.
 
@@ -72,15 +73,18 @@ def sweep(
         As for :func:`ensemble`, at each point.  The points are then run one after another.
     progress : callable or bool, optional
         As for :func:`ensemble`, with the number of finished points.
+    point : str
+        Name of the dimension of keys that are swept together; of further ones with "_2", "_3".
     vary, at, sampler, engine, out, resume, accuracy, method, step, threads, allow_unresolved, seed
         As for :func:`ensemble`.
 
     Returns
     -------
     xarray.Dataset
-        A data set as for an ensemble, with a dimension for each key; the dimension of several keys
-        is named by these, with commas.  ``status``, ``steps``, ``force_evaluations``, ``level`` and
-        ``error`` are those of each run.  Values of runs that did not complete are NaN.
+        A data set as for an ensemble, with a dimension for each key, which is a coordinate.  Keys
+        that are swept together share the dimension `point`.  ``status``, ``steps``,
+        ``force_evaluations``, ``level`` and ``error`` are those of each run.  Values of runs that
+        did not complete are NaN.
 
         Without members, the error of each quantity is ``upper.W_error``, if there is an accuracy;
         a point that missed it has its values and the status "AccuracyMissed".  With members, their
@@ -94,7 +98,7 @@ def sweep(
     KeyboardInterrupt
         As for :func:`ensemble`; runs that were not finished are "not run".
     """
-    grid = Grid(instance(Scene)("scene", scene), values)
+    grid = Grid(instance(Scene)("scene", scene), values, point)
     if members is None and (vary or sampler is not None) and half_width is None:
         raise InputError("members", "is missing; vary is what differs between members")
     number = None if members is None else integer("members", members, 2)
@@ -142,5 +146,6 @@ def sweep(
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
 
     others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
+    others |= {"point": point}
     identify = partial(request.identity, recorded, variation, others)
     return in_file(out, resume, scene, identify, progress, grid.size, "points", compute).load()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import cycle, product
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.curves import DASHES, legend
-from tribo.plotting.style import NOTE_SIZE, WIDE, drawing_on
+from tribo.plotting.curves import COLOURS, DASHES, legend
+from tribo.plotting.style import COLUMN, NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, one_of
 
@@ -49,9 +51,9 @@ def sweep_lines(
     data = with_single_asperites_as_numbers(data)
     dimensions = keys_of(data)
     one_of("name", name, quantities(data))
-    places_of = {key: dimension for dimension in dimensions for key in dimension.split(",")}
+    places_of = {key: dimension for dimension in dimensions for key in keys_on(data, dimension)}
     if against in dimensions:  # also by the name of keys that are swept together
-        against = against.split(",")[0]
+        against = keys_on(data, against)[0]
     key = next(iter(places_of)) if against is None else one_of("against", against, places_of)
     drawn, bars, meaning = _points(data, name, averaged=places_of[key] != SEED)
     others = [other for other in dimensions if other != places_of[key] and other in drawn.dims]
@@ -99,8 +101,19 @@ def ends(data: xarray.Dataset) -> xarray.DataArray:
 
 
 def keys_of(data: xarray.Dataset) -> list[str]:
-    """The dimensions of the points: keys, or several with commas that are swept together."""
+    """The dimensions of the points: keys, or a short name of several that are swept together."""
     return [str(key) for key in ends(data).dims if key != "member"]
+
+
+def keys_on(data: xarray.Dataset, dimension: str) -> list[str]:
+    """The keys whose values are along a dimension of the points, in order.
+
+    Before version 0.3 the dimension of several keys had their names, with commas.
+    """
+    if dimension in data.coords:
+        return [dimension]
+    own = [str(name) for name in data.coords if data[name].dims == (dimension,)]
+    return own or dimension.split(",")
 
 
 def with_single_asperites_as_numbers(data: xarray.Dataset) -> xarray.Dataset:
@@ -117,3 +130,49 @@ def quantities(data: xarray.Dataset) -> list[str]:
     names = [str(name) for name in data.data_vars if data[name].dims == keys]
     means = [name.removesuffix("_mean") for name in names if name.endswith("_mean")]
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
+
+
+# Labels of the axes of friction laws.
+LAW_LABELS = {
+    "load": "load on each asperite",
+    "speed": "speed",
+    "temperature": "temperature",
+}
+
+
+def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw a friction law, one line with its 95 % intervals for each of the other values.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        The data set that :func:`tribo.friction_law` returns.
+    against : str, optional
+        "load", "speed" or "temperature"; by default the first that has several values.  Speeds
+        are on a logarithmic axis if they range over a decade or more.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw on; by default a new figure of the width of a column.
+    """
+    names = [str(name) for name in data["friction"].dims]
+    several = [name for name in names if data.sizes[name] > 1]
+    name = (several or names)[0] if against is None else one_of("against", against, names)
+    others = [other for other in names if other != name]
+    lines = list(product(*(range(data.sizes[other]) for other in others)))
+    if len(lines) > 12:  # more cannot be told apart
+        raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
+    with drawing_on(ax, COLUMN, 0.75 * COLUMN) as ax:
+        places = data[name].values
+        for indices, colour in zip(lines, cycle(COLOURS), strict=False):
+            at = dict(zip(others, indices, strict=True))
+            own = data.isel(at)
+            labels = [f"{LAW_LABELS[k]} {data[k].values[at[k]]:g}" for k in others]
+            half_width = own["friction_half_width"].values
+            style: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
+            style |= {"color": colour, "label": ", ".join(labels)}
+            ax.errorbar(places, own["friction"].values, half_width, **style)
+        ax.set(xlabel=LAW_LABELS[name], ylabel=f"friction on {data.attrs['surface']}")
+        if name == "speed" and np.ptp(np.log10(np.abs(places))) >= 1.0:
+            ax.set_xscale("log")
+        if others:
+            legend(ax)
+    return ax

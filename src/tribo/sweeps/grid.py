@@ -13,6 +13,8 @@ from tribo.model.scene import Scene
 from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, scalar, short_repr
 
 Value = float | int | str | bool
+# The dimension of keys that are swept together.
+POINT = "point"
 # One key, or several that are swept together.
 Keys = str | tuple[str, ...]
 
@@ -20,7 +22,7 @@ Keys = str | tuple[str, ...]
 class Axis(NamedTuple):
     """The values of one key, or of several that are swept together."""
 
-    name: str  # of the dimension: the key, or the keys with commas between them
+    name: str  # of the dimension: the key, or a short name of several
     keys: tuple[str, ...]
     rows: list[tuple[Value, ...]]  # a value of each key, at each place
 
@@ -40,14 +42,19 @@ def values_at(axes: Sequence[Axis], places: Iterable[SupportsIndex]) -> dict[str
 class Grid:
     """The points of a sweep, from 0; the last key varies fastest.  Raises InputError."""
 
-    def __init__(self, scene: Scene, values: Mapping[Keys, Sequence[object]]) -> None:
-        """Check keys and values of all axes.  Raises InputError."""
+    def __init__(
+        self, scene: Scene, values: Mapping[Keys, Sequence[object]], point: str = POINT
+    ) -> None:
+        """Check keys and values of all axes; `point` is the dimension of joined keys.
+
+        Raises InputError.
+        """
         if not isinstance(values, Mapping) or not values:
             wanted = 'must map keys to values, as {"upper.drive.load": [0.1, 0.2]}'
             raise InputError("values", f"{wanted}, got {short_repr(values)}")
         self.scene = scene
         with inside("values"):
-            self.axes = [_axis(key, items) for key, items in values.items()]
+            self.axes = _named([_axis(key, items) for key, items in values.items()], point)
             self.names = [axis.name for axis in self.axes]
             self.keys = [key for axis in self.axes for key in axis.keys]
             self.shape = tuple(len(axis.rows) for axis in self.axes)
@@ -104,7 +111,23 @@ class Grid:
 
     def identity(self) -> dict[str, list[list[Value]]]:
         """All values, as JSON."""
-        return {axis.name: [list(row) for row in axis.rows] for axis in self.axes}
+        return {",".join(axis.keys): [list(row) for row in axis.rows] for axis in self.axes}
+
+
+def _named(axes: list[Axis], point: str) -> list[Axis]:
+    """Axes, of which those of several keys have a short name: `point`, `point_2`, ..."""
+    keys = {key for axis in axes for key in axis.keys}
+    if not isinstance(point, str) or not point or point in (*keys, "member", "time"):
+        raise must_be("point", 'a name that is no key and no other dimension, as "point"', point)
+    named = []
+    joined = 0
+    for axis in axes:
+        name = axis.name
+        if len(axis.keys) > 1:
+            joined += 1
+            name = point if joined == 1 else f"{point}_{joined}"
+        named.append(axis._replace(name=name))
+    return named
 
 
 def _axis(key: object, values: object) -> Axis:

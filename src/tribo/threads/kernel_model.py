@@ -19,8 +19,10 @@ from tribo.kernels import (
     contact,
     contact_forces,
     encounters,
+    equations_of_motion,
     fields,
     neighbours,
+    potential_units,
     powers,
     records,
     rigid_block,
@@ -97,6 +99,7 @@ def model_of(
         calculators=tables.calculators,
         members=room((0,)) if tables.members is None else tables.members,
         own=room((1, 0)) if tables.own is None else tables.own,
+        schedules=_copied(tables.schedules),
     )
     units = Units(scene, model, times_in_lanes)
     units.set_own(listed)
@@ -169,8 +172,9 @@ class Units:
             forces = contact.open_contact_forces_unit
             pieces = contact_forces.open_contact_piece_unit
         contacts.forces[n] = known.unit(forces, at)
-        contacts.energy[n] = known.unit(contact.contact_energy_unit, (*at, number, number))
-        contacts.encounter[n] = known.unit(encounters.encounter_unit, (*at, TABLE, number))
+        at_distance = known.kind, types.float64, types.float64, types.float64, number
+        contacts.energy[n] = known.unit(potential_units.energy_unit, at_distance)
+        contacts.clearance[n] = known.unit(potential_units.clearance_unit, at_distance)
         if shared:
             contacts.pieces[n] = known.unit(pieces, (*at, number))
 
@@ -187,6 +191,46 @@ class Units:
         known = Known(self._scene, plugin)
         kinds = self._model, known.kind, types.int64, self._time, VECTOR, VECTOR
         customs.forces[n] = known.unit(unit, kinds)
+
+
+def set_loop_units(model: Model, times_in_lanes: bool = False) -> None:
+    """Those of this package that all time loops need."""
+    time = lanes if times_in_lanes else types.float64
+    lists = _kind(NO_NEIGHBOURS)
+    number = types.int64
+    kept = _kind(samples.EXAMPLE_OF_STATE), _kind(samples.EXAMPLE_OF_RECORD)
+    own = {
+        records.SPEEDS: (
+            True,
+            equations_of_motion.speeds_unit,
+            (lists, time, VECTOR, VECTOR, TABLE),
+        ),
+        records.ENCOUNTERS: (True, encounters.encounters_unit, (lists, TABLE, number)),
+        records.SAMPLE: (
+            True,
+            samples.sample_unit,
+            (lists, types.float64, *kept, number, number),
+        ),
+    }
+    _set_units(model, _kind(model), own)
+
+
+def set_rate_units(model: Model, times_in_lanes: bool = False) -> None:
+    """Those of this package that methods need which are given rates of change."""
+    time = lanes if times_in_lanes else types.float64
+    own = {
+        records.RATES: (
+            True,
+            equations_of_motion.rates_unit,
+            (_kind(NO_NEIGHBOURS), time, VECTOR, VECTOR, VECTOR),
+        ),
+        records.POWERS: (
+            model.ledger,
+            powers.powers_unit,
+            (time, VECTOR, VECTOR, VECTOR),
+        ),
+    }
+    _set_units(model, _kind(model), own)
 
 
 def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
@@ -252,9 +296,19 @@ class Known:
         if not config.DISABLE_JIT:  # type: ignore[attr-defined]
             self.kind = (WordsInLanesType if in_lanes else WordsType)(type_of(plugin))
 
-    def unit(self, function: Any, kinds: tuple[Any, ...]) -> Any:
+    def unit(
+        self, function: Any, kinds: tuple[Any, ...], returns: types.Type = types.float64
+    ) -> Any:
+        """The address of a unit of the plug-in.  Raises InputError."""
         with compiling_units(plugins_of(self._scene)):
-            return address_of(function, kinds, self._stamp, self._version)
+            return address_of(function, kinds, self._stamp, self._version, returns)
+
+
+def _copied(table: np.ndarray) -> np.ndarray:
+    """A table in memory of its own."""
+    own = room(table.shape)
+    own[:] = table
+    return own
 
 
 def _addresses(count: int) -> np.ndarray:
@@ -280,7 +334,7 @@ def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
         forces=_addresses(count),
         pieces=_addresses(count),
         energy=_addresses(count),
-        encounter=_addresses(count),
+        clearance=_addresses(count),
         numbers=numbers,
         memory=memory,
         feature=np.array([float(each.potential.feature()[0]) for each in contacts]),
@@ -309,6 +363,7 @@ def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
         velocity=np.array([each.velocity for each in found]).reshape(-1, 2),
         drift=np.array([each.drift for each in found]).reshape(-1, 2),
         account=np.array([each.account for each in found], np.int64),
+        modulation=np.array([each.modulation for each in found], np.int64),
     )
 
 

@@ -3,13 +3,13 @@
 A layout is only read, so that several threads can run it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import EntryPoint, time_loop
+from tribo.compiler.jit import time_loop
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
@@ -20,31 +20,15 @@ from tribo.layout.elastic_body import ElasticBodies
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.plugins.stamps import code_stamp_of, version_of
 from tribo.potentials.from_ase import Call
 from tribo.threads.kernel_model import model_of
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
 
 
-def loop_of(layout: Layout, function: Any) -> Any:
-    """A time loop for a scene, compiled at its first call with values that plug-ins have now."""
-    plugins = layout.plugins
-    return time_loop(function, code_stamp_of(plugins), version_of(plugins))
-
-
 def shared_loop(function: Any) -> Any:
     """A time loop that knows plug-ins by their units alone: the same for all scenes."""
-    return time_loop(function, "")
-
-
-def entry_point(
-    layout: Layout, function: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]
-) -> EntryPoint:
-    """A loop compiled or loaded for arguments `fixed` and like `examples`.  Raises InputError."""
-    loop = loop_of(layout, function)
-    with compiling(loop, plugins_of(layout.scene)):
-        return EntryPoint(loop, fixed, examples)
+    return time_loop(function)
 
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
@@ -102,19 +86,33 @@ class Probe:
     the number of those that are done: fewer than all where the list needs more room.
     """
 
-    def __init__(self, layout: Layout, kernel: Any) -> None:
+    def __init__(
+        self, layout: Layout, kernel: Any, units: Callable[[Model], None] | None = None
+    ) -> None:
+        """Prepare for a layout; `units` sets those that the kernel needs beyond plug-ins."""
         self._layout = layout
+        self._units = units
         self._neighbours = layout.neighbours()
         self._kernel = shared_loop(kernel)
 
     @cached_property
     def _model(self) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
         """The model, whose units are compiled with the first arrangements."""
-        return own_model(self._layout)
+        model, calls = own_model(self._layout)
+        if self._units is not None:
+            self._units(model)
+        return model, calls
 
-    def __call__(self, count: int, *arguments: Any) -> None:
-        """Compute so many arrangements.  Raises InputError if a plug-in or a calculator fails."""
-        done = 0
+    def set_schedules(self, table: np.ndarray) -> None:
+        """Let numbers that follow schedules be those of a leg, a table of `Legs`."""
+        self._model[0].schedules[...] = table
+
+    def __call__(self, count: int, *arguments: Any, begin: int = 0) -> None:
+        """Compute the arrangements from `begin` up to `count`.
+
+        Raises InputError if a plug-in or a calculator fails.
+        """
+        done = begin
         model, calls = self._model
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:

@@ -85,7 +85,10 @@ def contents(result: RunResult, bath: bool = False) -> dict[str, Any]:
 def subject(scene: Scene) -> int:
     """The index of the surface that sentences are about: one that slides freely, or that moves."""
     drives = [surface.drive for surface in scene.surfaces]
-    held = [drive.cancels_x or drive.holds_bars or drive.drives_along_x for drive in drives]
+    held = [
+        drive.cancels_x or drive.holds_bars or drive.gives_motion or drive.drives_along_x
+        for drive in drives
+    ]
     free = [k for k, is_held in enumerate(held) if not is_held]
     moving = [k for k, surface in enumerate(scene.surfaces) if surface.velocity[0] != 0.0]
     return (free + moving + [0])[0]
@@ -105,21 +108,24 @@ def _sentence(scene: Scene, of_surfaces: Mapping[str, Table]) -> str:
     size = max(abs(work), abs(pseudowork), *(float(np.max(np.abs(v))) for v in works.values()))
     if moving.count == 1:
         motion = "the motion of the bob relative to the centre of mass"
-        bobs = "the bob moves"
+        them = "that motion"
     else:
         motion = "the motions of the bobs relative to the centres of mass of their asperites"
-        bobs = "the bobs move"
+        them = "those motions"
     if abs(work - pseudowork) <= EQUAL * size:
         return (
             f'The work of friction on "{moving.name}" equals its pseudowork: friction does no net '
             f"work on {motion}."
         )
     more = work > pseudowork
+    drives, holds = f"drives {them}", f"holds {them} back"
+    sign = f"positive: friction {drives} more than it {holds}"
+    if not more:
+        sign = f"negative: friction {holds} more than it {drives}"
     return (
         f'Friction does {"more" if more else "less"} work on "{moving.name}" ({work:.3g}) than '
         f"pseudowork ({pseudowork:.3g}). The difference, {work - pseudowork:.3g}, is its work on "
-        f"{motion}: weighted by the force, {bobs} {'more' if more else 'less'} along the force "
-        "than against it."
+        f"{motion}. It is {sign}."
     )
 
 

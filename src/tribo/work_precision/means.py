@@ -237,11 +237,9 @@ def _row(
     """The largest half-width and bias of an ensemble."""
     half_width = max(float(data[f"{name}_half_width"].max()) for name in names)
     bias, bias_half_width, unseen = _bias(data, names)
-    setting = simulation.plan.setting
-    assert isinstance(setting, float)
     return MeanRow(
         simulation.method.name,
-        setting,
+        simulation.plan.setting.of_equal_steps(),
         data.sizes["member"],
         half_width / scale,
         bias / scale,

@@ -169,7 +169,7 @@ def _curve(
             if taken < 0.02:  # s: short runs are timed three times, and the shortest time counts
                 taken = min(taken, *(integrator(setting, times).seconds for _ in range(2)))
             error = distance(assemble(layout, run.samples), truth, scales, watched)
-            shown = setting if isinstance(setting, float) else level
+            shown = level if setting.step is None else setting.step
             yield Row(method.name, shown, error, run.evaluations, taken)
             stalled = 0 if error < GAIN * best else stalled + 1
             best = min(best, error)

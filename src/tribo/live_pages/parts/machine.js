@@ -75,7 +75,10 @@ function makeProgram(machine, source, samples) {
     own[at.NEAR] = source.near;
     own[at.MOST_STEPS] = source.most;
     own[at.AMPLITUDE] = options.amplitude ?? 0; // of swings at random phases, for many starts
+    own[at.TEMPERATURE] = options.temperature ?? 0;
     [own[at.PHASE1], own[at.PHASE2]] = options.phases ?? [0, 0];
+    [own[at.DRAWN1], own[at.DRAWN2]] = options.drawn ?? [0, 0];
+    own[at.ROUGH] = source.rough ? 1 : 0; // a derivative of the force jumps
     own[at.ESTIMATE] = options.estimate ? 1 : 0;
     const flat = potential.flatMap((each, k) => (typeof source.potential[k] === "number" ? [numbers[each[0]]] : each));
     machine.code(...results, ...flat, ...arrays);

@@ -15,6 +15,7 @@ const BODY = `
     <input type="range" min="0" step="any" aria-label="Time" data-part="time">
     <output data-part="clock"></output>
     <label><input type="checkbox" checked data-part="forces"> Forces</label>
+    <label><input type="checkbox" data-part="velocities"> Velocities</label>
     <label><input type="checkbox" data-part="traces"> Traces</label>
     <button type="button" data-part="mark" title="Displacements are measured from the present time">Mark</button>
     <button type="button" aria-pressed="false" data-part="keep">Keep beside</button>
@@ -33,7 +34,7 @@ const BODY = `
 <section class="panel" aria-label="Results">
   <div class="tabs" role="tablist" data-part="tabs"></div>
   <div role="tabpanel" tabindex="0" data-part="endPanel" data-tab="End value">
-    <label>End of <select data-part="endQuantity"></select></label> <label>against <select data-part="endKey"></select></label>
+    <label>End of <select data-part="endQuantity"></select></label> <label>against <select data-part="endKey"></select></label> <label>and <select data-part="endSecond"><option value="">no other</option></select></label>
     <canvas class="end" role="img" aria-label="End value against a control" data-part="end"></canvas>
     <label><input type="checkbox" checked data-part="lengthen"> each run until the bobs have passed</label>
   </div>
@@ -48,8 +49,10 @@ const BODY = `
     <div class="scroll"><table><thead><tr><th scope="col">Quantity</th><th scope="col" data-part="now"></th><th scope="col">at the end</th><th scope="col">error up to</th></tr></thead><tbody data-part="table"></tbody></table></div>
   </div>
   <div role="tabpanel" tabindex="0" data-part="startsPanel" data-tab="Many starts" hidden>
-    <p>Swings of equal energy with random phases before the encounter: <span data-part="startsSentence"></span></p>
-    <label>Largest swing <input type="range" min="0.02" max="1" step="0.02" value="0.3" data-part="amplitude"> <output data-part="amplitudeShown">0.3</output></label>
+    <label>Starts <select data-part="startsKind"><option value="temperature">in thermal equilibrium</option><option value="amplitude">with swings of equal energy</option></select></label>
+    <label><span data-part="startsLabel"></span> <input type="range" min="0.02" max="2" step="0.02" value="1" data-part="amplitude"> <output data-part="amplitudeShown">1</output></label>
+    <label>Histogram of <select data-part="startsQuantity"><option value="delta_e_int">energy gained by both swings</option></select></label>
+    <p data-part="startsSentence"></p>
     <canvas class="starts" role="img" aria-label="Histogram of works" data-part="starts"></canvas>
     <button type="button" data-part="more">Start</button> <label><input type="checkbox" data-part="mirrored"> reflected at zero</label>
   </div>
@@ -105,8 +108,9 @@ async function startPage(element, source) {
   const short = makeProgram(machine, source, 2);
   const state = makeState(source);
   const force = { size: 0 }; // of all arrows in the page
-  const drawScene = makeDrawing(part("scene"), force);
-  const drawKept = makeDrawing(part("keptScene"), force);
+  const speed = { size: 0 };
+  const drawScene = makeDrawing(part("scene"), force, speed);
+  const drawKept = makeDrawing(part("keptScene"), force, speed);
   const curves = makeCurves(part("curves"));
   const drawn = new Set(["w1", "w1_ps", "w2", "w2_ps", "total_energy_change", "applied_work"]);
   const widgets = [];
@@ -119,7 +123,6 @@ async function startPage(element, source) {
   let marked = null;
   let group = source.surfaces[0].name;
   let observer = 0;
-  let pointAt = null; // a value of the key below a point of the end panel
   let view = null;
 
   const withObserver = (numbers) => {
@@ -152,7 +155,7 @@ async function startPage(element, source) {
       const w1 = run.tables.map((table) => table.w1[table.w1.length - 1]);
       const ps = run.tables.map((table) => table.w1_ps[table.w1_ps.length - 1]);
       const which = source.subject;
-      status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${worst.toExponential(0)}. Run to t = ${shownShort(run.last)}.`;
+      status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${shownError(worst)}. Run to t = ${shownShort(run.last)}.`;
     }
   }
 
@@ -176,7 +179,7 @@ async function startPage(element, source) {
 
   function show() {
     waiting = false;
-    const shown = { forces: part("forces").checked, traces: part("traces").checked, displacements: false };
+    const shown = { forces: part("forces").checked, velocities: part("velocities").checked, traces: part("traces").checked, displacements: false };
     view = drawScene(run, Math.min(t, run.last), shown);
     if (kept) drawKept(kept, Math.min(t, kept.last), shown);
     const index = run.groups.findIndex(({ name }) => name === group);
@@ -348,57 +351,15 @@ async function startPage(element, source) {
     }
   }
 
-  // The end value against a control.
-  const scan = makeScan((points) => {
-    const key = part("endKey").value;
-    const label = source.controls.find((each) => each.key === key).label;
-    pointAt = drawPoints(part("end"), points, state.value(key), label);
-  });
-  source.surfaces.forEach(({ name }) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans"].forEach((quantity) => {
-    part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
-  }));
-  for (const { key, label } of source.controls) if (!state.choices.has(key)) part("endKey").add(new Option(label, key));
-  part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
-  part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
-
-  // The result of a short run; with `lengthen` it lasts until the bobs have passed.
-  function endOf(numbers) {
-    let found = short(withObserver(numbers), { level: 10 * source.level });
-    if (part("lengthen").checked && found.code === 0 && !found.passed && found.needed > numbers[source.duration]) {
-      numbers[source.duration] = found.needed;
-      found = short(numbers, { level: 10 * source.level });
-    }
-    return found;
-  }
-
-  const valueAtEnd = (result, surface, quantity) => {
-    const values = tableOf(source, result, source.surfaces.findIndex(({ name }) => name === surface))[quantity];
-    return result.code === 0 && result.reached === 2 ? values[1] : NaN;
-  };
-
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("endPanel") || !part("endKey").value) return;
-    const key = part("endKey").value;
-    const { low, high } = source.controls.find((each) => each.key === key);
-    const [surface, quantity] = part("endQuantity").value.split(".");
-    const values = Array.from({ length: POINTS }, (_, k) => low + (k / (POINTS - 1)) * (high - low));
-    scan(values, (value) => {
-      try {
-        const result = endOf(state.numbersWith({ [key]: value }));
-        return { x: value, y: valueAtEnd(result, surface, quantity), shown: result.passed };
-      } catch {
-        return { x: value, y: NaN, shown: false };
-      }
-    });
-  });
-  for (const name of ["endQuantity", "endKey", "lengthen"]) part(name).addEventListener("change", () => panels.forEach((panel) => panel(true)));
-  part("end").addEventListener("click", (event) => { if (pointAt) change({ [part("endKey").value]: Number(pointAt(event.offsetX).toPrecision(3)) }); });
+  const showAll = () => panels.forEach((panel) => panel(true));
+  const own = { part, source, state, isOpen, change, showAll, short, observed: withObserver, run: () => run };
+  for (const make of [makeEndPanel, makeStartsPanel, makeFilesPanel]) panels.push(make(own));
 
   // Energies and powers.
   const scale = { energy: 0, power: 0 };
   source.surfaces.forEach(({ name }, index) => part("powerSurface").add(new Option(name, index)));
   part("powerSurface").value = source.subject;
-  part("powerSurface").addEventListener("change", () => panels.forEach((panel) => panel(true)));
+  part("powerSurface").addEventListener("change", showAll);
   panels.push((isNew) => {
     if (!isOpen("energyPanel")) return;
     const surface = Number(part("powerSurface").value);
@@ -430,7 +391,7 @@ async function startPage(element, source) {
       head.title = source.meanings[name] ?? "work less pseudowork: the same for every observer";
       if (name in table) head.append(typeset(name));
       else head.append(typeset("w1"), " − ", typeset("w1_ps"));
-      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? (value === 0 ? "0" : value.toExponential(0)) : shownNumber(value) })));
+      row.append(head, ...values.map((value, k) => Object.assign(document.createElement("td"), { textContent: k === 2 ? shownError(value) : shownNumber(value) })));
       return row;
     }));
   });
@@ -438,94 +399,6 @@ async function startPage(element, source) {
     observer = Number(part("observer").value);
     part("observerShown").textContent = shownShort(observer);
     resimulate();
-  });
-
-  // Many starts: swings of equal energy, with random phases.
-  let starts = null;
-  const works = [];
-  panels.push((isNew) => {
-    if (isNew && starts !== null) stopStarts();
-    if (isNew) works.length = 0;
-    if (isOpen("startsPanel")) showStarts();
-  });
-
-  function showStarts() {
-    const which = source.subject;
-    const mean = works.reduce((a, b) => a + b, 0) / (works.length || 1);
-    const spread = Math.sqrt(works.reduce((a, b) => a + (b - mean) ** 2, 0) / Math.max(1, works.length - 1));
-    part("startsSentence").textContent = works.length
-      ? `of ${works.length} runs, friction takes energy from ${source.surfaces[which].name} in ${Math.round((100 * works.filter((w) => w < 0).length) / works.length)} %; mean work ${shownShort(mean)} ± ${shownShort(spread / Math.sqrt(works.length))}.`
-      : "each start gives another work of friction.";
-    drawHistogram(part("starts"), works, part("mirrored").checked, `work of friction on ${source.surfaces[which].name}`);
-  }
-
-  function stopStarts() {
-    starts?.terminate();
-    starts = null;
-    part("more").textContent = "Start";
-  }
-
-  part("more").addEventListener("click", () => {
-    if (starts !== null) {
-      stopStarts();
-      return;
-    }
-    starts = startWorker(source, state.numbers, Number(part("amplitude").value), part("lengthen").checked);
-    part("more").textContent = "Stop";
-    starts.onmessage = ({ data }) => {
-      works.push(...data);
-      showStarts();
-      if (works.length >= MOST_STARTS) stopStarts();
-    };
-    starts.onerror = () => stopStarts();
-  });
-  part("amplitude").addEventListener("input", () => {
-    part("amplitudeShown").textContent = part("amplitude").value;
-    stopStarts();
-    works.length = 0;
-    showStarts();
-  });
-  part("mirrored").addEventListener("change", showStarts);
-
-  // Files.
-  panels.push((isNew) => {
-    if (!isNew || !isOpen("filesPanel")) return;
-    const lines = Object.entries(state.changes()).map(([key, value]) => `    "${key}": ${JSON.stringify(value)},\n`).join("");
-    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
-    part("link").href = window.location.href;
-  });
-
-  function download(name, type, content) {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
-    link.download = name;
-    link.click();
-    window.setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  }
-
-  part("csv").addEventListener("click", () => {
-    const columns = [["t", run.times]];
-    run.groups.forEach(({ name }, index) => Object.entries(tableOf(source, run.result, index)).forEach(([quantity, values]) => {
-      columns.push([index < 2 ? `${name}.${quantity}` : quantity, values]);
-    }));
-    const rows = Array.from(run.times, (_, k) => columns.map(([, values]) => values[k]).join(","));
-    download("run.csv", "text/csv", `${[columns.map(([name]) => name).join(","), ...rows].join("\n")}\n`);
-  });
-  part("png").addEventListener("click", () => {
-    const both = [part("scene"), part("curves")];
-    const picture = document.createElement("canvas");
-    picture.width = Math.max(...both.map((each) => each.width));
-    picture.height = both.reduce((sum, each) => sum + each.height, 0);
-    const context = picture.getContext("2d");
-    context.fillStyle = colour(part("scene"), "back");
-    context.fillRect(0, 0, picture.width, picture.height);
-    context.drawImage(both[0], 0, 0);
-    context.drawImage(both[1], 0, both[0].height);
-    picture.toBlob((blob) => download("run.png", "image/png", blob));
-  });
-  part("toml").addEventListener("click", () => {
-    const sets = Object.entries(state.changes()).map(([key, value]) => ` --set ${key}=${value}`).join("");
-    download("scene.toml", "text/plain", `${sets ? `# The page showed: tribo run scene.toml${sets}\n\n` : ""}${source.toml}`);
   });
 
   // ---- the rest of the page
@@ -563,7 +436,7 @@ async function startPage(element, source) {
     setPlaying(false);
     setTime(Number(part("time").value));
   });
-  for (const name of ["forces", "traces"]) part(name).addEventListener("change", update);
+  for (const name of ["forces", "velocities", "traces"]) part(name).addEventListener("change", update);
   part("mark").addEventListener("click", () => {
     marked = marked === null ? t : null;
     part("mark").textContent = marked === null ? "Mark" : "Unmark";
@@ -657,12 +530,11 @@ async function startPage(element, source) {
   });
   new ResizeObserver(() => {
     update();
-    // A page that embeds this one in a frame may fit the frame to it.
-    if (window.parent !== window) window.parent.postMessage({ triboHeight: document.documentElement.scrollHeight }, "*");
+    tellHeight();
   }).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
-  openTab(0);
+  openTab(Math.max(0, tabs.findIndex((panel) => panel.dataset.tab === source.panel)));
   let wrong = null;
   try {
     state.set(readAddress(state));

@@ -1,6 +1,7 @@
 // The panels beside the drawing: works and energies now, an end value against a control, many starts.
 
 const POINTS = 61; // of the end value against a control
+const CELLS = 19; // of a map against two controls, on each side
 const SLICE = 6; // milliseconds of runs between two pictures
 const BINS = 30;
 const MOST_STARTS = 2000;
@@ -35,6 +36,12 @@ function drawBars(canvas, rows, size) {
 }
 
 const shownShort = (value) => (Math.abs(value) < 5e-7 ? "0" : Number(value.toPrecision(4)).toString().replace("-", "−"));
+
+// A bound on an error; it is unknown where a coarser run stopped early.
+function shownError(value) {
+  if (!Number.isFinite(value)) return "unknown";
+  return value === 0 ? "0" : value.toExponential(0).replaceAll("-", "−");
+}
 
 // A number that stays while values change little: 1, 2 or 5 times a power of ten, at least `value`.
 function roundUp(value) {
@@ -130,6 +137,54 @@ function drawPoints(canvas, points, present, title) {
   return (px) => low + (Math.min(Math.max(px - pad.left, 0), width - pad.left - pad.right) / (width - pad.left - pad.right)) * (high - low);
 }
 
+// The values of one control, or of two, at which the end value is computed.
+function gridOf(controls) {
+  const count = controls.length > 1 ? CELLS : POINTS;
+  const [first, second] = controls.map(({ low, high }) => Array.from({ length: count }, (_, k) => low + (k / (count - 1)) * (high - low)));
+  return second ? second.flatMap((y) => first.map((x) => [x, y])) : first.map((x) => [x]);
+}
+
+// A map of values over two controls: blue below zero, orange above it.  Cells of runs that did not
+// show the encounter are smaller.  Returns the function from a place to values of both controls.
+function drawMap(canvas, points, x, y) {
+  const { context, width, height } = prepared(canvas);
+  const paint = (name) => colour(canvas, name);
+  const pad = { left: 52, right: 10, top: 24, bottom: 34 };
+  const [cellX, cellY] = [(width - pad.left - pad.right) / CELLS, (height - pad.top - pad.bottom) / CELLS];
+  const column = (value) => ((value - x.low) / (x.high - x.low)) * (CELLS - 1);
+  const row = (value) => CELLS - 1 - ((value - y.low) / (y.high - y.low)) * (CELLS - 1);
+  const known = points.filter(({ value }) => Number.isFinite(value));
+  const size = Math.max(0, ...known.map(({ value }) => Math.abs(value))) || 1;
+  for (const point of known) {
+    context.globalAlpha = Math.abs(point.value) / size;
+    context.fillStyle = paint(point.value < 0 ? "w1" : "w2");
+    const rest = point.shown ? 0 : 0.25; // of the cell, free on each side
+    const [left, top] = [pad.left + (column(point.x) + rest) * cellX, pad.top + (row(point.y) + rest) * cellY];
+    context.fillRect(left, top, (1 - 2 * rest) * cellX + 0.5, (1 - 2 * rest) * cellY + 0.5);
+  }
+  context.globalAlpha = 1;
+  context.lineWidth = 2;
+  context.strokeStyle = paint("ink");
+  context.strokeRect(pad.left + column(x.present) * cellX, pad.top + row(y.present) * cellY, cellX, cellY);
+  context.font = "12px system-ui, sans-serif";
+  context.fillStyle = paint("ink");
+  context.textBaseline = "middle";
+  context.textAlign = "left";
+  context.fillText(`${y.label} ↑`, 4, 10);
+  context.textAlign = "right";
+  const ends = [Math.min(0, ...known.map(({ value }) => value)), Math.max(0, ...known.map(({ value }) => value))];
+  context.fillText(`${shownShort(ends[0])} (blue) to ${shownShort(ends[1])} (orange)`, width - 2, 10);
+  for (const value of [y.low, y.high]) context.fillText(shownShort(value), pad.left - 5, pad.top + (row(value) + 0.5) * cellY);
+  context.textAlign = "center";
+  context.fillText(x.label, pad.left + 0.5 * (width - pad.left - pad.right), height - 8);
+  for (const value of [x.low, x.high]) context.fillText(shownShort(value), pad.left + (column(value) + 0.5) * cellX, height - pad.bottom + 10);
+  const within = (place) => Math.min(Math.max(place, 0), 1);
+  return (px, py) => ({
+    [x.key]: x.low + within(((px - pad.left) / cellX - 0.5) / (CELLS - 1)) * (x.high - x.low),
+    [y.key]: y.high - within(((py - pad.top) / cellY - 0.5) / (CELLS - 1)) * (y.high - y.low),
+  });
+}
+
 // Runs at many values, some milliseconds at a time; a new request replaces the last one.
 function makeScan(draw) {
   let task = 0;
@@ -151,7 +206,20 @@ function makeScan(draw) {
   };
 }
 
-// A histogram of works over many starts.
+// The mean of values and its standard error.
+function meanOf(values) {
+  const value = values.reduce((a, b) => a + b, 0) / (values.length || 1);
+  const spread = values.reduce((a, b) => a + (b - value) ** 2, 0) / Math.max(1, values.length - 1);
+  return { value, error: Math.sqrt(spread / (values.length || 1)) };
+}
+
+// A mean with as many digits as its error has.
+function shownWithError({ value, error }) {
+  const digits = error > 0 ? Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 3;
+  return `${value.toFixed(digits)} ± ${error.toFixed(digits)}`.replace("-", "−");
+}
+
+// A histogram over many starts.
 function drawHistogram(canvas, values, mirrored, title) {
   const { context, width, height } = prepared(canvas);
   if (!values.length) return;

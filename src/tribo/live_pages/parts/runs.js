@@ -22,6 +22,13 @@ function errorsOf(source, result, index) {
   return Object.fromEntries(names.map((name, k) => [name, result.errors ? result.errors[first + k] : NaN]));
 }
 
+// A quantity of both asperites at each sample in turn.
+function interleaved(tables, name) {
+  const both = new Float64Array(2 * tables[0][name].length);
+  tables.forEach((table, index) => table[name].forEach((value, k) => { both[2 * k + index] = value; }));
+  return both;
+}
+
 // A run for the drawing and the curves of the viewer.
 function runOf(source, state, result) {
   const tables = [0, 1].map((index) => tableOf(source, result, index));
@@ -45,12 +52,9 @@ function runOf(source, state, result) {
   });
   const forces = ["f1", "f2"].map((name) => ({
     name,
-    xy: ["x", "y"].map((axis) => {
-      const both = new Float64Array(2 * result.reached);
-      tables.forEach((table, index) => table[`${name}_${axis}`].forEach((value, k) => { both[2 * k + index] = value; }));
-      return both;
-    }),
+    xy: ["x", "y"].map((axis) => interleaved(tables, `${name}_${axis}`)),
   }));
+  const velocities = ["bar", "cm", "bob"].map((point) => ({ xy: ["x", "y"].map((axis) => interleaved(tables, `v${axis}_${point}`)) }));
   const groups = [...source.surfaces.map(({ name }) => name), "system"].map((name, index) => ({
     name,
     curves: Object.entries(tableOf(source, result, index))
@@ -67,5 +71,5 @@ function runOf(source, state, result) {
       })),
   }));
   const times = result.t;
-  return { times, frameTimes: times, surfaces, forces, groups, count: 2, first: times[0], last: times[times.length - 1], tables, result };
+  return { times, frameTimes: times, surfaces, forces, velocities, groups, count: 2, first: times[0], last: times[times.length - 1], tables, result };
 }

@@ -8,10 +8,12 @@ const OBLIQUE = [0.35, 0.2]; // of the depth, to the right and upward
 const ARROW = 1.2; // length of the arrow of a large force, in rods
 const LEAST_ARROW = 34; // and in pixels, where asperites are small
 const LEAST_NAMED = 30; // length of a displacement with a name, in pixels
+const FASTEST = 1; // length of the arrow of a large velocity, in rods
 const LARGE = 0.97; // the part of all forces that are not larger
 const ROOM = 0.55; // a picture stays as it is for runs that fill at least this part of it
 const HEIGHTS = [190, 460]; // of the canvas, least and most
 const NARROW = [450, 140]; // the width of a narrow canvas, and its least height
+const OF_WINDOW = 0.55; // the largest part of the window's height that a canvas takes
 const WINDINGS = 4; // of each half of a torsion spring
 
 function colour(canvas, name) {
@@ -50,6 +52,11 @@ function drawLine(context, x0, y0, x1, y1) {
   context.stroke();
 }
 
+// A page that embeds this one in a frame may fit the frame to it.
+function tellHeight() {
+  if (window.parent !== window) window.parent.postMessage({ triboHeight: document.documentElement.scrollHeight }, "*");
+}
+
 // What all frames cover: left, right, bottom, top.
 function extent(run) {
   const box = [Infinity, -Infinity, Infinity, -Infinity];
@@ -79,10 +86,10 @@ function rodLength(run) {
   return Math.hypot(xBob[0] - xBar[0], yBob[0] - yBar[0]) || 1;
 }
 
-// The size of a large force: arrows of all forces are in its units, so that rows show theirs.
-function largeForce(run) {
+// A large size among arrows: all arrows of one kind are in its units, so that rows show theirs.
+function largeOf(arrows) {
   const sizes = [];
-  for (const { xy: [x, y] } of run.forces) {
+  for (const { xy: [x, y] } of arrows) {
     for (let k = 0; k < x.length; k += 1) sizes.push(Math.hypot(x[k], y[k]));
   }
   const sorted = Float64Array.from(sizes.filter((size) => size > 0)).sort();
@@ -109,10 +116,11 @@ function roundNear(size) {
 }
 
 // A drawing on a canvas: a function of a run, a time, and what is shown, which returns the function
-// from places to pixels.  `force` has the size of a force whose arrow is ARROW rods long: all
-// drawings of a page share it, so that their arrows can be compared; it is that of the first run
-// with forces.  The picture's frame stays while runs fit in it and fill most of it.
-function makeDrawing(canvas, force = { size: 0 }) {
+// from places to pixels.  `force` has the size of a force whose arrow is ARROW rods long, and
+// `speed` that of a velocity whose arrow is FASTEST rods long: all drawings of a page share them, so
+// that their arrows can be compared; they are those of the first run with forces or velocities.  The
+// picture's frame stays while runs fit in it and fill most of it.
+function makeDrawing(canvas, force = { size: 0 }, speed = { size: 0 }) {
   let box = null;
   let known = null;
   let rod = 1;
@@ -120,9 +128,9 @@ function makeDrawing(canvas, force = { size: 0 }) {
   function learn(run) {
     known = run;
     rod = rodLength(run);
-    if (!force.size) {
-      const large = largeForce(run);
-      if (large > 0) force.size = roundNear(large);
+    for (const [scale, arrows] of [[force, run.forces], [speed, run.velocities ?? []]]) {
+      const large = scale.size ? 0 : largeOf(arrows);
+      if (large > 0) scale.size = roundNear(large);
     }
     const wanted = extent(run);
     const fits = box && wanted.every((edge, k) => (k % 2 ? edge <= box[k] : edge >= box[k]));
@@ -316,19 +324,37 @@ function makeDrawing(canvas, force = { size: 0 }) {
     }
   }
 
-  // The bar of the arrows' scale, in the lower left corner.
-  function scaleBar({ context, view, paint, height }) {
-    const length = Math.max(ARROW * rod * view.scale, LEAST_ARROW);
+  // Velocities of bar, centre of mass and bob of each asperite.
+  function velocities({ context, view, paint }, run, place) {
+    const unit = (FASTEST * rod * view.scale) / speed.size;
+    const [vx, vy] = [new Float64Array(run.count), new Float64Array(run.count)];
+    context.lineWidth = 2;
+    run.velocities.forEach(({ xy }, point) => {
+      between(xy[0], place, vx);
+      between(xy[1], place, vy);
+      context.strokeStyle = context.fillStyle = paint(point === 1 ? "cm" : "wR");
+      let k = 0;
+      for (const surface of run.surfaces) {
+        for (let i = 0; i < surface.count; i += 1, k += 1) {
+          const [, x, y] = pointsOf(surface, surface.now, i, i)[point];
+          arrow(context, ...view(x, y, surface.depth[i]), vx[k] * unit, -vy[k] * unit);
+        }
+      }
+    });
+  }
+
+  // The bar of the scale of arrows, in the lower left corner; `row` counts such bars from below.
+  function scaleBar({ context, view, paint, height }, length, text, row) {
     context.strokeStyle = context.fillStyle = paint("faint");
     context.lineWidth = 1.5;
-    const y = height - 10;
+    const y = height - 10 - 26 * row;
     drawLine(context, 8, y, 8 + length, y);
     drawLine(context, 8, y - 4, 8, y + 4);
     drawLine(context, 8 + length, y - 4, 8 + length, y + 4);
     context.font = "12px system-ui, sans-serif";
     context.textAlign = "left";
     context.textBaseline = "bottom";
-    context.fillText(`force ${Number(force.size.toPrecision(1))}`, 8, y - 5);
+    context.fillText(text, 8, y - 5);
   }
 
   return function draw(run, t, shown) {
@@ -338,7 +364,8 @@ function makeDrawing(canvas, force = { size: 0 }) {
     const [spanX, spanY] = [right - left + 2 * margin, top - bottom + 2 * margin];
     const names = 44; // pixels above and below for names of surfaces
     const fitting = (canvas.clientWidth * spanY) / spanX + names;
-    canvas.style.height = `${Math.min(Math.max(fitting, canvas.clientWidth < NARROW[0] ? NARROW[1] : HEIGHTS[0]), HEIGHTS[1])}px`;
+    const least = canvas.clientWidth < NARROW[0] ? NARROW[1] : HEIGHTS[0];
+    canvas.style.height = `${Math.min(Math.max(fitting, least), HEIGHTS[1], Math.max(NARROW[1], OF_WINDOW * window.innerHeight))}px`;
     const { context, width, height } = prepared(canvas);
     const scale = Math.min(width / spanX, (height - names) / spanY);
     const view = (x, y, z) => [
@@ -351,12 +378,20 @@ function makeDrawing(canvas, force = { size: 0 }) {
     const detailed = ["traces", "bonds", "bars", "twists", "rods", "bobs", "centres", "name", "displacements"];
     const usual = (run.count > MOST_DETAILED ? ["points"] : detailed).filter((name) => shown[name] ?? true);
     for (const surface of run.surfaces) {
-      const on = { context, view, surface, paint, width };
-      for (const name of surface.dots === null ? usual : ["bath", ...usual]) layers[name](on, run, place);
+      const each = { context, view, surface, paint, width };
+      for (const name of surface.dots === null ? usual : ["bath", ...usual]) layers[name](each, run, place);
     }
+    let bars = 0;
+    const on = { context, view, paint, height };
     if (shown.forces && force.size > 0 && run.forces.length) {
-      forces({ context, view, paint }, run, place);
-      scaleBar({ context, view, paint, height });
+      forces(on, run, place);
+      const length = Math.max(ARROW * rod * view.scale, LEAST_ARROW);
+      scaleBar(on, length, `force ${Number(force.size.toPrecision(1))}`, bars);
+      bars += 1;
+    }
+    if (shown.velocities && speed.size > 0) {
+      velocities(on, run, place);
+      scaleBar(on, FASTEST * rod * view.scale, `velocity ${Number(speed.size.toPrecision(1))}`, bars);
     }
     return view;
   };

@@ -246,7 +246,10 @@ function mount(element, source) {
   part("curves").addEventListener("pointermove", (event) => point(curves.timeAt(event.offsetX)));
   part("curves").addEventListener("pointerleave", () => point(null));
   part("curves").addEventListener("click", (event) => setTime(curves.timeAt(event.offsetX)));
-  new ResizeObserver(update).observe(element);
+  new ResizeObserver(() => {
+    update();
+    if (source.isPage) tellHeight();
+  }).observe(element);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
 
   part("sliders").hidden = source.sliders.length === 0;

@@ -1,0 +1,193 @@
+"""Friction loops, slips and force-distance curves, against closed forms and another integrator."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tribo
+from tribo import Asperite, Corrugation, Field, InputError, Langevin, Output, Pulled, Scene, Surface
+from tribo.results.stage import turning_points
+
+AMPLITUDE, STIFFNESS, PERIOD, SPEED, DAMPING = 0.1, 0.5, 1.0, 0.02, 4.0
+MASS = 2.0
+# Half a stroke and the angular frequency of a stage that goes forth and back.
+STROKE, FREQUENCY = 2.0, 0.02
+
+
+class Sine(NamedTuple):
+    """A spring to a stage at STROKE sin(FREQUENCY t)."""
+
+    stiffness: float
+    stroke: float
+    frequency: float
+
+    drives_along_x = True
+    depends_on_velocity = False
+
+    def force_on_bar(self, t, x, y, vx, vy, fx, fy):
+        return self.stiffness * (self.stroke * np.sin(self.frequency * t) - x), -fy
+
+
+def tip(drive, duration, samples, run_in=0.0, amplitude=AMPLITUDE):
+    """A rigid tip in a corrugation, which a reservoir without noise damps."""
+    surface = Surface(
+        "upper",
+        drive=drive,
+        asperite=Asperite(kappa=np.inf, m1=0.5 * MASS, m2=0.5 * MASS),
+        langevin=Langevin(DAMPING, 0.0),
+    )
+    field = Field(Corrugation(amplitude, PERIOD), on=("upper",))
+    output = Output(samples=samples, series=("forces",), run_in=run_in)
+    return Scene((surface,), (), duration, fields=(field,), output=output)
+
+
+def path(stage, times):
+    """The place of the same tip over time, by another program."""
+
+    def rates(t, state):
+        x, v = state
+        wave = 2.0 * np.pi / PERIOD
+        force = STIFFNESS * (stage(t) - x) - AMPLITUDE * wave * np.sin(wave * x) - DAMPING * v
+        return [v, force / MASS]
+
+    start = [0.0, 0.0]
+    return solve_ivp(rates, times[[0, -1]], start, "LSODA", times, rtol=1e-9, atol=1e-10).y[0]
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    drive = Pulled(stiffness=STIFFNESS, speed=SPEED)
+    return tribo.simulate(tip(drive, 300.0, 3001, run_in=100.0), accuracy=1e-7)
+
+
+@pytest.fixture(scope="module")
+def swung():
+    """Two and a quarter cycles of the stage: four turns."""
+    duration = 2.25 * 2.0 * np.pi / FREQUENCY
+    drive = tribo.Custom(force=Sine(STIFFNESS, STROKE, FREQUENCY))
+    return tribo.simulate(tip(drive, duration, 4001), accuracy=1e-7)
+
+
+def test_slips_of_prandtl_and_tomlinson(pulled):
+    """One for each period; forces and energies are those of another integration."""
+    found = pulled.slips("upper")
+    table = found.table
+    assert table.sizes["slip"] == 4 and found.note == ""
+    assert np.diff(table["time"]) == pytest.approx(PERIOD / SPEED, abs=0.11)
+    x = path(lambda t: SPEED * t, pulled.t)
+    force = STIFFNESS * (SPEED * pulled.t - x)
+    for slip in range(4):
+        one = table.isel(slip=slip)
+        ends = float(one.time), float(one.time + one.duration)
+        i, j = (int(np.argmin(abs(pulled.t - t))) for t in ends)
+        near = slice(i - 20, j + 20)
+        assert float(one.force_before) == pytest.approx(force[near].max(), abs=1e-5)
+        assert float(one.force_after) == pytest.approx(force[near].min(), abs=1e-5)
+        assert float(one.size) == pytest.approx(x[j] - x[i], abs=1e-5)
+        energies = 0.5 * force[[i, j]] ** 2 / STIFFNESS
+        assert float(one.energy) == pytest.approx(energies[0] - energies[1], abs=1e-5)
+    # The spring holds the tip at least up to where it would become unstable at rest.
+    ratio = 4.0 * np.pi**2 * AMPLITUDE / (STIFFNESS * PERIOD**2)
+    static = 2.0 * np.pi * AMPLITUDE / PERIOD * np.sqrt(1.0 - ratio**-2)
+    assert np.all(table["force_before"] > static) and np.all(table["force_before"] < 1.1 * static)
+    alone = pulled.slips("upper", asperite=0).table
+    assert np.allclose(alone["energy"], table["energy"], rtol=1e-12)
+    means = found.mean("force_before")
+    assert abs(means.mean - table["force_before"].mean()) < 1e-15 and means.half_width < 1e-4
+
+
+def test_distributions_of_slips(pulled):
+    """Shares add up to one; Clopper and Pearson's interval of 1 of 4 is known."""
+    found = pulled.slips("upper").distribution("time", 4)
+    assert found["share"].values == pytest.approx([0.25] * 4)
+    assert found["share_low"].values == pytest.approx([0.0063094] * 4, rel=1e-4)
+    assert found["share_high"].values == pytest.approx([0.8058796] * 4, rel=1e-4)
+
+
+def test_oscillations_after_a_slip_are_no_slips(pulled):
+    """Of a tip with little damping, as many falls of the force are slips as it gets ahead."""
+    (surface,) = pulled.scene.surfaces
+    soft = replace(surface, langevin=Langevin(0.5, 0.0))
+    result = tribo.simulate(replace(pulled.scene, surfaces=(soft,)), accuracy=1e-6)
+    table = result.slips("upper", least=0.1).table
+    force = result["upper"].pull_force
+    falls = turning_points(force[result.t >= 100.0], 0.1)
+    assert falls.size > 3 * table.sizes["slip"]
+    assert np.all(table["size"] > 0.5 * PERIOD)
+
+
+def test_a_loop_is_that_of_another_integration(swung):
+    """Its area is the work of the stage, and what the damping takes; a cycle lacks nothing."""
+    stage = STROKE * np.sin(FREQUENCY * swung.t)
+    found = swung.loop("upper", position=stage)
+    assert found.cycles.sizes["cycle"] == 2 and np.isfinite(found.area.half_width)
+    force = STIFFNESS * (stage - path(lambda t: STROKE * np.sin(FREQUENCY * t), swung.t))
+    assert np.max(np.abs(found.force - force)) < 1e-4
+    quarter = 0.5 * np.pi / FREQUENCY
+    one = (swung.t >= 5.0 * quarter) & (swung.t <= 7.0 * quarter)
+    other = (swung.t >= 7.0 * quarter) & (swung.t <= 9.0 * quarter)
+    area = np.trapezoid(force[one], stage[one]) + np.trapezoid(force[other], stage[other])
+    last = found.cycles.isel(cycle=-1)
+    assert float(last.area) == pytest.approx(area, rel=1e-3)
+    assert float(last.stroke) == pytest.approx(2.0 * STROKE, rel=1e-3)
+    assert float(last.forward - last.backward) == pytest.approx(
+        float(last.area / last.stroke), rel=1e-9
+    )
+    assert float(last.forward) > 0.2 > -0.2 > float(last.backward)
+    axes = swung.plot.loop("upper", position=stage)
+    assert "area" in axes.get_title() and axes.get_ylabel() == "force on upper"
+    inner = swung.loop("upper", position=stage, margin=0.25)
+    assert inner.forward.mean > found.forward.mean  # without the springs' turn
+    assert inner.area.mean == found.area.mean
+
+
+def test_a_held_bar_makes_no_loop_of_its_own(pulled, swung):
+    """Runs without a turn, without a stage, and without forces are refused by name."""
+    with pytest.raises(InputError, match="does not turn back after t = 100"):
+        pulled.loop("upper")
+    with pytest.raises(InputError, match=r"springs to a stage pull.*give the position"):
+        swung.loop("upper")
+    with pytest.raises(InputError, match="surface: must be one that springs to a stage pull"):
+        swung.slips("upper")
+    with pytest.raises(InputError, match="surface: must be one of upper"):
+        pulled.slips("lower")
+    with pytest.raises(InputError, match="must slip"):
+        pulled.slips("upper", least=10.0)
+    quiet = tribo.simulate(replace(pulled.scene, output=Output(samples=11)), accuracy=1e-3)
+    with pytest.raises(InputError, match=r'output\.series: does not contain "forces"'):
+        quiet.loop("upper")
+
+
+def test_turning_points():
+    """Extremes that a series turns back from, with its ends."""
+    t = np.linspace(0.0, 4.0, 41)
+    triangle = np.abs((t + 0.5) % 2.0 - 1.0)
+    assert turning_points(triangle, 0.1).tolist() == [0, 5, 15, 25, 35, 40]
+    assert turning_points(np.zeros(5), 0.1).tolist() == [0, 4]
+
+
+def test_force_over_distance():
+    """Bars that come down: the force at each distance is that of the potential."""
+    upper = Surface(
+        "upper",
+        bob=(0.0, 2.0),
+        velocity=(0.0, -0.2),
+        drive=tribo.DrivenBars(),
+        asperite=Asperite(kappa=1e4),
+    )
+    lower = Surface("lower", facing="up", drive=tribo.DrivenBars(), asperite=Asperite(kappa=1e4))
+    potential = tribo.LennardJones(0.1, 1.0)
+    scene = Scene((upper, lower), potential, 5.0, output=Output(samples=101, series=("forces",)))
+    result = tribo.simulate(scene, accuracy=1e-7)
+    curve = result.force_distance("upper")
+    rods = 2.0 * scene.surfaces[0].asperite.length
+    expected = potential.force(curve["distance"].values - rods)
+    assert np.allclose(curve["force"], expected, rtol=1e-6, atol=1e-9)
+    assert curve["force"][-1] > 0.0 > curve["force"].min()
+    assert np.all(curve["leg"] == -1) and np.isnan(curve.attrs["pull_off"])
+    level = replace(upper, velocity=(0.1, 0.0))
+    with pytest.raises(InputError, match="keeps its height"):
+        tribo.simulate(replace(scene, surfaces=(level, lower))).force_distance("upper")
