@@ -97,6 +97,7 @@ SURFACE = np.dtype(
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("block", "i8"),  # RIGID_ASPERITES, PENDULUMS; the drive's numbers are a bar's share
+        ("elastic_row", "i8"),  # first row of its pairs in `Model.elastic_pairs`; 0 without
         ("elastic_block", "i8"),  # 1 where the drive acts at the mean displacement of the bars
         ("stiffness_y", "f8"),  # of the pulling spring along y
         ("damping", "f8"),  # of the damper beside the pulling spring
@@ -467,6 +468,7 @@ class Model(NamedTuple):
     on_bars: bool  # whether other forces than f2 act on bars
     elastic: np.ndarray  # (2,) addresses of functions, see `kernels.elastic`; empty without bodies
     elastic_energy: np.ndarray  # (surfaces,) scratch
+    elastic_pairs: np.ndarray  # (rows, 4 LANES) K between bars, see `kernels.elastic`
     blocks: bool  # whether the bars of any surface are one rigid body, see `kernels.rigid_block`
     species: np.ndarray  # (n,) of each bob, floats; empty where none matters
     pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`

@@ -1,32 +1,67 @@
-"""Forces and energies of elastic bodies, by Fourier transforms that compiled loops call."""
+"""Forces and energies of elastic bodies, as the kernels need them.
+
+Those of few bars have a table of all pairs, and those of many Fourier transforms, which compiled
+loops call.
+"""
 
 import ctypes
 from typing import Any
 
 import numpy as np
 
+from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.model.elastic import grid_of
 from tribo.model.scene import Scene
 
+# Most bars of a surface whose forces are sums over all pairs.  A call of the transforms takes some
+# 0.1 ms at least, in which a core sums over the pairs of about 400 bars.
+MOST_OF_PAIRS = 256
+
 
 def stiffnesses(scene: Scene) -> dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Index of each elastic surface -> its K, halves of the Fourier space of real displacements."""
+    """Index of each elastic surface -> its K_xx, K_yy, K_xy / i in Fourier space, (nz, nx)."""
     found = {}
     for k, surface in enumerate(scene.surfaces):
         if surface.elastic is not None:
             counts, spacing = grid_of(surface, scene.periodic)
-            whole = surface.elastic.stiffness(counts, spacing, surface.facing_sign)
-            half = counts[0] // 2 + 1
-            xx, yy, xy = (each[:, :half] for each in whole)
-            found[k] = xx, yy, xy
+            found[k] = surface.elastic.stiffness(counts, spacing, surface.facing_sign)
     return found
 
 
-class ElasticBodies:
-    """The elastic surfaces of one loop, as compiled code calls them.
+def pairs_of(scene: Scene, surfaces: Any, columns: dict[int, np.ndarray]) -> np.ndarray:
+    """K between all bars of each elastic surface that has few, (rows, 4 LANES), after a row of 0.
 
-    Forces are added to the internal ones on the bars; where a surface is a block, the mean
-    displacement of its bars goes into its record.
+    A block of bars has a row for each bar of its surface: K_xx, K_xy, K_yx, K_yy between that bar
+    and those of the block.  `columns` (n,) are those of each surface's bars, and the record of each
+    of these surfaces gets its first row.
+    """
+    tables = [np.zeros((1, 4 * LANES))]
+    row = 1
+    for k, (xx, yy, xy) in stiffnesses(scene).items():
+        record = surfaces[k]
+        count = record["end"] - record["start"]
+        if count > MOST_OF_PAIRS:
+            continue
+        bars = np.argsort(columns[k])  # in the order of the columns
+        z, x = np.unravel_index(bars, xx.shape)
+        apart = (z[:, None] - z) % xx.shape[0], (x[:, None] - x) % xx.shape[1]
+        blocks = (record["stop"] - record["start"]) // LANES
+        pairs = np.zeros((4, blocks * LANES, count))
+        for n, wave in enumerate((xx, 1j * xy, -1j * xy, yy)):
+            pairs[n, :count] = np.fft.ifft2(wave).real[apart]
+        pairs = pairs.reshape(4, blocks, LANES, count).transpose(1, 3, 0, 2)
+        tables.append(pairs.reshape(-1, 4 * LANES))
+        record["elastic_row"] = row
+        row += blocks * count
+    return with_spare_lanes(np.concatenate(tables))
+
+
+class ElasticBodies:
+    """The elastic surfaces of many bars in one loop, as compiled code calls them.
+
+    Forces are added to the internal ones on the bars, and the mean displacement of the bars goes
+    into the surface's record.
     """
 
     def __init__(
@@ -44,9 +79,12 @@ class ElasticBodies:
         self._fft = fft
         self.error: Exception | None = None
         self.interrupted = False
-        self._stiffnesses = stiffnesses(scene)
+        self._stiffnesses = {
+            k: [each[:, : each.shape[1] // 2 + 1] for each in waves]  # of real displacements
+            for k, waves in stiffnesses(scene).items()
+            if scene.surfaces[k].count > MOST_OF_PAIRS
+        }
         self._shapes = {k: scene.surfaces[k].shape[::-1] for k in self._stiffnesses}
-        self._blocks = [k for k in self._stiffnesses if scene.surfaces[k].drive.block]
         self._surfaces = surfaces
         self._columns = columns
         self._displaced = displaced
@@ -65,10 +103,12 @@ class ElasticBodies:
 
     def stretched(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Displacements u of the bars of surface k, and K u, each (2, nz, nx)."""
-        u = self._displaced[:, self._columns[k]].reshape(2, *self._shapes[k])
+        u = np.take(self._displaced, self._columns[k], axis=1).reshape(2, *self._shapes[k])
         xx, yy, xy = self._stiffnesses[k]
         x, y = self._fft.rfft2(u)
-        wave = np.array([xx * x + 1j * xy * y, yy * y - 1j * xy * x])
+        wave = np.empty((2, *xx.shape), complex)
+        wave[0] = xx * x + 1j * xy * y
+        wave[1] = yy * y - 1j * xy * x
         return u, self._fft.irfft2(wave, s=self._shapes[k])
 
     def _add_forces(self) -> None:
@@ -93,8 +133,7 @@ class ElasticBodies:
         forces = {}
         for k in self._stiffnesses:
             u, forces[k] = self.stretched(k)
-            if k in self._blocks:
-                self._surfaces[k]["ax"], self._surfaces[k]["ay"] = u.mean(axis=(1, 2))
+            self._surfaces[k]["ax"], self._surfaces[k]["ay"] = u.mean(axis=(1, 2))
         for k, force in forces.items():  # after all that an interrupt may repeat
             self._internal[:, self._columns[k]] -= force.reshape(2, -1)
 

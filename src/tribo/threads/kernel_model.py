@@ -56,12 +56,14 @@ def model_of(
     team: Team | None = None,
     times_in_lanes: bool = False,
     elastic: np.ndarray | None = None,
+    elastic_pairs: np.ndarray | None = None,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
     Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
     given the time as Lanes where members have `times_in_lanes`.  There are lists of neighbours if
-    it is `listed`.  `elastic` are the addresses that elastic bodies will have.  Raises InputError.
+    it is `listed`.  `elastic` are the addresses that elastic bodies will have, and `elastic_pairs`
+    the stiffness between bars of those that have few.  Raises InputError.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -89,6 +91,7 @@ def model_of(
         species=room((0,)) if tables.species is None else tables.species,
         elastic=np.zeros(0, np.int64) if elastic is None else elastic,
         elastic_energy=room((len(tables.surfaces),)),
+        elastic_pairs=room((1, 0)) if elastic_pairs is None else elastic_pairs,
         blocks=bool(np.any(tables.surfaces.block > 0)),
         pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
         box=tables.box or Box(0.0, 0.0),

@@ -16,7 +16,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
 from tribo.kernels.records import Model
 from tribo.layout import contacts
-from tribo.layout.elastic_body import ElasticBodies
+from tribo.layout.elastic_body import MOST_OF_PAIRS, ElasticBodies, pairs_of
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -40,11 +40,16 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
         calculators, calls = contacts.calculators(layout.scene, depths, tables.surfaces.start)
         tables = tables._replace(calculators=calculators)
     team = None if tables.team is None else new_team(layout.scene, tables)
-    if all(surface.elastic is None for surface in layout.scene.surfaces):
-        return model_of(layout.scene, tables, layout.rows > 0, team), calls
-    addresses = np.zeros(2, np.int64)
-    model = model_of(layout.scene, tables, layout.rows > 0, team, elastic=addresses)
+    listed = layout.rows > 0
+    bars = {surface.count for surface in layout.scene.surfaces if surface.elastic is not None}
+    if not bars:
+        return model_of(layout.scene, tables, listed, team), calls
     columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
+    pairs = pairs_of(layout.scene, tables.surfaces, columns)
+    if max(bars) <= MOST_OF_PAIRS:
+        return model_of(layout.scene, tables, listed, team, elastic_pairs=pairs), calls
+    addresses = np.zeros(2, np.int64)
+    model = model_of(layout.scene, tables, listed, team, elastic=addresses, elastic_pairs=pairs)
     arrays = model.displaced, model.internal, model.elastic_energy
     bodies = ElasticBodies(layout.scene, model.surfaces, columns, *arrays)
     addresses[:] = bodies.addresses
