@@ -23,6 +23,7 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.layout import elastic_body
 from tribo.validation import InputError
 
 RIGID = Asperite(m1=0.5, m2=0.5, kappa=math.inf)
@@ -142,20 +143,25 @@ def test_a_plane_wave_swings_at_its_own_frequency(axis, thickness):
     assert np.max(np.abs(kinetic + energy - energy[0])) <= 1e-10
 
 
+SMALL = (6, 5)
+
+
 def sliding(drive, **upper):
-    """A rough grid on an elastic body that slides over a row of rigid grids."""
-    heights = np.random.default_rng(0).uniform(0.0, 0.3, 72)
-    given = {"bob": (0.2, 0.9), "velocity": (0.3, 0.0), "heights": heights, "drive": drive}
-    table = body("table", facing="up", elastic=None, drive="bars")
-    contact = Morse(0.3, 1.5, 0.8).with_cutoff(2.0)
+    """A rough grid on an elastic body that slides over a grid of driven bars."""
+    heights = np.random.default_rng(0).uniform(0.0, 0.1, 30)
+    given = {"bob": (0.2, 1.1), "velocity": (0.3, 0.0), "heights": heights, "drive": drive}
+    given |= {"shape": SMALL, "spacing": (1.0, 1.0)}
+    place = {"shape": SMALL, "spacing": (1.0, 1.0), "facing": "up"}
+    table = body("table", elastic=None, drive="bars", **place)
+    contact = Morse(0.05, 1.5, 1.0).with_cutoff(2.4, switch_from=1.2)
     output = Output(samples=9, series=("forces",))
     surfaces = (body(**given | upper), table)
-    return Scene(surfaces, contact, 4.0, periodic=PERIODS, output=output)
+    return Scene(surfaces, contact, 2.0, periodic=Periodic(x=6.0, z=5.0), output=output)
 
 
-PULLS = {"stiffness": 2.0, "speed": 0.3, "load": 5.0}
+PULLS = {"stiffness": 2.0, "speed": 0.3, "load": 1.0}
 DRIVES = {
-    "each": Pulled(stiffness=0.1, speed=0.3, load=0.1),
+    "each": Pulled(stiffness=0.1, speed=0.3, load=0.03),
     "block": Pulled(**PULLS, stiffness_y=1.0, block=True),
     "free": Free(),
 }
@@ -174,12 +180,29 @@ def test_ledger_closes_with_the_energy_of_the_body(name):
     for axis in "xy":
         assert np.max(np.abs(own[f"f_spring_{axis}"].sum(axis=1))) <= 1e-12
     # The forces are -K u, and the body's energy u . K u / 2.
-    xx, yy, xy = Elastic(2.0, 0.3).stiffness(SHAPE, SPACING, 1.0)
+    xx, yy, xy = Elastic(2.0, 0.3).stiffness(SMALL, (1.0, 1.0), 1.0)
     u = np.array([own[f"{axis}_bar"][-1] - own[f"{axis}_bar"][0] for axis in "xy"])
-    x, y = np.fft.fft2(u.reshape(2, 6, 12))
+    x, y = np.fft.fft2(u.reshape(2, 5, 6))
     force = np.fft.ifft2([xx * x + 1j * xy * y, yy * y - 1j * xy * x]).real.reshape(2, -1)
     for k, axis in enumerate("xy"):
         assert np.max(np.abs(own[f"f_spring_{axis}"][-1] + force[k])) <= 1e-12
+
+
+@pytest.mark.parametrize("shape", [(6, 5), (5, 6), (30, 1)])
+def test_transforms_give_the_sums_over_pairs(shape, monkeypatch):
+    """With bars in another order than their columns, and for even and odd numbers of them."""
+    drawn = np.random.default_rng(0).uniform(0.0, 0.1, 30)
+    drive = DRIVES["block"]
+    upper = body(shape=shape, spacing=(1.0, 1.0), drive=drive, initial=Initial(x=drawn))
+    sizes = Periodic(x=shape[0], z=shape[1] if shape[1] > 1 else 5.0)
+    output = Output(samples=5, series=("forces",))
+    given = Scene((upper,), (), 1.0, periodic=sizes, output=output)
+    pairs = tribo.simulate(given, method="verlet", step=0.02)["upper"]
+    monkeypatch.setattr(elastic_body, "MOST_OF_PAIRS", 0)
+    transforms = tribo.simulate(given, method="verlet", step=0.02)["upper"]
+    assert np.ptp(pairs["y_bar"][-1] - pairs["y_bar"][0]) > 1e-3
+    for name in ("x_bar", "y_bar", "f_spring_y", "w_int", "delta_E_int"):
+        assert np.max(np.abs(pairs[name] - transforms[name])) <= 1e-13, name
 
 
 def test_the_spring_of_a_block_acts_at_the_mean_of_its_bars():
@@ -189,29 +212,34 @@ def test_the_spring_of_a_block_acts_at_the_mean_of_its_bars():
     pull = np.sum(own["f2_x"], axis=1)
     assert np.max(np.abs(pull - 2.0 * (0.3 * result.t - moved))) <= 1e-12
     lifted = np.mean(own["y_bar"] - own["y_bar"][0], axis=1)
-    assert np.max(np.abs(np.sum(own["f2_y"], axis=1) + 5.0 + lifted)) <= 1e-12
+    assert np.max(np.abs(np.sum(own["f2_y"], axis=1) + 1.0 + lifted)) <= 1e-12
     assert np.ptp(own["x_bar"][-1] - own["x_bar"][0]) > 1e-3
     for values in (own["f2_x"], own["f2_y"]):
         assert np.max(np.ptp(values, axis=1)) <= 1e-14
 
 
 def test_a_stiff_body_is_a_rigid_block():
-    rigid = sliding(DRIVES["block"], elastic=None)
-    stiff = sliding(DRIVES["block"], elastic=Elastic(2e4, 0.3))
-    one, other = (tribo.simulate(s, accuracy=1e-6) for s in (rigid, stiff))
-    for axis in "xy":
-        means = [np.mean(r["upper"][f"{axis}_bar"][-1]) for r in (one, other)]
-        assert abs(means[0] - means[1]) <= 1e-3
+    """The bars are displaced by their forces over the modulus."""
+    rigid = tribo.simulate(sliding(DRIVES["block"], elastic=None), accuracy=1e-8)["upper"]
+    errors = []
+    for modulus in (200.0, 2000.0):
+        stiff = sliding(DRIVES["block"], elastic=Elastic(modulus, 0.3))
+        own = tribo.simulate(stiff, accuracy=1e-7)["upper"]
+        means = [np.mean(own[f"{axis}_bar"][-1] - rigid[f"{axis}_bar"][-1]) for axis in "xy"]
+        errors.append(max(map(abs, means)))
+    assert errors[1] < 0.2 * errors[0] < 1e-5
 
 
 def test_verlet_is_of_order_two_and_threads_do_not_change_bits():
     given = sliding(DRIVES["block"])
-    exact = tribo.simulate(given, method="dop853", accuracy=1e-9)["upper"]["x_bar"][-1]
-    errors = [
-        np.max(np.abs(tribo.simulate(given, method="verlet", step=h)["upper"]["x_bar"][-1] - exact))
-        for h in (0.02, 0.01)
+    ends = [
+        tribo.simulate(given, method="verlet", step=h)["upper"]["x_bar"][-1]
+        for h in (0.05, 0.025, 0.0125)  # parts of the time between samples
     ]
-    assert 3.5 < errors[0] / errors[1] < 4.5
+    changes = np.max(np.abs(np.diff(ends, axis=0)), axis=1)
+    assert 3.8 < changes[0] / changes[1] < 4.2
+    exact = tribo.simulate(given, method="dop853", accuracy=1e-9)["upper"]["x_bar"][-1]
+    assert np.max(np.abs((4.0 * ends[2] - ends[1]) / 3.0 - exact)) <= 0.1 * changes[1]
     one, two = (
         tribo.simulate(given, method="verlet", step=0.02, threads=count) for count in (1, 2)
     )
@@ -219,14 +247,19 @@ def test_verlet_is_of_order_two_and_threads_do_not_change_bits():
 
 
 def test_noise_warms_a_block_on_an_elastic_body():
-    """A reservoir at each bar; all bars have the temperature of the reservoir."""
+    """A reservoir at each bar: velocities and the energy of each wave have its temperature."""
     alone = body(drive=Free(block=True, load=0.0), langevin=Langevin(0.5, 0.2))
-    output = Output(samples=201, ledger="none")
-    given = Scene((alone,), (), 400.0, periodic=PERIODS, output=output)
-    result = tribo.simulate(given, method="verlet", step=0.05)
-    own = result["upper"]
+    output = Output(samples=51, ledger="none")
+    given = Scene((alone,), (), 100.0, periodic=PERIODS, output=output)
+    own = tribo.simulate(given, method="verlet", step=0.1)["upper"]
     for axis in "xy":
-        assert np.var(own[f"v{axis}_cm"][20:]) / 0.2 == pytest.approx(1.0, abs=0.03)
+        assert np.var(own[f"v{axis}_cm"][5:]) / 0.2 == pytest.approx(1.0, abs=0.08)
+    xx, yy, xy = Elastic(2.0, 0.3).stiffness(SHAPE, SPACING, 1.0)
+    moved = np.array([own[f"{axis}_bar"][5:] - own[f"{axis}_bar"][0] for axis in "xy"])
+    x, y = np.fft.fft2(moved.reshape(2, -1, 6, 12))
+    twice = xx * abs(x) ** 2 + yy * abs(y) ** 2 + 2.0 * (1j * xy * y * x.conj()).real
+    each = np.mean(twice, axis=0).ravel()[1:] / 72.0  # of two components of each wave, 2 T
+    assert np.mean(each) / 0.4 == pytest.approx(1.0, abs=0.06)
 
 
 # --- the contact of a sphere ---------------------------------------------------------------------
@@ -245,7 +278,7 @@ class Wall(NamedTuple):
 
 
 def sphere(load, n=48, radius=60.0, modulus=1.0, poisson=0.3):
-    """Approach, load on the tips, and radius of contact of a sphere on a flat wall."""
+    """Approach, load on the tips, and area of contact of a sphere on a flat wall."""
     across = np.arange(n) - n // 2
     x, z = np.meshgrid(across, across)
     heights = ((x**2 + z**2) / (2.0 * radius)).ravel()
@@ -257,7 +290,7 @@ def sphere(load, n=48, radius=60.0, modulus=1.0, poisson=0.3):
         asperite=RIGID,
         elastic=Elastic(modulus, poisson),
         drive=Free(block=True, load=load),
-        langevin=Langevin(0.5),
+        langevin=Langevin(0.1),
     )
     wall = Field(Wall(20.0), on=("sphere",))
     output = Output(samples=2, series=("forces",), ledger="none")
@@ -268,7 +301,12 @@ def sphere(load, n=48, radius=60.0, modulus=1.0, poisson=0.3):
     down = own["y_bar"][0] - own["y_bar"][-1]
     # The wall's tips yield by their own compliance, which is no part of the sphere's approach.
     yielding = -np.min(own["y_bob"][-1])
-    return np.mean(down) - yielding, np.sum(force), math.sqrt(np.count_nonzero(force) / math.pi)
+    # Bars at the edge of a contact count whole.  Yastrebov, Anciaux, Molinari, J. Mech. Phys.
+    # Solids 107, 469 (2017): the area is less by this fraction of the contact's edges.
+    touching = (force > 0.0).reshape(n, n)
+    edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
+    area = np.count_nonzero(touching) - (math.pi - 1.0 + math.log(2.0)) / 24.0 * edges
+    return np.mean(down) - yielding, np.sum(force), area
 
 
 def test_a_sphere_makes_the_contact_of_hertz():
@@ -281,13 +319,13 @@ def test_a_sphere_makes_the_contact_of_hertz():
     u = response(Elastic(1.0, 0.3), (n, n), (1.0, 1.0), force)[1]
     images = np.mean([u[0, r] - 1.0 / (math.pi * stiffness * r) for r in (5, 6)])
     for load in (2.0, 5.0, 12.0):
-        approach, carried, contact = sphere(load)
-        assert carried == pytest.approx(load, rel=0.01)
+        approach, carried, area = sphere(load)
+        assert carried == pytest.approx(load, rel=1e-5)
         depth = approach - images * load
-        assert load == pytest.approx(
-            4.0 / 3.0 * stiffness * math.sqrt(radius) * depth**1.5, rel=0.06
-        )
-        assert contact**2 == pytest.approx(radius * depth, rel=0.12)
+        law = 4.0 / 3.0 * stiffness * math.sqrt(radius) * depth**1.5
+        assert law == pytest.approx(load, rel=0.015)
+        # A bar more or less at the edge: some 10 % of the smallest contact, 5 % of the largest.
+        assert area == pytest.approx(math.pi * radius * depth, rel=0.12 if load < 3.0 else 0.05)
 
 
 # --- files and refusals --------------------------------------------------------------------------
@@ -310,7 +348,7 @@ def test_files_and_keys_keep_the_body(tmp_path):
     ("settings", "problem"),
     [
         ({"elastic": Elastic(1.0, 0.3), "drive": "bars", "velocity": (0.0, 0.0)}, "not displaced"),
-        ({"shape": (72, 1), "spacing": (0.8, 0.0)}, "periodic.x = 57.6"),
+        ({"shape": (30, 1), "spacing": (0.8, 0.0)}, "periodic.x = 24"),
         ({"elastic": {"modulus": -1.0, "poisson": 0.3}}, "modulus"),
         ({"elastic": {"modulus": 1.0, "poisson": 0.6}}, "poisson"),
         ({"elastic": {"modulus": 1.0}}, "poisson"),

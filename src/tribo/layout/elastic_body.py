@@ -13,10 +13,16 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import with_spare_lanes
 from tribo.model.elastic import grid_of
 from tribo.model.scene import Scene
+from tribo.model.surface import Surface
 
 # Most bars of a surface whose forces are sums over all pairs.  A call of the transforms takes some
 # 0.1 ms at least, in which a core sums over the pairs of about 400 bars.
 MOST_OF_PAIRS = 256
+
+
+def sums_over_pairs(surface: Surface) -> bool:
+    """Whether the bars on an elastic body are so few that forces are sums over all pairs."""
+    return surface.count <= MOST_OF_PAIRS
 
 
 def stiffnesses(scene: Scene) -> dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]]:
@@ -41,7 +47,7 @@ def pairs_of(scene: Scene, surfaces: Any, columns: dict[int, np.ndarray]) -> np.
     for k, (xx, yy, xy) in stiffnesses(scene).items():
         record = surfaces[k]
         count = record["end"] - record["start"]
-        if count > MOST_OF_PAIRS:
+        if not sums_over_pairs(scene.surfaces[k]):
             continue
         bars = np.argsort(columns[k])  # in the order of the columns
         z, x = np.unravel_index(bars, xx.shape)
@@ -82,7 +88,7 @@ class ElasticBodies:
         self._stiffnesses = {
             k: [each[:, : each.shape[1] // 2 + 1] for each in waves]  # of real displacements
             for k, waves in stiffnesses(scene).items()
-            if scene.surfaces[k].count > MOST_OF_PAIRS
+            if not sums_over_pairs(scene.surfaces[k])
         }
         self._shapes = {k: scene.surfaces[k].shape[::-1] for k in self._stiffnesses}
         self._surfaces = surfaces

@@ -16,7 +16,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
 from tribo.kernels.records import Model
 from tribo.layout import contacts
-from tribo.layout.elastic_body import MOST_OF_PAIRS, ElasticBodies, pairs_of
+from tribo.layout.elastic_body import ElasticBodies, pairs_of, sums_over_pairs
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -41,12 +41,12 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
         tables = tables._replace(calculators=calculators)
     team = None if tables.team is None else new_team(layout.scene, tables)
     listed = layout.rows > 0
-    bars = {surface.count for surface in layout.scene.surfaces if surface.elastic is not None}
-    if not bars:
+    elastic = [surface for surface in layout.scene.surfaces if surface.elastic is not None]
+    if not elastic:
         return model_of(layout.scene, tables, listed, team), calls
     columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
     pairs = pairs_of(layout.scene, tables.surfaces, columns)
-    if max(bars) <= MOST_OF_PAIRS:
+    if all(map(sums_over_pairs, elastic)):
         return model_of(layout.scene, tables, listed, team, elastic_pairs=pairs), calls
     addresses = np.zeros(2, np.int64)
     model = model_of(layout.scene, tables, listed, team, elastic=addresses, elastic_pairs=pairs)
