@@ -15,8 +15,8 @@ from tribo.model.elastic import grid_of
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 
-# Most bars of a surface whose forces are sums over all pairs.  A call of the transforms takes some
-# 0.1 ms at least, in which a core sums over the pairs of about 400 bars.
+# Most bars of a surface whose forces are sums over all pairs: a step of so many bars takes 0.05 ms
+# with sums, and 0.2 ms with transforms.
 MOST_OF_PAIRS = 256
 
 
