@@ -298,7 +298,7 @@ def test_the_work_of_a_stage_beside_an_accuracy():
         work = tribo.simulate(one, accuracy=1e-8, progress=False)["tip"].stage_work[-1]
         for data in (found, whole):
             assert float(data["tip.stage_work"][place]) == pytest.approx(work, abs=1e-6)
-            assert np.isnan(data["tip.stage_work_error"][place])
+            assert "tip.stage_work_error" not in data
 
 
 def test_values_that_belong_together():
