@@ -457,6 +457,8 @@ class Moved(Drive):
     ----------
     load : None
         Must be None: the motion is given along y too.
+    block : bool
+        Must be False: all bars move alike.
     speed : (float or Schedule, float or Schedule)
         Velocity along x and y in the laboratory, without steps [length / time].
     """

@@ -60,7 +60,9 @@ class Schedule:
         first point and after the last one the number is constant.
     kind : str
         "linear": straight lines from point to point; "steps": each value lasts until the next
-        point.
+        point; "sine": as :meth:`sine` makes it.
+    mean, amplitude, period, phase : float, optional
+        Of a sine, instead of points.
 
     Raises
     ------
