@@ -378,7 +378,7 @@ def test_units_and_names():
     expected |= {"upper.velocity": "length time^-1", "upper.w2_error": "energy"}
     for name, units in expected.items():
         assert data[name].attrs["units"] == units
-    assert data["upper.w2_mean"].long_name == "mean of: work of the drive, summed over asperites"
+    assert data["upper.w2_mean"].long_name == "mean of: work of the drive, all asperites"
 
 
 def test_further_series():

@@ -261,16 +261,16 @@ def test_member_that_jumps_an_encounter_is_run_alone():
     starts = MemberStarts(np.tile(layout.start, (9, 1)), np.zeros(9, int))
     starts.y[:, 0] = np.linspace(-0.1, 0.1, 9)
     loop, single = loops_of(layout, method)
-    usual = loop.run(0.05, starts)
+    usual = loop.run(Setting(step=0.05), starts)
     assert np.all(usual.counts[:, CODE] == COMPLETED)
     starts.y[4, layout.coordinates] = 400.0
-    found = loop.run(0.05, starts)
+    found = loop.run(Setting(step=0.05), starts)
     assert found.counts[4, CODE] == ENCOUNTER_JUMPED
     others = np.arange(9) != 4
     for name in FIELDS:
         mine = getattr(found.of_members(others).samples, name)
         assert np.array_equal(mine, getattr(usual.of_members(others).samples, name)), name
-    alone = single.run(0.05, starts.of_members(slice(4, 5)))
+    alone = single.run(Setting(step=0.05), starts.of_members(slice(4, 5)))
     assert np.array_equal(found.counts[4], alone.counts[0])
 
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import tribo
 from support.kernels import shared_kernel
 from support.sliding import CUTOFF, long_slide, scene
+from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.kernels.neighbours import refresh
 from tribo.kernels.records import X, Y
@@ -86,9 +87,9 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
     for shift in (0.0, slide):
         model.bobs[[[X], [Y]], columns] = world[:, :2].T
         model.bobs[X, columns[: len(upper)]] += shift
-        update(model, neighbours)
+        update(keep(model), keep(neighbours))
         neighbours = general.with_room(neighbours)
-        update(model, neighbours)
+        update(keep(model), keep(neighbours))
         now = np.column_stack([*model.bobs[[[X], [Y]], columns], layout.depths])
         above = now[: len(upper)]
         below = now[len(upper) :]

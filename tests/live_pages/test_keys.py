@@ -115,19 +115,8 @@ def test_what_cannot_go_in(change, reason):
     assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)
 
 
-class Listed(tribo.Potential):
-    """A potential with whole numbers in an array."""
-
-    powers: np.ndarray
-
-    def energy(self, r):
-        return r ** -self.powers[0]
-
-
 def test_arrays():
-    """Tables of points can go in, alone and in sums; arrays of whole numbers cannot."""
+    """Tables of points can go in, alone and in sums."""
     table = tribo.potentials.tabulated(tribo.Morse(0.3, 1.5, 1.0).energy, 0.3, 6.0, 1e-6)
     for potential in (table, tribo.Coulomb(0.2) + table):
         check(replace(SCENE, interactions=(potential,)))
-    with pytest.raises(InputError, match="has an array that is no row of numbers"):
-        check(replace(SCENE, interactions=(Listed(np.array([1])),)))

@@ -12,7 +12,7 @@ from support.continued import chain, pair, same_end
 from tribo import Corrugation, Field, InputError
 from tribo.layout import contacts
 from tribo.ledger import sinks
-from tribo.loops import saved_state as states
+from tribo.loops import origin
 
 
 @pytest.fixture(autouse=True)
@@ -146,7 +146,7 @@ def test_states_of_other_versions(monkeypatch, tmp_path):
     before = copy.copy(old)
     vars(before).pop("version")
     rest = tribo.relax(chain())
-    monkeypatch.setattr(states, "version", lambda: "99.0 (later)")
+    monkeypatch.setattr(origin, "version", lambda: "99.0 (later)")
     from_file = tribo.load_result(tmp_path / "half.nc").state()
     for known in (old, from_file, rest, before):
         name = getattr(known, "version", "an earlier version").partition(" ")[0]

@@ -64,7 +64,7 @@ def test_a_derived_drive_does_the_work_of_its_parent():
 
 
 @dataclass(frozen=True, kw_only=True)
-class Damped(tribo.Pulled):
+class Damped(tribo.Pushed):
     """A number that no run reads."""
 
     damping: float = 1.0
@@ -84,7 +84,7 @@ class Unrelated(Drive):
 @pytest.mark.parametrize(
     ("drive", "said"),
     [
-        (Damped(), "drive: Damped changes damping of tribo.Pulled"),
+        (Damped(), "drive: Damped changes damping of tribo.Pushed"),
         (ByMethod(), "drive: ByMethod.force_on_bar is not called; give Custom(force=...)"),
         (Unrelated(), "drive: must be of tribo.Forced"),
     ],

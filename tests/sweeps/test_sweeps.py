@@ -1,6 +1,7 @@
 """Sweeps: each point is a run of its scene; finished points are kept; statuses and refusals."""
 
 import json
+import math
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -277,6 +278,27 @@ def test_statuses(monkeypatch):
     assert second == "interaction.strength = 2.0: accuracy: is out of reach"
     with pytest.raises(InputError, match="accuracy: is out of reach"):
         sweep(scene, {"interaction.strength": [2.0]})
+
+
+def test_the_work_of_a_stage_beside_an_accuracy():
+    """It has no accuracy of its own: alone, all quantities that have one are compared."""
+    tip = tribo.Surface(
+        "tip",
+        asperite=tribo.Asperite(kappa=math.inf),
+        drive=tribo.Pulled(stiffness=1.0, speed=0.2),
+    )
+    corrugation = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    scene = tribo.Scene([tip], [], 10.0, fields=[corrugation])
+    speeds = {"tip.drive.speed": [0.1, 0.3]}
+    found = tribo.sweep(scene, speeds, accuracy=1e-6, keep=["tip.stage_work"], progress=False)
+    whole = tribo.sweep(scene, speeds, accuracy=1e-6, progress=False)
+    for place, speed in enumerate(speeds["tip.drive.speed"]):
+        drive = tribo.Pulled(stiffness=1.0, speed=speed)
+        one = replace(scene, surfaces=[replace(tip, drive=drive)])
+        work = tribo.simulate(one, accuracy=1e-8, progress=False)["tip"].stage_work[-1]
+        for data in (found, whole):
+            assert float(data["tip.stage_work"][place]) == pytest.approx(work, abs=1e-6)
+            assert "tip.stage_work_error" not in data
 
 
 def test_values_that_belong_together():

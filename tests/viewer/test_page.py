@@ -130,8 +130,8 @@ def test_a_periodic_page_says_what_is_not_drawn(result):
     scene = Scene(result.scene.surfaces, repulsion, 0.1, periodic=tribo.Periodic(x=30.0))
     periodic = tribo.simulate(replace(scene, numerics=NUMERICS))
     drawn = periodic.plot.overview()
-    assert any("images not drawn" in ax.get_title() for ax in drawn.axes)
-    assert not any("images" in ax.get_title() for ax in result.plot.overview().axes)
+    assert any("one period" in ax.get_title() for ax in drawn.axes)
+    assert not any("one period" in ax.get_title() for ax in result.plot.overview().axes)
     assert contents.PERIODIC in contents.contents(periodic)["notes"]
 
 

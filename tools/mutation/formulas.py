@@ -299,7 +299,7 @@ def steps_towards_encounters() -> str:
         from tribo.pair import step
         from tribo.pair.step_rows import ROWS
 
-        rest = SimpleNamespace(r=np.zeros(8))
+        rest = SimpleNamespace(square=np.zeros(8))
         nodes = step.Nodes((np.zeros(8),) * 3, np.zeros(8), np.zeros(8), rest)
         nothing = {
             "solve": lambda *_: (True, nodes),

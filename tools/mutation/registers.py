@@ -2,6 +2,7 @@
 
 import importlib
 from contextlib import ExitStack
+from copy import copy
 from types import SimpleNamespace
 from unittest import mock
 
@@ -20,9 +21,20 @@ def with_fields(loop):
     return call
 
 
-def entry_point(_, loop, fixed, examples):
-    """Uncompiled, in place of tribo.threads.writable_memory.entry_point."""
-    return lambda *arguments: with_fields(loop)(*fixed, *arguments)
+class EntryPoint:
+    """Uncompiled, in place of tribo.compiler.jit.EntryPoint."""
+
+    def __init__(self, loop, fixed, examples):
+        self._loop = with_fields(loop)
+        self._fixed = fixed
+
+    def with_fixed(self, *fixed):
+        other = copy(self)
+        other._fixed = fixed
+        return other
+
+    def __call__(self, *arguments):
+        return self._loop(*self._fixed, *arguments)
 
 
 def registers_as_arrays():
@@ -32,5 +44,5 @@ def registers_as_arrays():
     importlib.import_module(adapter)
     config = SimpleNamespace(DISABLE_JIT=False)
     stack.enter_context(mock.patch(f"{adapter}.config", config))
-    stack.enter_context(mock.patch(f"{adapter}.entry_point", entry_point))
+    stack.enter_context(mock.patch(f"{adapter}.EntryPoint", EntryPoint))
     return stack

@@ -26,7 +26,7 @@ EQUIVALENT = {
     "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
-    "kernels/powers.py: all_powers: "
+    "kernels/powers.py: powers_unit: "
     "powers_of_block(model, s, i, 1.0, t, q, velocities, power) -> "
     "powers_of_block(model, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"

@@ -62,6 +62,7 @@ def add_sensitivity(sensitivity: argparse.ArgumentParser) -> None:
 
 
 def _fit(options: argparse.Namespace) -> int:
+    """Fit the keys of a scene to a measured series, and print or draw the result."""
     from tribo.fitting import fit
     from tribo.plotting.style import save
 
@@ -89,6 +90,7 @@ def _fit(options: argparse.Namespace) -> int:
 
 
 def _sensitivity(options: argparse.Namespace) -> int:
+    """Print or draw the derivatives of quantities by keys."""
     from tribo.derivatives import sensitivity
 
     shared.check_figure(options.figure)

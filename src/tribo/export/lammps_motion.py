@@ -114,7 +114,7 @@ def _drive(surface: Surface, group: str) -> Iterator[str]:
             _formula(force) if changes(force) else f"{force!r}+{rate!r}*time"
             for force, rate in pairs
         ]
-    if isinstance(drive.load, Schedule):
+    if changes(drive.load):
         forces[1] = _formula(drive.load.times(-surface.facing_sign))
     elif drive.load is not None:
         forces[1] = repr(-constant(drive.load) * surface.facing_sign)

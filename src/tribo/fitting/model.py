@@ -102,6 +102,7 @@ class Model:
         return self._run(parts, self._settings)
 
     def _run(self, parts: np.ndarray, settings: Mapping[str, Any]) -> Modelled:
+        """Run each distinct row of parts of the box, (candidates, keys), once."""
         parts = np.atleast_2d(parts)
         unique, places = np.unique(parts, axis=0, return_inverse=True)
         keys = self._box.keys

@@ -80,6 +80,8 @@ class Drive:
     # The drive's name in scene files, and the keys that its table there must have.
     kind: ClassVar[str] = ""
     required: ClassVar[tuple[str, ...]] = ()
+    # The keys that are numbers of a block alone.
+    of_block: ClassVar[tuple[str, ...]] = ()
     # The formula of the force in compiled code, see `kernels.records`.
     law: ClassVar[int] = records.CUSTOM
     # Whether f2_x = -f1_x, so that the centre of mass keeps its velocity along x; and whether
@@ -278,6 +280,7 @@ class Pulled(Drive):
 
     kind = "pulled"
     required = ("stiffness", "speed")
+    of_block = OF_BLOCK
     law = records.PULLED
     has_fixes = True
     drives_along_x = True
@@ -457,6 +460,8 @@ class Moved(Drive):
     ----------
     load : None
         Must be None: the motion is given along y too.
+    block : bool
+        Must be False: all bars move alike.
     speed : (float or Schedule, float or Schedule)
         Velocity along x and y in the laboratory, without steps [length / time].
     """
@@ -661,7 +666,7 @@ def as_table(drive: Drive) -> dict[str, Any]:
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         table |= {"block": True} if drive.block else {}
         return table if drive.load is None else table | {"load": drive.load}
-    absent = () if drive.block else OF_BLOCK
+    absent = () if drive.block else drive.of_block
     own = {k: v for k, v in table_of(drive).items() if v is not False and k not in absent}
     return {"kind": drive.kind} | own
 

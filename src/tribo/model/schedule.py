@@ -60,7 +60,9 @@ class Schedule:
         first point and after the last one the number is constant.
     kind : str
         "linear": straight lines from point to point; "steps": each value lasts until the next
-        point.
+        point; "sine": as :meth:`sine` makes it.
+    mean, amplitude, period, phase : float, optional
+        Of a sine, instead of points.
 
     Raises
     ------
@@ -102,6 +104,7 @@ class Schedule:
         object.__setattr__(self, "points", points)
 
     def _check_sine(self) -> None:
+        """Check the numbers of a sine.  Raises InputError."""
         if len(self.points):
             raise InputError("points", "cannot go with a sine")
         phase = 0.0 if self.phase is None else self.phase
@@ -175,6 +178,7 @@ class Schedule:
 
     @cached_property
     def _pieces(self) -> _Pieces:
+        """The pieces of points: where each begins, with its value and its slope there."""
         starts: list[float] = []
         values: list[float] = []
         slopes: list[float] = []
@@ -219,6 +223,7 @@ class Schedule:
         return self._from_start(t) - self._from_start(0.0)
 
     def _from_start(self, t: Any) -> Any:
+        """An antiderivative of the value at t."""
         if self.is_sine:
             mean, amplitude, frequency, phase = self._sine
             t = np.asarray(t)

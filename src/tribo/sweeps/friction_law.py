@@ -10,7 +10,7 @@ import numpy as np
 from tribo.kernels.status import Status
 from tribo.ledger.separation import has_contact_distance
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule
+from tribo.model.schedule import changes, constant
 from tribo.model.surface import Surface
 from tribo.results.averages import interval
 from tribo.sweeps import sweep
@@ -216,11 +216,11 @@ def _direction(part: Surface, speeds: _Axis | None) -> float:
     speed = part.velocity[0] if stage is None else stage.speed
     if speeds is not None:
         speed = float(speeds.values[0])
-    if isinstance(speed, Schedule):
+    if changes(speed):
         raise InputError("speeds", f'are missing, and that of "{part.name}" follows a schedule')
     if speed == 0.0:
         raise InputError("speeds", f'are missing, and "{part.name}" does not slide')
-    return float(np.sign(speed))
+    return float(np.sign(constant(speed)))
 
 
 def _total_load(part: Surface, axes: Mapping[str, _Axis], dimensions: int) -> np.ndarray | None:
@@ -228,9 +228,9 @@ def _total_load(part: Surface, axes: Mapping[str, _Axis], dimensions: int) -> np
     count = 1 if getattr(part.drive, "block", False) else part.count
     if "load" not in axes:
         load = part.drive.load
-        if isinstance(load, Schedule):
+        if changes(load):
             raise InputError("loads", f'are missing, and that of "{part.name}" follows a schedule')
-        return None if not load else np.array(abs(load) * count)
+        return None if not load else np.array(abs(constant(load)) * count)
     place = list(axes).index("load")
     shape = [1] * dimensions
     shape[place] = axes["load"].values.size
