@@ -64,6 +64,8 @@ REFINEMENTS = 3
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
+# A search ends at a level whose runs take so many times those of a level that is too loose, or less.
+CLOSE = 1.05
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 1024
 # Members of the first batch: where they suffice, 1 % are checked, in 4 % of the time.
@@ -258,13 +260,10 @@ def _cheapest(
     fine = runs.run(exact, starts)
     reference = runs.fine(fine)
     complete = fine.complete
-    # A bisection for each method, all of them side by side.
-    searches = [
-        _Bisection(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()
-    ]
-    while tried := [each for each in searches if each.is_open]:
+    searches = [_Search(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()]
+    while tried := _worth_trying(searches):
         found = [
-            runs.run(exact._replace(method=each.method, level=float(levels[each.middle])), starts)
+            runs.run(exact._replace(method=each.method, level=float(levels[each.next])), starts)
             for each in tried
         ]
         excess = reference.compare(*found)[1][:, complete]
@@ -277,30 +276,43 @@ def _cheapest(
 
 
 @dataclass
-class _Bisection:
-    """The search for the loosest of some levels with which a method keeps the accuracy."""
+class _Search:
+    """The search for the loosest of some levels with which a method keeps the accuracy.
+
+    It tries the loosest level first, which many scenes allow, and then bisects.
+    """
 
     method: str
     stepper: Stepper
     good: int  # place of the loosest level that keeps it; the finest, if none that was tried does
     too_loose: int = -1
     cost: float = np.inf  # of the runs at the good level, if that was tried
+    least: float = 0.0  # cost of those at the level that is too loose
 
     @property
     def is_open(self) -> bool:
-        return self.good - self.too_loose > 1
+        return self.good - self.too_loose > 1 and self.cost > CLOSE * self.least
 
     @property
-    def middle(self) -> int:
-        return (self.good + self.too_loose) // 2
+    def next(self) -> int:
+        """The place of the level to try."""
+        return (self.good + self.too_loose) // 2 if self.too_loose >= 0 else 0
 
     def narrow(self, kept: bool, evaluations: float) -> None:
-        """Take in whether the level in the middle keeps the accuracy, and what its runs took."""
+        """Take in whether the level that was tried keeps the accuracy, and what its runs took."""
+        cost = self.stepper.cost * evaluations
         if kept:
-            self.good = self.middle
-            self.cost = self.stepper.cost * evaluations
+            self.good = self.next
+            self.cost = cost
         else:
-            self.too_loose = self.middle
+            self.too_loose = self.next
+            self.least = cost
+
+
+def _worth_trying(searches: list[_Search]) -> list[_Search]:
+    """The searches that go on: finer levels are dearer, and one may be too dear already."""
+    cheapest = min(each.cost for each in searches)
+    return [each for each in searches if each.is_open and each.least < cheapest]
 
 
 def _with_most_evaluations(
