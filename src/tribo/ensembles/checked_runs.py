@@ -64,7 +64,7 @@ REFINEMENTS = 3
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
-# A search ends at a level whose runs take so many times those of a level that is too loose, or less.
+# A search ends at a level that takes at most so many times the evaluations of one too loose.
 CLOSE = 1.05
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 1024
