@@ -150,6 +150,7 @@ class StatisticsStore(Store):
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
 
     def flush(self) -> None:
+        """Write the sums, and the members that wait for their turn, to the file."""
         if self._frames is None:
             return
         arrays = {"known": as_bytes(json.dumps({"done": self.done, "tally": self.tally}))}

@@ -72,6 +72,7 @@ class Series(Mapping[str, np.ndarray]):
         return self._known[name]
 
     def __getattr__(self, name: str) -> np.ndarray:
+        """A series as an attribute, as `table.w1`."""
         if name[0] == "_":  # a copy asks for methods before it has names
             raise AttributeError(name)
         try:

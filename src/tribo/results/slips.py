@@ -199,7 +199,8 @@ def _slips_of_leg(
         drop = along_force[a] - along_force[b]
         if drop < least or along[b] <= farthest[a]:
             continue
-        i, j = leg.first + int(a), leg.first + int(b)
+        i = leg.first + int(a)
+        j = leg.first + int(b)
         size = along[b] - along[a]
         rows.append([t[i], t[j] - t[i], size, force[i], force[j], drop, energy[i] - energy[j]])
     return rows
