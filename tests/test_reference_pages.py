@@ -8,6 +8,7 @@ import tribo
 from tribo import Result
 from tribo.commands.parser import _parser
 from tribo.ledger import quantities
+from tribo.ledger.reported import SUMMED_QUANTITIES
 from tribo.results import result_file
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
@@ -44,7 +45,7 @@ def test_every_variable_and_unit():
         *(quantities.ASPERITE_QUANTITIES, quantities.OPTIONAL_QUANTITIES),
         *(quantities.BLOCK_QUANTITIES, quantities.PULLED_QUANTITIES, quantities.SYSTEM_QUANTITIES),
         *(quantities.FURTHER_OF_ASPERITES, quantities.FURTHER_OF_SURFACES),
-        *(quantities.FURTHER_OF_SYSTEM, quantities.SUMMED_QUANTITIES),
+        *(quantities.FURTHER_OF_SYSTEM, SUMMED_QUANTITIES),
     )
     assert rows == {(n, q.units, q.long_name) for table in tables for n, q in table.items()}
 

@@ -23,6 +23,7 @@ __all__ = [*_HOME, "__version__"]
 
 
 def __getattr__(name: str) -> object:
+    """A public name, imported when it is first used."""
     if name not in _HOME:
         raise AttributeError(f"module 'tribo' has no attribute {name!r}")
     home = _HOME[name]

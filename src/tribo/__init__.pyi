@@ -18,17 +18,17 @@ from tribo.integrators.own_method import add_method as add_method
 from tribo.ledger.own_quantity import Quantity as Quantity
 from tribo.live_pages.page import live as live, to_live_html as to_live_html
 from tribo.model.asperite import Asperite as Asperite
+from tribo.model.bars import Ends as Ends
 from tribo.model.bath import Bath as Bath
 from tribo.model.drives import (
-    Custom as Custom,
     DrivenBars as DrivenBars,
-    Ends as Ends,
     Forced as Forced,
     Free as Free,
     Moved as Moved,
     Pulled as Pulled,
     Pushed as Pushed,
 )
+from tribo.model.own_drive import Custom as Custom
 from tribo.model.fields import Corrugation as Corrugation, Field as Field
 from tribo.model.initial import Initial as Initial
 from tribo.model.interaction import Interaction as Interaction, Periodic as Periodic

@@ -20,6 +20,8 @@ from tribo.layout.layout import lay_out
 from tribo.ledger import quantities
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import Motion
+from tribo.ledger.quantity import Quantity
+from tribo.ledger.reported import reported
 
 TURNING = {
     "a free bar": {"bars": "free", "initial": tribo.Initial(theta=0.4, phi=-0.7, nu=0.9)},
@@ -218,13 +220,13 @@ def test_a_further_quantity_changes_no_bound(monkeypatch):
     output = tribo.Output(samples=41)
     scene = tribo.Scene((upper, lower), tribo.Coulomb(1.0), 4.0, output=output)
     before = simulate(scene, accuracy=1e-6)
-    further = quantities.Quantity(
+    further = Quantity(
         "energy", "kinetic energy", lambda group: group.each(lambda motion: motion.translation)
     )
     for table in (quantities.ASPERITE_QUANTITIES, quantities.QUANTITIES, quantities.EVERY_QUANTITY):
         monkeypatch.setitem(table, "k_lab", further)
     monkeypatch.setitem(ROLES, "k_lab", further.role)
-    quantities.reported.cache_clear()
+    reported.cache_clear()
     try:
         after = simulate(scene, accuracy=1e-6)
         assert np.max(after["upper"].k_lab) > 50.0 * np.max(np.abs(after["upper"].w1))
@@ -233,4 +235,4 @@ def test_a_further_quantity_changes_no_bound(monkeypatch):
         assert {name: before.error_estimate[name] for name in bounds} == bounds
         assert before.met and after.met and before.cost.steps == after.cost.steps
     finally:
-        quantities.reported.cache_clear()
+        reported.cache_clear()

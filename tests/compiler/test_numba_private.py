@@ -136,3 +136,20 @@ def test_the_variable_has_one_value(tmp_path):
     """Any other is named."""
     _, error = run(tmp_path, "import tribo.compiler.jit", TRIBO_NUMBA="fast")
     assert 'TRIBO_NUMBA: must be "plain" or absent, got "fast"' in error
+
+
+# Without the folder of compiled code, in which a page's module may be already.
+LIVE = """
+import tribo
+scene = tribo.paper.scene("A")
+try:
+    tribo.to_live_html(scene, "page.html")
+except tribo.InputError as error:
+    print(error)
+"""
+
+
+def test_live_pages_need_a_tested_version(tmp_path):
+    """In the plain way a sentence says so, where a module is not kept already."""
+    printed, error = run(tmp_path, LIVE, TRIBO_NUMBA="plain", NUMBA_CACHE_DIR=str(tmp_path))
+    assert printed == "numba: must be a version that tribo was tested with, for live pages\n", error

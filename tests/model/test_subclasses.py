@@ -8,7 +8,7 @@ import pytest
 
 import tribo
 from tribo import Custom, InputError
-from tribo.model.drives import Drive
+from tribo.model.drive import Drive
 from tribo.potentials import Table, as_potential, from_points
 
 

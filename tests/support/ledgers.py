@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 import tribo
-from tribo.ledger.quantities import needs_accounts
+from tribo.ledger.reported import needs_accounts
 
 # Largest difference of a sum that a run keeps from the sum of what another keeps: round-off.
 ROUND_OFF = 2e-14

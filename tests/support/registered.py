@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 from tribo.integrators.methods import METHODS
 from tribo.ledger import quantities
+from tribo.ledger.reported import reported
 
 
 @contextmanager
@@ -22,4 +23,4 @@ def forgotten() -> Iterator[None]:
                 table.pop(name, None)
             del quantities.OWN_SERIES[name]
             del quantities.INPUTS[name]
-        quantities.reported.cache_clear()
+        reported.cache_clear()

@@ -73,7 +73,7 @@ def arguments_of_a_drive() -> str:
     from tribo.kernels.equations_of_motion import place_bobs
     from tribo.kernels.user_forces import set_customs
     from tribo.layout.layout import lay_out
-    from tribo.model.drives import Custom
+    from tribo.model.own_drive import Custom
     from tribo.model.scene_file import scene_from
     from tribo.threads.writable_memory import own_model
 

@@ -28,6 +28,7 @@ from tools.mutation.registers import registers_as_arrays
 from tools.mutation.scenes import COULOMB, LOWER, PAIRS, SCENES
 from tools.mutation.start import start_of
 
+import tribo
 from support import inactive, reference
 from support.laws import identities, kind, tables
 from support.package import SOURCE
@@ -58,15 +59,13 @@ def scene_of(table):
     """The scene of a scene file's table, with plug-ins where `ALL` has them by name."""
     scene = importlib.import_module("tribo.model.scene_file").scene_from(table)
     if table is ALL["by hand"]:
-        drives = importlib.import_module("tribo.model.drives")
         upper, lower = scene.surfaces
-        upper = replace(upper, drive=drives.Custom(force=PulledByHand(1.2, 0.5, -0.6)))
-        lower = replace(lower, bars=drives.Ends(ClampedByHand(1.4 / 1.8)))
+        upper = replace(upper, drive=tribo.Custom(force=PulledByHand(1.2, 0.5, -0.6)))
+        lower = replace(lower, bars=tribo.Ends(ClampedByHand(1.4 / 1.8)))
         scene = replace(scene, surfaces=(upper, lower))
     if table is ALL["pushed"]:
-        drives = importlib.import_module("tribo.model.drives")
         upper, lower = scene.surfaces
-        scene = replace(scene, surfaces=(upper, replace(lower, bars=drives.Ends(Pushed(0.3)))))
+        scene = replace(scene, surfaces=(upper, replace(lower, bars=tribo.Ends(Pushed(0.3)))))
     if table is ALL["waves"]:
         (field,) = scene.fields
         scene = replace(scene, fields=(replace(field, potential=waves(0.3, 3.1, 2.3)),))
@@ -471,9 +470,8 @@ class Dragged(NamedTuple):
 
 def dragged(surface):
     """The surface without its reservoir, and with a drive instead."""
-    drives = importlib.import_module("tribo.model.drives")
     drag = DraggedByHand(surface.langevin.gamma, *surface.langevin.velocity)
-    return replace(surface, langevin=None, drive=drives.Custom(force=drag))
+    return replace(surface, langevin=None, drive=tribo.Custom(force=drag))
 
 
 def equal_steps():

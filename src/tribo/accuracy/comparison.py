@@ -30,7 +30,8 @@ from tribo.accuracy.scales import (
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger.ledger import Ledger, assemble
-from tribo.ledger.quantities import QUANTITIES, needs_accounts
+from tribo.ledger.quantities import QUANTITIES
+from tribo.ledger.reported import needs_accounts
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration
 from tribo.loops.setting import Setting

@@ -12,13 +12,14 @@ from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger import quantities
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.motion import internal_energies, mean_velocity, swing_direction
+from tribo.ledger.quantity import OWN
 
 # The distance from 1 to the next double.
 EPSILON = float(np.finfo(float).eps)
 # The role of every quantity that has an accuracy, which declares its scale.
 ROLES = {name: quantity.role for name, quantity in quantities.QUANTITIES.items()}
 # Those whose errors are relative to a common scale.  Others change no bound but their own.
-COMMON = tuple(name for name, role in ROLES.items() if role.scale != quantities.OWN)
+COMMON = tuple(name for name, role in ROLES.items() if role.scale != OWN)
 
 
 def measures_of(scale: str) -> tuple[str, ...]:
@@ -65,7 +66,7 @@ class Scales:
         """The scale of a quantity, "w1" or "upper.w1"."""
         quantity = name.rpartition(".")[2]
         scale = scale_of(quantity)
-        return self.own[quantity] if scale == quantities.OWN else getattr(self, scale)
+        return self.own[quantity] if scale == OWN else getattr(self, scale)
 
     def each(self, names: tuple[str, ...]) -> np.ndarray:
         """The scales of several quantities of one run, (names,)."""
@@ -86,7 +87,7 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
     tops = {
         name: max(map(largest, ledger.series(name)))
         for name, role in ROLES.items()
-        if (role.measures or role.scale == quantities.OWN) and ledger.series(name)
+        if (role.measures or role.scale == OWN) and ledger.series(name)
     }
     mean = mean_velocity(layout)
     speed = 0.0
@@ -209,7 +210,7 @@ def _units(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """Of each quantity its name without a surface, and its scale; "" if that is its own."""
     each = without_surfaces(names)
     scales = [scale_of(name) for name in each]
-    own = [scale == quantities.OWN for scale in scales]
+    own = [scale == OWN for scale in scales]
     return tuple((n, "" if o else s) for n, s, o in zip(each, scales, own, strict=True))
 
 

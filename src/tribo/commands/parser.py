@@ -181,6 +181,7 @@ def _add_completion(
     """Let a command print the script for a shell, which shtab makes from all other parsers."""
 
     def print_script(options: argparse.Namespace) -> int:
+        """Print the script, in which arguments that are paths complete to names of files."""
         import shtab
 
         for command in commands:
@@ -228,6 +229,7 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _plot(options: argparse.Namespace) -> int:
+    """`tribo plot`: draw the overview of a result file."""
     from tribo.plotting.style import figure_path, save
     from tribo.result import load_result
 

@@ -70,6 +70,7 @@ def _draw(result: Result, path: Path) -> None:
 
 
 def _simulated(options: argparse.Namespace) -> Result:
+    """The result of the scene with the values and settings of the command line."""
     from tribo.simulation import simulate
 
     settings: dict[str, Any] = shared.numerics_of(options) | _of_run(options)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numba
 
-from tribo.compiler.numba_private import caching, dumps, rtsys
+from tribo.compiler.numba_private import caching, pickled, rtsys
 from tribo.system import replace
 
 # Bytes of the checksum that a file begins with.
@@ -69,7 +69,7 @@ class CodeFiles:
 
     def save(self, key: Any, data: Any) -> None:
         """Write the code for the argument types in `key`.  Raises OSError."""
-        content = dumps((self._made_by, key)) + dumps(data)
+        content = pickled((self._made_by, key)) + pickled(data)
         path = self._file(key)
         new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
         try:

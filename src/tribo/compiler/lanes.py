@@ -342,6 +342,7 @@ def seldom(typing_context, condition, usual, kernel, arguments):
     called = typing_context.resolve_function_type(kernel, (usual, *arguments), {})
 
     def build(context, builder, sig, args):
+        """Call the kernel in a branch that is marked as unlikely."""
         condition, usual, _, arguments = args
         result = cgutils.alloca_once_value(builder, usual)
         with cgutils.if_unlikely(builder, condition):

@@ -75,6 +75,11 @@ def own_reference(context, builder, kind, value):  # type: ignore[no-untyped-def
     return value
 
 
+def pickled(value: object) -> bytes:
+    """A value with the classes in it by their contents, so that a process without them reads it."""
+    return dumps(value)  # type: ignore[no-any-return, no-untyped-call]
+
+
 def overloads_of(function: object) -> list[object] | None:
     """What numba compiles where a function of Python is called; None if that cannot be told."""
     if not NATIVE:

@@ -241,6 +241,7 @@ def choose(condition, x, y):
 
 @extending.overload(choose, **OVERLOAD)
 def _choose(condition, x, y):
+    """The implementation for registers, for floats, and elsewhere for arrays."""
     if isinstance(condition, LanesType):
         return lambda condition, x, y: where_less(0.5, condition, x, y)
     if isinstance(condition, types.Boolean):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy
-from tribo.derivatives.differences import Differences, best_of_ladder
+from tribo.derivatives.differences import Derivative, Differences, best_of_ladder
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Sampler, Source
 from tribo.model.parameters import value_of
@@ -27,6 +27,7 @@ ACCURACY = 1e-9
 # The largest step relative to the value of a key, and the number of halvings.
 LARGEST = 0.04
 HALVINGS = 6
+LADDER = LARGEST * 0.5 ** np.arange(HALVINGS)
 # Values that are zero have no size of their own; those that are angles [rad].
 ANGLES = ("theta", "phi", "swing")
 # Endings of the variables of a sweep with errors of its quantities.
@@ -93,8 +94,6 @@ def sensitivity(
     InputError
         If an argument cannot be used, a key has no number, or a run at a changed value fails.
     """
-    import xarray
-
     instance(Scene)("scene", scene)
     names = names_of_quantities("quantities", quantities)
     if not is_list(keys) or len(keys) == 0 or not all(isinstance(key, str) for key in keys):
@@ -102,26 +101,14 @@ def sensitivity(
     keys = tuple(dict.fromkeys(keys))
     values = np.array([_value_of(scene, key) for key in keys])
     sizes = np.array([_size(key, value, scales) for key, value in zip(keys, values, strict=True)])
-    ladder = LARGEST * 0.5 ** np.arange(HALVINGS)
-    # Points: the scene itself, and each key up and down by each step.
-    points = [values]
-    for k in range(len(keys)):
-        for part in ladder:
-            for sign in (1.0, -1.0):
-                point = values.copy()
-                point[k] += sign * part * sizes[k]
-                points.append(point)
-    swept: dict[Any, Any]
+    points = _points(values, sizes)
+    swept: dict[Any, Any] = {keys: [tuple(point) for point in points.tolist()]}
     if len(keys) == 1:
-        swept = {keys[0]: [float(point[0]) for point in points]}
-    else:
-        swept = {keys: [tuple(point.tolist()) for point in points]}
+        swept = {keys[0]: points[:, 0].tolist()}
     given = scene.numerics
     has_setting = (accuracy, step, given.accuracy, given.step) != (None,) * 4
     if not has_setting and members is None:
         accuracy = ACCURACY
-    settings: dict[str, Any] = {"accuracy": accuracy, "method": method, "step": step}
-    settings |= {"threads": threads, "engine": engine, "allow_unresolved": allow_unresolved}
     found = sweep(
         scene,
         swept,
@@ -131,32 +118,81 @@ def sensitivity(
         sampler=sampler,
         seed=seed,
         progress=False,
-        **settings,
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        threads=threads,
+        engine=engine,
+        allow_unresolved=allow_unresolved,
     )
     data = with_single_asperites_as_numbers(found)
-    best = {}
-    of_scene = {}
-    known = False
-    for name in names:
-        table, errors, is_known = _values_of(data, name, members is not None, names)
-        known = known or is_known
-        of_scene[name] = float(np.mean(table[0]))
-        for k, key in enumerate(keys):
-            rows = 1 + 2 * HALVINGS * k + np.arange(2 * HALVINGS)
-            steps = ladder * sizes[k]
-            differences = Differences(steps, table[rows[::2]], table[rows[1::2]])
-            own = errors[rows[::2]] + errors[rows[1::2]]
-            best[name, key] = best_of_ladder(differences, own)
-            if best[name, key] is None:
-                raise InputError(f"keys.{key}", _failure(data, rows))
-    shape = len(names), len(keys)
-    of_all = np.array([best[name, key] for name in names for key in keys]).reshape(*shape, 3)
-    derivative, half_width, step_taken = np.moveaxis(of_all, 2, 0)
-    quantity = np.array([of_scene[name] for name in names])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(
-            (quantity[:, None] != 0.0) & (values != 0.0), values / quantity[:, None], np.nan
+    tables = [_values_of(data, name, members is not None) for name in names]
+    best = np.empty((len(names), len(keys), 3))
+    for n, table in enumerate(tables):
+        for k in range(len(keys)):
+            best[n, k] = _best(data, table, keys, k, sizes)
+    notes = json.loads(data.attrs.get("notes", "[]"))
+    if members is None and not any(each.known for each in tables):
+        notes.append(
+            "runs with a given step have no error estimates: half-widths are those of the "
+            "differences alone"
         )
+    attributes = {"notes": json.dumps(notes), "runs": len(points) * (members or 1)}
+    of_scene = np.array([np.mean(each.values[0]) for each in tables])
+    return _dataset(names, keys, best, of_scene, values).assign_attrs(attributes)
+
+
+class _Table(NamedTuple):
+    """Values of a quantity at all points."""
+
+    values: np.ndarray  # (points, members)
+    errors: np.ndarray  # (points,)
+    known: bool  # whether these are
+
+
+def _points(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Values of the keys, (points, keys): the scene's, and each up and down by each step."""
+    points = [values]
+    for k, size in enumerate(sizes):
+        for part in LADDER:
+            for sign in (1.0, -1.0):
+                point = values.copy()
+                point[k] += sign * part * size
+                points.append(point)
+    return np.array(points)
+
+
+def _best(
+    data: xarray.Dataset, table: _Table, keys: Sequence[str], k: int, sizes: np.ndarray
+) -> Derivative:
+    """The derivative by the kth key.  Raises InputError if no step gives one."""
+    rows = 1 + 2 * HALVINGS * k + np.arange(2 * HALVINGS)
+    up = rows[::2]
+    down = rows[1::2]
+    differences = Differences(LADDER * sizes[k], table.values[up], table.values[down])
+    best = best_of_ladder(differences, table.errors[up] + table.errors[down])
+    if best is None:
+        raise InputError(f"keys.{keys[k]}", _failure(data, rows))
+    return best
+
+
+def _dataset(
+    names: Sequence[str],
+    keys: Sequence[str],
+    best: np.ndarray,
+    of_scene: np.ndarray,
+    values: np.ndarray,
+) -> xarray.Dataset:
+    """The derivatives as they are and as relative changes.
+
+    `best` is (quantities, keys, 3), `of_scene` the quantities' values and `values` the keys'.
+    """
+    import xarray
+
+    derivative, half_width, step = np.moveaxis(best, 2, 0)
+    known = (of_scene[:, None] != 0.0) & (values != 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(known, values / of_scene[:, None], np.nan)
     both = ("quantity", "key")
     relative = {"units": "1", "long_name": "relative change of the quantity over that of the key"}
     variables = {
@@ -164,19 +200,11 @@ def sensitivity(
         "half_width": (both, half_width, {"long_name": "half-width of its interval, or bound"}),
         "relative": (both, ratio * derivative, relative),
         "relative_half_width": (both, np.abs(ratio) * half_width, {"units": "1"}),
-        "step": (both, step_taken, {"long_name": "step of the key"}),
+        "step": (both, step, {"long_name": "step of the key"}),
         "value": ("key", values, {"long_name": "value of the key"}),
-        "quantity_value": ("quantity", quantity, {"long_name": "value of the quantity"}),
+        "quantity_value": ("quantity", of_scene, {"long_name": "value of the quantity"}),
     }
-    notes = json.loads(data.attrs.get("notes", "[]"))
-    if not known and members is None:
-        notes.append(
-            "runs with a given step have no error estimates: half-widths are those of the "
-            "differences alone"
-        )
-    attributes = {"notes": json.dumps(notes), "runs": len(points) * (members or 1)}
-    labels = {"quantity": list(names), "key": list(keys)}
-    return xarray.Dataset(variables, labels, attributes)
+    return xarray.Dataset(variables, {"quantity": list(names), "key": list(keys)})
 
 
 def _value_of(scene: Scene, key: str) -> float:
@@ -207,10 +235,8 @@ def _size(key: str, value: float, scales: Mapping[str, float] | None) -> float:
     )
 
 
-def _values_of(
-    data: xarray.Dataset, name: str, has_members: bool, names: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray, bool]:
-    """Values (points, members) of a quantity, errors (points,), and whether these are known."""
+def _values_of(data: xarray.Dataset, name: str, has_members: bool) -> _Table:
+    """The values of a quantity.  Raises InputError if it has more than one at the end of a run."""
     label = f"{name}_end" if name not in data.data_vars and f"{name}_end" in data else name
     array = data[label]
     expected = 2 if has_members else 1
@@ -222,12 +248,12 @@ def _values_of(
     table = array.values.reshape(array.shape[0], -1).astype(float)
     errors = np.zeros(len(table))
     if has_members:
-        return table, errors, True
+        return _Table(table, errors, True)
     for ending in ERRORS:
         if f"{name}{ending}" in data:
             known = data[f"{name}{ending}"].values.astype(float)
-            return table, np.where(np.isfinite(known), known, np.inf), True
-    return table, errors, False
+            return _Table(table, np.where(np.isfinite(known), known, np.inf), True)
+    return _Table(table, errors, False)
 
 
 def _failure(data: xarray.Dataset, rows: np.ndarray) -> str:

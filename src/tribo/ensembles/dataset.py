@@ -13,7 +13,8 @@ from tribo.ensembles.kept_values import Kept, KeptValues
 from tribo.ensembles.members import VELOCITY, Members, is_start
 from tribo.ensembles.runner import Runs
 from tribo.integrators.methods import noisy
-from tribo.ledger.quantities import EVERY_QUANTITY, UNITS
+from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.ledger.quantity import UNITS
 from tribo.model.initial import DISPLACEMENTS
 from tribo.model.scene import Scene
 from tribo.results.result_file import Variable

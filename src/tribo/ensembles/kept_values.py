@@ -12,6 +12,8 @@ from tribo.accuracy.comparison import LOST
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities
+from tribo.ledger.quantity import Quantity
+from tribo.ledger.reported import SUMMED_QUANTITIES, Reported, present_names, quantity_of, reported
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
 from tribo.result import Result
@@ -179,7 +181,7 @@ class Kept:
     def about(self, name: str, of: str = "") -> dict[str, str]:
         """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
-        quantity = quantities.quantity_of(kind, len(self.dimensions(name)) == self.at_samples)
+        quantity = quantity_of(kind, len(self.dimensions(name)) == self.at_samples)
         when = ", averaged over time" if kind in (*quantities.AVERAGED, SHARE) else ", at the end"
         meaning = quantity.long_name + when * (not self.at_samples)
         before = "half-width of the 95 % interval of: " * is_interval(name)
@@ -250,7 +252,7 @@ class Kept:
 
 def total_names(scene: Scene) -> list[str]:
     """Names of the series of the surfaces as wholes and of the system."""
-    summed = quantities.SUMMED_QUANTITIES
+    summed = SUMMED_QUANTITIES
     found = _reported(scene)
     names = [f"{name}.{n}" for name, each in found for n in each.blocks if n not in summed]
     return [*names, *dict.fromkeys(n for _, each in found for n in each.system)]
@@ -268,10 +270,10 @@ def sum_names(scene: Scene) -> list[str]:
     ]
 
 
-def _reported(scene: Scene) -> list[tuple[str, quantities.Reported]]:
+def _reported(scene: Scene) -> list[tuple[str, Reported]]:
     """The quantities that a scene reports, by surface."""
-    present = [(each.name, quantities.present_names(scene, each)) for each in scene.surfaces]
-    return [(name, quantities.reported(scene.output.ledger, own)) for name, own in present]
+    present = [(each.name, present_names(scene, each)) for each in scene.surfaces]
+    return [(name, reported(scene.output.ledger, own)) for name, own in present]
 
 
 def is_interval(name: str) -> bool:
@@ -280,9 +282,7 @@ def is_interval(name: str) -> bool:
     return kind.endswith(INTERVAL) and kind.removesuffix(INTERVAL) in quantities.AVERAGED
 
 
-def _shape(
-    name: str, reports: Mapping[str, quantities.Reported], scene: Scene
-) -> tuple[int, ...] | None:
+def _shape(name: str, reports: Mapping[str, Reported], scene: Scene) -> tuple[int, ...] | None:
     """The shape of a quantity at one time; None if the scene does not report it."""
     surface, _, kind = name.rpartition(".")
     if not surface:
@@ -294,12 +294,12 @@ def _shape(
     return () if kind in reports[surface].blocks else None
 
 
-def _of_system(reports: Mapping[str, quantities.Reported]) -> Mapping[str, quantities.Quantity]:
+def _of_system(reports: Mapping[str, Reported]) -> Mapping[str, Quantity]:
     """The quantities of the system, as the ledger has them."""
     return list(reports.values())[-1].system
 
 
-def _names_of(reports: Mapping[str, quantities.Reported]) -> list[str]:
+def _names_of(reports: Mapping[str, Reported]) -> list[str]:
     """The names of all that is reported of a scene."""
     tables = [
         (name, table) for name, own in reports.items() for table in (own.asperites, own.blocks)

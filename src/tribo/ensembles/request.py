@@ -14,7 +14,8 @@ from tribo.integrators.methods import noisy
 from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout, lay_out
-from tribo.ledger.quantities import AVERAGED, FURTHER, needs_accounts, with_inputs
+from tribo.ledger.quantities import AVERAGED, FURTHER
+from tribo.ledger.reported import needs_accounts, with_inputs
 from tribo.model.identity import Identity, identity_of, settings_of, version
 from tribo.model.scene import Scene
 from tribo.model.settings import Output

@@ -268,6 +268,7 @@ def coordinates(layout: Layout) -> dict[str, int]:
 
 
 def contact(layout: Layout, method: Method) -> Contact:
+    """How many pairs of bobs a run computes, and whether eight at once."""
     acting = [each.potential for each in layout.model.contacts]
     if not config.DISABLE_JIT:  # type: ignore[attr-defined]
         acting = [each for each in acting if not is_vectorized(type_of(each))]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tribo.export.lammps_atoms import Atoms
-from tribo.model.drives import Stage
+from tribo.model.drive import Stage
 from tribo.model.fields import Corrugation
 from tribo.model.scene import Scene
 from tribo.model.schedule import Schedule, changes, constant

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -96,72 +96,42 @@ def fit(
     box = Box.of(ranges)
     trace = trace_of(data, quantity)
     size = len(box.keys)
-    degrees = trace.t.size - size
-    if degrees < 1:
-        raise InputError("data", f"must have more than {size} times, one for each parameter")
-    sigma = None if noise is None else _noise(noise, trace)
+    scatter = _scatter_of(noise, trace, size)
     boolean("profiles", profiles)
     number_of_starts = STARTS * size if starts is None else integer("starts", starts, 2, 2**16)
     settings: dict[str, Any] = {"accuracy": accuracy, "method": method, "step": step}
     settings |= {"threads": threads, "engine": engine, "seed": integer("seed", seed, 0)}
     settings["allow_unresolved"] = allow_unresolved
     model = Model(scene, trace, quantity, box, members, settings)
-    spread = float(np.ptp(trace.values))
-    if spread == 0.0:
-        raise InputError("data.values", "must change over time")
-    tolerance = OF_RANGE * spread if sigma is None else OF_NOISE * float(np.min(sigma))
-    middle = np.full((1, size), 0.5)
-    corners = np.array([[0.1] * size, [0.9] * size])
-    model = model.with_step(np.concatenate([middle, corners]), tolerance)
-    # Residuals in units of the noise, or of a hundredth of the range.
-    unit = np.full(trace.t.size, 0.01 * spread) if sigma is None else sigma
-    residuals = search.Residuals(model, trace.values, unit)
+    model = model.with_step(_middle_and_corners(size), scatter.tolerance)
+    residuals = search.Residuals(model, trace.values, scatter.unit)
     tried = search.starts(residuals, size, number_of_starts, seed)
     if residuals.impossible == len(tried):
         raise InputError("scene", "completes at none of the starts in the ranges; give others")
     minima = search.distinct([search.local(residuals, each.parts) for each in tried[:SEARCHED]])
-    best = minima[0]
-    scale = _scale(sigma, best, degrees)
-    curvature = search.curvature(residuals, best.parts, scale)
-    best = min(best, search.local(residuals, best.parts, steps=curvature.steps), key=_chi2)
-    scale = _scale(sigma, best, degrees)
-    curvature = search.curvature(residuals, best.parts, scale)
-    width = box.high - box.low
-    quantile = search.quantile(sigma is not None, degrees)
-    with np.errstate(invalid="ignore"):
-        covariance = scale**2 * curvature.covariance * np.outer(width, width)
-    half_width = quantile * np.sqrt(np.diag(covariance))
-    half_width = np.where(half_width < width, half_width, np.inf)  # beyond it nothing is known
+    best, curvature = _refined(residuals, minima[0], scatter)
+    scale = scatter.scale(best)
+    covariance, half_width = _intervals(box, curvature, scale, scatter)
     curves: dict[str, xarray.Dataset] = {}
     lowest = best
     if profiles:
-        for k, key in enumerate(box.keys):
-            part = min(half_width[k] / width[k], notes.WIDE)
-            found = search.profile(
-                residuals, best, curvature.covariance, k, PROFILE * part, curvature.steps
-            )
-            curves[key] = _profile(box, k, found, scale)
-            lowest = min([lowest, *found], key=_chi2)
-    series = model(best.parts[None])
+        curves, lowest = _profiles(box, residuals, best, curvature, half_width, scale)
+    left = trace.values - model(best.parts[None]).values[0]
     remarks = [
         *notes.of_curvature(box, best, half_width, covariance),
-        *notes.on_profiles(curves, half_width, best.chi2 / scale**2, quantile, box),
+        *notes.on_profiles(curves, half_width, best.chi2 / scale**2, scatter.quantile, box),
         *notes.on_other_minima(minima, best, lowest, scale, box),
-        *notes.on_residuals(trace.values - series.values[0], residuals, sigma, best, degrees),
+        *notes.on_residuals(left, residuals, scatter.sigma, best, scatter.degrees),
+        *notes.on_members(members),
     ]
-    if members is not None:
-        remarks.append(
-            "errors of means over members are correlated over time, which intervals leave out; "
-            "repeat the fit with another seed, or with more members, to see what they change"
-        )
     values = dict(zip(box.keys, box.values(best.parts).tolist(), strict=True))
     return Fit(
         values=values,
         half_width=dict(zip(box.keys, half_width.tolist(), strict=True)),
         covariance=covariance,
         chi2=best.chi2 / scale**2,
-        noise=float(0.01 * spread * scale) if sigma is None else noise,  # type: ignore[arg-type]
-        residuals=_over_time(trace, trace.values - series.values[0], quantity),
+        noise=float(scatter.unit[0] * scale) if scatter.sigma is None else noise,  # type: ignore[arg-type]
+        residuals=_over_time(trace, left, quantity),
         profiles=curves,
         notes=tuple(remarks),
         scene=with_values(scene, values),
@@ -172,24 +142,100 @@ def fit(
     )
 
 
-def _scale(sigma: np.ndarray | None, best: search.Minimum, degrees: int) -> float:
-    """The noise in units of that of the residuals: 1 where it is given."""
-    if sigma is not None:
-        return 1.0
-    return max(float(np.sqrt(best.chi2 / degrees)), float(np.finfo(float).eps))
+class _Scatter(NamedTuple):
+    """How far data may be from the series of a scene."""
+
+    sigma: np.ndarray | None  # (times,) of the noise; None where it follows from the residuals
+    unit: np.ndarray  # (times,) of residuals: the noise, or a hundredth of the range of the data
+    tolerance: float  # by which a step may change a series
+    degrees: int  # of freedom: times less parameters
+
+    def scale(self, best: search.Minimum) -> float:
+        """The noise in units of the residuals: 1 where it is given."""
+        if self.sigma is not None:
+            return 1.0
+        return max(float(np.sqrt(best.chi2 / self.degrees)), float(np.finfo(float).eps))
+
+    @property
+    def quantile(self) -> float:
+        """The number of standard errors in half a 95 % interval."""
+        return search.quantile(self.sigma is not None, self.degrees)
 
 
-def _chi2(minimum: search.Minimum) -> float:
-    return minimum.chi2
+def _scatter_of(noise: Any, trace: Trace, parameters: int) -> _Scatter:
+    """Check the noise, and that there are enough data.  Raises InputError."""
+    degrees = trace.t.size - parameters
+    if degrees < 1:
+        raise InputError("data", f"must have more than {parameters} times, one for each parameter")
+    sigma = None if noise is None else _noise(noise, trace)
+    spread = float(np.ptp(trace.values))
+    if spread == 0.0:
+        raise InputError("data.values", "must change over time")
+    if sigma is None:
+        unit = np.full(trace.t.size, 0.01 * spread)
+        return _Scatter(None, unit, OF_RANGE * spread, degrees)
+    return _Scatter(sigma, sigma, OF_NOISE * float(np.min(sigma)), degrees)
 
 
 def _noise(noise: Any, trace: Trace) -> np.ndarray:
+    """Standard deviations of the data, (times,), from one number or from one for each time."""
     if np.ndim(noise) == 0:
         return np.full(trace.t.size, number("noise", noise, POSITIVE))
     found = vector("noise", noise, size=trace.t.size)
     if not np.all(found > 0.0):
         raise InputError("noise", "must be positive at all times")
     return found
+
+
+def _middle_and_corners(parameters: int) -> np.ndarray:
+    """Points of the box at which a step for all candidates is found."""
+    parts = (0.5, 0.1, 0.9)
+    return np.array([[part] * parameters for part in parts])
+
+
+def _refined(
+    residuals: search.Residuals, start: search.Minimum, scatter: _Scatter
+) -> tuple[search.Minimum, search.Curvature]:
+    """The minimum that differences over about a standard error lead to, and its curvature."""
+    curvature = search.curvature(residuals, start.parts, scatter.scale(start))
+    again = search.local(residuals, start.parts, steps=curvature.steps)
+    best = min(start, again, key=_chi2)
+    return best, search.curvature(residuals, best.parts, scatter.scale(best))
+
+
+def _intervals(
+    box: Box, curvature: search.Curvature, scale: float, scatter: _Scatter
+) -> tuple[np.ndarray, np.ndarray]:
+    """The covariance of the values, and half-widths of their 95 % intervals."""
+    width = box.high - box.low
+    with np.errstate(invalid="ignore"):
+        covariance = scale**2 * curvature.covariance * np.outer(width, width)
+    half_width = scatter.quantile * np.sqrt(np.diag(covariance))
+    return covariance, np.where(half_width < width, half_width, np.inf)  # beyond, nothing is known
+
+
+def _profiles(
+    box: Box,
+    residuals: search.Residuals,
+    best: search.Minimum,
+    curvature: search.Curvature,
+    half_width: np.ndarray,
+    scale: float,
+) -> tuple[dict[str, xarray.Dataset], search.Minimum]:
+    """chi^2 over each parameter, minimal over the others, and the lowest minimum of all."""
+    curves = {}
+    lowest = best
+    for k, key in enumerate(box.keys):
+        part = min(half_width[k] / (box.high[k] - box.low[k]), notes.WIDE)
+        offsets = PROFILE * part
+        found = search.profile(residuals, best, curvature.covariance, k, offsets, curvature.steps)
+        curves[key] = _profile(box, k, found, scale)
+        lowest = min([lowest, *found], key=_chi2)
+    return curves, lowest
+
+
+def _chi2(minimum: search.Minimum) -> float:
+    return minimum.chi2
 
 
 def _over_time(trace: Trace, values: np.ndarray, quantity: str) -> xarray.DataArray:

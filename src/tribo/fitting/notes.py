@@ -128,3 +128,13 @@ def on_residuals(
     if residuals.impossible:
         notes.append(f"{residuals.impossible} candidates did not complete, and count as bad fits")
     return notes
+
+
+def on_members(members: int | None) -> list[str]:
+    """What means over members leave out of the intervals."""
+    if members is None:
+        return []
+    return [
+        "errors of means over members are correlated over time, which intervals leave out; "
+        "repeat the fit with another seed, or with more members, to see what they change"
+    ]

@@ -128,8 +128,9 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     turn = present * turn
     far = present * far
     aside = present * aside
-    x, y = far * tx - aside * ty, far * ty + aside * tx
-    set_jump(model, s, i, t, q, (turn, x, y), reservoirs.jumps, accounts)
+    jump_x = far * tx - aside * ty
+    jump_y = far * ty + aside * tx
+    set_jump(model, s, i, t, q, (turn, jump_x, jump_y), reservoirs.jumps, accounts)
 
 
 @apart
@@ -151,8 +152,10 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
     mobility = broadcast(1.0 / s.mass)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    one, other = broadcast(lane(one, 0)), broadcast(lane(other, 0))
-    third, fourth = broadcast(lane(third, 0)), broadcast(lane(fourth, 0))
+    one = broadcast(lane(one, 0))
+    other = broadcast(lane(other, 0))
+    third = broadcast(lane(third, 0))
+    fourth = broadcast(lane(fourth, 0))
     px, far_x = damped_motion(gamma, heat, mobility, x, gain_x, tau, one, other)
     py, far_y = damped_motion(gamma, heat, mobility, y, gain_y, tau, third, fourth)
     zero = broadcast(0.0)

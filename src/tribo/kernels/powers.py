@@ -205,7 +205,8 @@ def set_internal_powers(model, s, i, velocities, power):
     bob_x, bob_y = vectors_if_any(model.inner, i)
     about = rotational_power(-bar, omega, tx, ty, x, y)
     about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
-    x, y = x + bob_x, y + bob_y
+    x = x + bob_x
+    y = y + bob_y
     write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
@@ -214,10 +215,12 @@ def set_contact_powers(model, s, i, omega, power):
     """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
     x, y = vectors(model.f1, i)
     tx, ty = vectors(model.directions, i)
-    along_x, along_y = x * omega * tx, y * omega * ty
+    along_x = x * omega * tx
+    along_y = y * omega * ty
     if model.sums:
         lever = levers(model, model.pivots, s, i)[0]
-        along_x, along_y = lever * along_x, lever * along_y
+        along_x = lever * along_x
+        along_y = lever * along_y
     write(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
@@ -341,7 +344,8 @@ def momentum(model, s, v):
         if s.block == PENDULUMS:
             about = lever_mass(model, s, i) * block(v, i)
             tx, ty = vectors(model.directions, i)
-            px, py = px + about * tx, py + about * ty
+            px = px + about * tx
+            py = py + about * ty
     return totals(model.members, px), totals(model.members, py)
 
 

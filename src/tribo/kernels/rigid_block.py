@@ -32,9 +32,12 @@ def pull_back(model, s, i, v):
 @apart
 def sum_of_forces(model, s, t, q, v):
     """R'' of a rigid body, drives in place: the sum of all forces, through its mass matrix."""
-    present = broadcast(0.0)
-    sum_x, sum_y = present, present
-    xx, xy, yy = present, present, present
+    zero = broadcast(0.0)
+    sum_x = zero
+    sum_y = zero
+    xx = zero
+    xy = zero
+    yy = zero
     for i in range(s.start, s.stop, LANES):
         present = block(model.each[rows.PRESENT], i)
         bob_x, bob_y = equations.bob_forces(model, i)

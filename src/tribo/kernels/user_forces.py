@@ -40,12 +40,16 @@ def custom_drive_unit(model, plugin, n, t, q, v):
     drives = model.drives
     s = model.surfaces[drives.surface[n]]
     count = float(s.end - s.start)
-    sum_x, sum_y, sum_fx, sum_fy = 0.0, 0.0, 0.0, 0.0
+    sum_x = 0.0
+    sum_y = 0.0
+    sum_fx = 0.0
+    sum_fy = 0.0
     for i in range(s.start, s.end):
         column = column_of_constants(s, i)
         l1 = constants[rows.L1, column]
         l2 = constants[rows.L2, column]
-        tx, ty = model.directions[rows.X, i], model.directions[rows.Y, i]
+        tx = model.directions[rows.X, i]
+        ty = model.directions[rows.Y, i]
         x, y = rod_position(model.bobs[rows.X, i], model.bobs[rows.Y, i], -(l1 + l2), tx, ty)
         now = lane_of(t, i)
         x = x + drives.origin[n, rows.X] + drives.velocity[n, rows.X] * now
@@ -55,16 +59,21 @@ def custom_drive_unit(model, plugin, n, t, q, v):
         vx, vy = rod_velocity(vx, vy, v[i], -l2, tx, ty)
         vx += s.vx + drives.velocity[n, rows.X]
         vy += s.vy + drives.velocity[n, rows.Y]
-        fx, fy = model.f1[rows.X, i], model.f1[rows.Y, i]
+        fx = model.f1[rows.X, i]
+        fy = model.f1[rows.Y, i]
         now = now - drives.begun[n]
         if s.block > 0:
             # The plug-in drives the whole, from the mean place of the bars and all of contact.
-            sum_x, sum_y = sum_x + x, sum_y + y
-            sum_fx, sum_fy = sum_fx + fx, sum_fy + fy
+            sum_x += x
+            sum_y += y
+            sum_fx += fx
+            sum_fy += fy
             if i < s.end - 1:
                 continue
-            x, y = sum_x / count, sum_y / count
-            fx, fy = sum_fx, sum_fy
+            x = sum_x / count
+            y = sum_y / count
+            fx = sum_fx
+            fy = sum_fy
         gx, gy = plugin.force_on_bar(now, x, y, vx, vy, fx, fy)
         if s.block > 0:
             share_among_bars(model, s, gx / count, gy / count, t)

@@ -74,6 +74,7 @@ def scheduled_numbers(scene: Scene) -> tuple[Scheduled, ...]:
 
 
 def _of_surface(index: int, surface: Surface) -> Iterator[Scheduled]:
+    """The scheduled numbers of a surface, in the frame and per asperite as kernels read them."""
     drive = surface.drive
     stage = drive.stage
     share = 1.0 / surface.count if drive.block else 1.0  # of a bar, of forces on all of them

@@ -211,6 +211,7 @@ def places(
 
 
 def _place_baths(here: np.void, there: np.void, order: np.ndarray, q: np.ndarray) -> None:
+    """Set in `q`, at the slots of a surface's bath oscillators `here`, their slots `there`."""
     mine, theirs = (
         record["dof_bath"] + place[:, None] * (2 * record["oscillators"] + record["torsionals"])
         for record, place in ((here, np.arange(order.size)), (there, order))

@@ -14,7 +14,7 @@ from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import mean_velocity, motions
-from tribo.ledger.quantities import Table
+from tribo.ledger.quantity import Table
 from tribo.ledger.samples import Samples
 
 # Energy that appears, in units of that at the start, from which a run counts as lost: a step that

@@ -20,16 +20,9 @@ from tribo.kernels.samples import BATH_ROWS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
-from tribo.ledger.quantities import (
-    EVERY_QUANTITY,
-    QUANTITIES,
-    Quantity,
-    Reported,
-    Table,
-    needs_accounts,
-    present_names,
-    reported,
-)
+from tribo.ledger.quantities import EVERY_QUANTITY, QUANTITIES
+from tribo.ledger.quantity import Quantity, Table
+from tribo.ledger.reported import Reported, needs_accounts, present_names, reported
 from tribo.ledger.samples import Samples
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
@@ -72,6 +65,7 @@ class Series(Mapping[str, np.ndarray]):
         return self._known[name]
 
     def __getattr__(self, name: str) -> np.ndarray:
+        """A series as an attribute, as `table.w1`."""
         if name[0] == "_":  # a copy asks for methods before it has names
             raise AttributeError(name)
         try:

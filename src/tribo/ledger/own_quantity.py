@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 
 from tribo.ledger import quantities
+from tribo.ledger import quantity as entries
 from tribo.ledger.quantities import (
     ASPERITE,
     EVERY_QUANTITY,
@@ -14,11 +15,9 @@ from tribo.ledger.quantities import (
     OWN_SERIES,
     SURFACE,
     SYSTEM,
-    UNITS,
     WITHOUT_ACCURACY,
-    built_in_names,
-    reported,
 )
+from tribo.ledger.reported import built_in_names, reported
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
@@ -120,8 +119,8 @@ class Quantity:
         self.of = choice("of", of, OF)
         self.uses = _checked_names(uses, of)
         self._formula = formula
-        entry = quantities.Quantity(
-            choice("unit", unit, UNITS), long_name, self._compute, self._is_present
+        entry = entries.Quantity(
+            choice("unit", unit, entries.UNITS), long_name, self._compute, self._is_present
         )
         for kind, table in zip(OF, WITHOUT_ACCURACY, strict=True):
             table.pop(name, None)
@@ -186,7 +185,7 @@ def _checked_names(uses: Sequence[str], of: str) -> tuple[str, ...]:
     return tuple(map(str, uses))
 
 
-def _tables(scene: Scene, surface: Surface, of: str) -> Mapping[str, quantities.Quantity]:
+def _tables(scene: Scene, surface: Surface, of: str) -> Mapping[str, entries.Quantity]:
     """The quantities of tribo that a scene reports of a surface, or of the system."""
     found = reported(scene.output.ledger, built_in_names(scene, surface))
     return found.system if of == SYSTEM else {**found.asperites, **found.blocks}

@@ -1,9 +1,7 @@
-"""The reported quantities: the kind, the scale, the meaning and the formula of each."""
+"""The tables of the reported quantities, an entry each; see :mod:`tribo.ledger.quantity`."""
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
-from functools import cache, partial
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
@@ -11,154 +9,52 @@ from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.ledger import accounts
 from tribo.ledger.accounts import APPLIED, EXTERNAL, OfAccounts
 from tribo.ledger.forces import FORCES, Has, always
-from tribo.ledger.motion import Motion
-from tribo.ledger.separation import has_contact_distance
-from tribo.ledger.totals import (
-    AsperiteSeries,
-    Linear,
-    Moving,
-    Summed,
-    SurfaceSeries,
-    SystemSeries,
+from tribo.ledger.quantity import (
+    ANGLE,
+    CHANGE,
+    ENERGY,
+    LENGTH,
+    PART,
+    POTENTIAL,
+    RATE,
+    TOTAL,
+    VELOCITY,
+    Quantity,
+    Summary,
+    accounted,
+    energy,
+    moving,
+    works_of,
 )
+from tribo.ledger.separation import has_contact_distance
+from tribo.ledger.totals import Linear, Summed, SurfaceSeries, SystemSeries
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
-
-Table = Mapping[str, np.ndarray]  # quantity -> its series
-
-# The scale of a quantity that is its own largest value.
-OWN = "own"
-# The units of each kind, in the scene's own units of length, time and energy.
-UNITS = {
-    "angle": "rad",
-    "rate": "time^-1",
-    "length": "length",
-    "velocity": "length time^-1",
-    "energy": "energy",
-    "power": "energy time^-1",
-    "force": "force",
-    "share": "1",
-    "number": "1",
-}
-
-
-class Role(NamedTuple):
-    """What the errors of a quantity are relative to, and which scales are its largest values.
-
-    A quantity of the default role has a scale of its own: it changes no bound of another one.
-    """
-
-    scale: str = OWN  # of its errors: a field of `tribo.accuracy.scales.Scales`, or OWN
-    measures: tuple[str, ...] = ()  # scales that are at least its largest value
-
-
-OWN_SCALE = Role()
-ANGLE = Role("angle")
-RATE = Role("rate", ("rate",))
-LENGTH = Role("length")
-VELOCITY = Role("velocity")
-# A work or pseudowork, and a heat or change of energy, of an asperite.
-WORK = Role("energy", ("energy", "work"))
-CHANGE = Role("energy", ("energy",))
-# An energy by which no others are measured: a swing's is no change.
-ENERGY = Role("energy")
-# The same of a surface or the system; work against friction is a part of other works, and the
-# energy of contacts has an arbitrary origin.
-TOTAL = Role("total", ("total",))
-PART = Role("total")
-POTENTIAL = Role("total", ("potential",))
-
-
-class Summary(NamedTuple):
-    """How a quantity stands in the summary of a result."""
-
-    heading: str  # above it in a notebook's table
-    form: str = ""  # format of its value in the text; without one the text leaves it out
-
-
-@dataclass(frozen=True)
-class Quantity:
-    kind: str  # a key of `UNITS`
-    long_name: str  # its meaning in a few words
-    of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
-    present: Has = always  # whether it can be asked for
-    role: Role = OWN_SCALE
-    # The sum of terms of accounts whose rounding it has; None where it is no such sum.
-    terms: OfAccounts | None = None
-    is_summed: bool = False  # whether ensembles keep its sum over the asperites of a surface
-    summary: Summary | None = None  # None: results do not show it in their summary
-
-    @property
-    def units(self) -> str:
-        return UNITS[self.kind]
-
-
-def _moving(
-    kind: str, long_name: str, value: Callable[[Motion], np.ndarray], role: Role = OWN_SCALE
-) -> Quantity:
-    return Quantity(kind, long_name, Moving(value), role=role)
-
-
-def _accounted(
-    terms: OfAccounts,
-    long_name: str,
-    present: Has = always,
-    role: Role = WORK,
-    is_summed: bool = False,
-) -> Quantity:
-    """An energy of each asperite that is linear in the accounts of forces."""
-    of = Linear(partial(AsperiteSeries.accounted, quantity=terms))
-    return _energy(long_name, of, present, role, terms=terms, is_summed=is_summed)
-
-
-def _works(agents: Mapping[str, str], present: Has = always) -> dict[str, Quantity]:
-    """The works of agents, and behind them the pseudoworks but those of single ends."""
-    works: dict[str, Quantity] = {}
-    pseudoworks: dict[str, Quantity] = {}
-    for name, agent in agents.items():
-        is_total = name not in accounts.FORCES
-        forces = tuple(accounts.FORCES) if is_total else (name,)
-        work = OfAccounts(forces, accounts.WORK)
-        pseudowork = OfAccounts(forces, accounts.PSEUDOWORK)
-        works[name] = _accounted(work, f"work of {agent}", present, is_summed=not is_total)
-        if name not in ("wL", "wR"):
-            pseudoworks[f"{name}_ps"] = _accounted(pseudowork, f"pseudowork of {agent}", present)
-    return works | pseudoworks
 
 
 def _has_reservoir(scene: Scene, surface: Surface) -> bool:
     return bool(surface.reservoirs)
 
 
-def _energy(
-    long_name: str,
-    of: Callable[..., np.ndarray],
-    present: Has = always,
-    role: Role = OWN_SCALE,
-    **others: Any,
-) -> Quantity:
-    return Quantity("energy", long_name, of, present, role, **others)
-
-
 # Of each asperite, in the order in which they are reported.
 ASPERITE_QUANTITIES = {
-    "theta": _moving("angle", "pendulum angle", lambda e: e.theta, ANGLE),
-    "phi": _moving("angle", "bar angle", lambda e: e.phi, ANGLE),
-    "omega": _moving("rate", "angular velocity of the pendulum", lambda e: e.omega, RATE),
-    "nu": _moving("rate", "angular velocity of the bar", lambda e: e.nu, RATE),
-    "x_cm": _moving("length", "x of the centre of mass", lambda e: e.centre[0], LENGTH),
-    "y_cm": _moving("length", "y of the centre of mass", lambda e: e.centre[1], LENGTH),
-    "vx_cm": _moving(
+    "theta": moving("angle", "pendulum angle", lambda e: e.theta, ANGLE),
+    "phi": moving("angle", "bar angle", lambda e: e.phi, ANGLE),
+    "omega": moving("rate", "angular velocity of the pendulum", lambda e: e.omega, RATE),
+    "nu": moving("rate", "angular velocity of the bar", lambda e: e.nu, RATE),
+    "x_cm": moving("length", "x of the centre of mass", lambda e: e.centre[0], LENGTH),
+    "y_cm": moving("length", "y of the centre of mass", lambda e: e.centre[1], LENGTH),
+    "vx_cm": moving(
         "velocity", "x velocity of the centre of mass", lambda e: e.velocity[0], VELOCITY
     ),
-    "vy_cm": _moving(
+    "vy_cm": moving(
         "velocity", "y velocity of the centre of mass", lambda e: e.velocity[1], VELOCITY
     ),
-    "x_bob": _moving("length", "x of the bob", lambda e: e.bob[0], LENGTH),
-    "y_bob": _moving("length", "y of the bob", lambda e: e.bob[1], LENGTH),
-    "x_bar": _moving("length", "x of the bar's centre", lambda e: e.bar[0], LENGTH),
-    "y_bar": _moving("length", "y of the bar's centre", lambda e: e.bar[1], LENGTH),
-    **_works(
+    "x_bob": moving("length", "x of the bob", lambda e: e.bob[0], LENGTH),
+    "y_bob": moving("length", "y of the bob", lambda e: e.bob[1], LENGTH),
+    "x_bar": moving("length", "x of the bar's centre", lambda e: e.bar[0], LENGTH),
+    "y_bar": moving("length", "y of the bar's centre", lambda e: e.bar[1], LENGTH),
+    **works_of(
         {
             "w1": "the contact force",
             "w2": "the drive",
@@ -168,11 +64,11 @@ ASPERITE_QUANTITIES = {
             "w": "all forces",
         }
     ),
-    "delta_k_trans": _moving(
+    "delta_k_trans": moving(
         "energy", "change of translational kinetic energy", lambda e: e.kinetic, CHANGE
     ),
-    "delta_e_int": _moving("energy", "change of internal energy", lambda e: e.internal, CHANGE),
-    "swing_energy": _moving(
+    "delta_e_int": moving("energy", "change of internal energy", lambda e: e.internal, CHANGE),
+    "swing_energy": moving(
         "energy",
         "internal energy; on driven bars, of the motion about the bar",
         lambda e: e.swinging,
@@ -181,16 +77,16 @@ ASPERITE_QUANTITIES = {
 }
 # Of each asperite of a surface with a field, with a reservoir, or with one on its swings.
 OPTIONAL_QUANTITIES = {
-    **_works({"w_field": "external fields"}, Scene.has_field),
-    **_works({"w_T": "the reservoir"}, _has_reservoir),
-    "heat": _accounted(
+    **works_of({"w_field": "external fields"}, Scene.has_field),
+    **works_of({"w_T": "the reservoir"}, _has_reservoir),
+    "heat": accounted(
         OfAccounts(("w_T",), accounts.HEAT),
         "heat given to the reservoirs",
         _has_reservoir,
         CHANGE,
         is_summed=True,
     ),
-    "heat_swing": _accounted(
+    "heat_swing": accounted(
         OfAccounts(("w_T",), accounts.HEAT_OF_SWING),
         "heat given to the reservoir on the swing",
         lambda scene, surface: surface.reservoir("swing") is not None,
@@ -200,33 +96,33 @@ OPTIONAL_QUANTITIES = {
 }
 # Of each surface as a whole.
 BLOCK_QUANTITIES = {
-    "W": _energy(
+    "W": energy(
         "work of external forces on the surface",
         Linear(SurfaceSeries.work),
         role=TOTAL,
         terms=OfAccounts(EXTERNAL, accounts.WORK),
         summary=Summary("work", " .6g"),
     ),
-    "W_ps": _energy(
+    "W_ps": energy(
         "pseudowork of external forces on the surface",
         Linear(SurfaceSeries.pseudowork),
         role=TOTAL,
         terms=OfAccounts(EXTERNAL, accounts.WORK),
         summary=Summary("pseudowork", " .6g"),
     ),
-    "delta_K": _energy(
+    "delta_K": energy(
         "change of the surface's bulk kinetic energy",
         Summed(lambda whole: whole.change_of_kinetic),
         role=TOTAL,
         summary=Summary("bulk kinetic energy"),
     ),
-    "delta_E_int": _energy(
+    "delta_E_int": energy(
         "change of the surface's internal energy",
         Summed(lambda whole: whole.change_of_internal),
         role=TOTAL,
         summary=Summary("internal energy", "+.6g"),
     ),
-    "friction_work": _energy(
+    "friction_work": energy(
         "minus the initial velocity times the impulse of the contact forces",
         Linear(SurfaceSeries.friction),
         role=PART,
@@ -235,15 +131,15 @@ BLOCK_QUANTITIES = {
 }
 # Of the whole system.
 SYSTEM_QUANTITIES = {
-    "contact_energy": _energy(
+    "contact_energy": energy(
         "potential energy of contacts between surfaces",
         lambda system: system.samples.contact,
         role=POTENTIAL,
     ),
-    "total_energy_change": _energy(
+    "total_energy_change": energy(
         "change of the total energy", Summed(SystemSeries.change_of_energy), role=TOTAL
     ),
-    "applied_work": _energy(
+    "applied_work": energy(
         "work of drives, ends, reservoirs and moving fields",
         Linear(SystemSeries.applied),
         role=TOTAL,
@@ -252,11 +148,6 @@ SYSTEM_QUANTITIES = {
 }
 # Those that have an accuracy.
 QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYSTEM_QUANTITIES
-
-
-def needs_accounts(name: str) -> bool:
-    """Whether a quantity is a work, a pseudowork or the heat."""
-    return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
 
 
 def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
@@ -293,12 +184,12 @@ FURTHER_OF_ASPERITES = {
         lambda whole: whole.in_contact,
         has_contact_distance,
     ),
-    "k_trans": _moving("energy", "translational kinetic energy", lambda e: e.translation),
-    "k_swing": _moving(
+    "k_trans": moving("energy", "translational kinetic energy", lambda e: e.translation),
+    "k_swing": moving(
         "energy", "kinetic energy of the pendulum's rotation", lambda e: e.energies[0]
     ),
-    "k_bar": _moving("energy", "kinetic energy of the bar's rotation", lambda e: e.energies[1]),
-    "e_torsion": _moving("energy", "energy of the torsion spring", lambda e: e.energies[2]),
+    "k_bar": moving("energy", "kinetic energy of the bar's rotation", lambda e: e.energies[1]),
+    "e_torsion": moving("energy", "energy of the torsion spring", lambda e: e.energies[2]),
 }
 # Of each surface as a whole, likewise.
 FURTHER_OF_SURFACES = {
@@ -334,30 +225,30 @@ FURTHER_OF_SURFACES = {
         lambda whole: np.mean(whole.in_contact, axis=1),
         has_contact_distance,
     ),
-    "e_springs": _energy(
+    "e_springs": energy(
         "energy of the lattice springs",
         lambda whole: whole.stored[:, SPRINGS],
         FORCES["f_spring"].acts,
     ),
-    "e_within": _energy(
+    "e_within": energy(
         "energy of contact within the surface",
         lambda whole: whole.stored[:, WITHIN],
         Scene.has_contact_within,
     ),
-    "k_bath": _energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
-    "e_bath": _energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
-    "heat_bath": _energy("heat given to the bath", Summed(lambda w: w.heat_of_bath), _has_bath),
+    "k_bath": energy("kinetic energy of the bath", lambda w: w.kinetic_of_bath, _has_bath),
+    "e_bath": energy("potential energy of the bath", lambda w: w.potential_of_bath, _has_bath),
+    "heat_bath": energy("heat given to the bath", Summed(lambda w: w.heat_of_bath), _has_bath),
 }
 # Those that follow from the places of bobs alone.
 CONTACTS = ("in_contact", "contact_number", "contact_share")
 # Of each pulled surface as a whole, without an accuracy.
 PULLED_QUANTITIES = {
-    "stage_work": _energy(
+    "stage_work": energy(
         "work of the stage on the pulling springs",
         Linear(SurfaceSeries.work_of_stage),
         lambda scene, surface: _is_pulled(scene, surface) and scene.output.ledger != "none",
     ),
-    "e_pull": _energy(
+    "e_pull": energy(
         "energy of the pulling springs", lambda whole: whole.energy_of_pull, _is_pulled
     ),
 }
@@ -369,7 +260,7 @@ AVERAGED = tuple(
 )
 # Of the whole system, likewise.
 FURTHER_OF_SYSTEM = {
-    "field_energy": _energy(
+    "field_energy": energy(
         "potential energy in fields",
         lambda system: system.samples.field,
         lambda scene, surface: bool(scene.fields),
@@ -407,74 +298,3 @@ FURTHER: dict[str, Mapping[str, Quantity]] = {
     "contacts": {n: each for n, each in EVERY_QUANTITY.items() if n in CONTACTS},
     "own": OWN_SERIES,
 }
-
-
-def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
-    """The optional quantities that a scene reports, and the series that its output asks for."""
-    found = built_in_names(scene, surface)
-    if "own" not in scene.output.series:
-        return found
-    return found.union(n for n, each in OWN_SERIES.items() if each.present(scene, surface))
-
-
-def with_inputs(names: Collection[str]) -> frozenset[str]:
-    """Names of quantities, and of those from which the user's own ones are computed."""
-    return frozenset(names).union(*(INPUTS.get(name, ()) for name in names))
-
-
-def built_in_names(scene: Scene, surface: Surface) -> frozenset[str]:
-    """The same without those of the user."""
-    asked = (FURTHER.get(name, {}) for name in scene.output.series if name != "own")
-    groups = (OPTIONAL_QUANTITIES, PULLED_QUANTITIES, *asked)
-    return frozenset(
-        name for group in groups for name, each in group.items() if each.present(scene, surface)
-    )
-
-
-# The sums over the asperites of a surface, by the names of what is summed.
-SUMMED_QUANTITIES = {
-    name: _energy(
-        f"{quantity.long_name}, all asperites",
-        Linear(partial(SurfaceSeries.summed, quantity=quantity.terms)),
-        is_summed=quantity.is_summed,
-    )
-    for name, quantity in (ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES).items()
-    if quantity.terms is not None
-}
-
-
-def quantity_of(name: str, whole: bool) -> Quantity:
-    """A quantity by its name; works of a `whole` surface are sums over its asperites."""
-    summed = SUMMED_QUANTITIES.get(name) if whole else None
-    return summed or EVERY_QUANTITY[name]
-
-
-@dataclass(frozen=True)
-class Reported:
-    """The quantities that a scene reports: of asperites, of surfaces as wholes, of the system."""
-
-    asperites: Mapping[str, Quantity]
-    blocks: Mapping[str, Quantity]
-    system: Mapping[str, Quantity]
-
-
-@cache
-def reported(ledger: str, present: frozenset[str]) -> Reported:
-    """The quantities with works kept as `ledger` says, and others whose names are `present`."""
-    own = ASPERITE_QUANTITIES | _those_of(OPTIONAL_QUANTITIES, present)
-    tables = [own, BLOCK_QUANTITIES, SYSTEM_QUANTITIES]
-    if ledger == "surfaces":
-        sums = _those_of(SUMMED_QUANTITIES, own.keys())
-        tables = [_without_accounts(own), BLOCK_QUANTITIES | sums, SYSTEM_QUANTITIES]
-    elif ledger == "none":
-        tables = list(map(_without_accounts, tables))
-    asked = (_those_of(table, present) for table in WITHOUT_ACCURACY)
-    return Reported(*(table | more for table, more in zip(tables, asked, strict=True)))
-
-
-def _those_of(table: Mapping[str, Quantity], names: Collection[str]) -> dict[str, Quantity]:
-    return {name: each for name, each in table.items() if name in names}
-
-
-def _without_accounts(table: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    return {name: each for name, each in table.items() if not needs_accounts(name)}

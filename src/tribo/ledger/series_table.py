@@ -9,13 +9,8 @@ import numpy as np
 
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.accounts import Integrals
-from tribo.ledger.quantities import (
-    BLOCK_QUANTITIES,
-    OPTIONAL_QUANTITIES,
-    needs_accounts,
-    present_names,
-    reported,
-)
+from tribo.ledger.quantities import BLOCK_QUANTITIES, OPTIONAL_QUANTITIES
+from tribo.ledger.reported import needs_accounts, present_names, reported
 from tribo.ledger.totals import (
     AsperiteSeries,
     Linear,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tribo.compiler.jit import COMPILED, LOOP, cache_folder, stamp_of
-from tribo.compiler.numba_private import NATIVE, dumps
+from tribo.compiler.numba_private import NATIVE, pickled
 from tribo.compiler.plugin_methods import recognize
 from tribo.files import replace_file
 from tribo.kernels.records import CLOCK
@@ -97,7 +97,9 @@ def _shape(value: Any) -> str:
 
 def _compiled_apart(potential: Any) -> bytes:
     """The module, compiled by another process."""
-    given: bytes = dumps((sys.path, potential))  # type: ignore[no-untyped-call]
+    if not NATIVE:
+        raise InputError("numba", "must be a version that tribo was tested with, for live pages")
+    given = pickled((sys.path, potential))
     command = [sys.executable, "-c", "from tribo.live_pages.compile import main; main()"]
     paths = os.pathsep.join(str(each) for each in sys.path if each)
     environment = os.environ | GENERIC | {"PYTHONPATH": paths}
@@ -133,8 +135,6 @@ def compiled(potential: Any) -> bytes:
     """The module, compiled in this process, whose processor should be generic."""
     from numba import njit, typeof
 
-    if not NATIVE:
-        raise InputError("numba", "must be a version that tribo was tested with, for live pages")
     recognize(potential)
     loop = njit(**LOOP)(program.live_pair)
     kinds = tuple(map(typeof, arguments_of(potential, 2)))

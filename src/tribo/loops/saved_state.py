@@ -12,7 +12,7 @@ from tribo.layout.layout import Layout
 from tribo.layout.span import columns
 from tribo.layout.start import bath_slots
 from tribo.ledger.motion import about_pivots
-from tribo.ledger.quantities import Table
+from tribo.ledger.quantity import Table
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration, Memory
 from tribo.model.identity import version

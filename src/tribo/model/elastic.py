@@ -76,7 +76,8 @@ class Elastic:
             thin = depth < DEEP
             solved = _layer(depth[thin], poisson)
             along = along.copy()
-            inward, mixed = along.copy(), mixed.copy()
+            inward = along.copy()
+            mixed = mixed.copy()
             # In units of 1 / (mu q), and mu is E / (2 (1 + poisson)).
             unit = 2.0 * compliance[thin]
             along[thin] = unit * solved[0]

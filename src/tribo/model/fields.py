@@ -124,6 +124,7 @@ class Field:
     modulation: Schedule | None = None
 
     def __post_init__(self) -> None:
+        """Check what acts on which surfaces, and how its strength changes.  Raises InputError."""
         object.__setattr__(self, "potential", as_field_potential(self.potential))
         if not is_list(self.on) or len(self.on) == 0:
             raise must_be("on", "a list of names of surfaces", self.on)

@@ -68,6 +68,7 @@ class Initial(ComparedByValue):
     temperature: float | None = None
 
     def __post_init__(self) -> None:
+        """Check the numbers, and that none of them is given twice or also drawn."""
         units = UNITS | DISPLACEMENTS
         each = {name: partial(check.number_or_array, unit=unit) for name, unit in units.items()}
         check.fields(self, **each, temperature=check.one(check.NOT_NEGATIVE, "energy"))

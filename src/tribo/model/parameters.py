@@ -29,13 +29,14 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.bath import as_table as bath_table
 from tribo.model.binding import bound
-from tribo.model.drives import Custom, as_drive
+from tribo.model.drives import as_drive
 from tribo.model.drives import as_table as drive_table
 from tribo.model.elastic import as_elastic
 from tribo.model.fields import SETTINGS, Field
 from tribo.model.initial import Initial
 from tribo.model.interaction import Periodic
 from tribo.model.langevin import PLACES, as_langevin
+from tribo.model.own_drive import Custom
 from tribo.model.scene import Scene
 from tribo.model.schedule import Schedule, component_of, with_component
 from tribo.model.settings import Numerics, Output

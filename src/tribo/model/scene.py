@@ -337,7 +337,8 @@ class Scene(ComparedByValue):
             along_x = pushed or not drive.cancels_x
             along_y = pushed or drive.load is not None or not drive.cancels_y
             if surface.is_block_of_pendulums:  # which their inertia moves
-                along_x, along_y = True, True
+                along_x = True
+                along_y = True
             moves = not drive.holds_bars
             found[surface.name] = (moves and along_x, moves and along_y)
         return found

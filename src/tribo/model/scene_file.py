@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tribo.files import read_file
-from tribo.model import drives
+from tribo.model import bars, drives
 from tribo.model.drawn import column, is_column, with_columns
 from tribo.model.fields import from_table as field_of
 from tribo.model.initial import Initial
@@ -83,7 +83,7 @@ def _surface(table: object, folder: Path) -> Surface:
         "asperite": partial(with_columns, folder=folder),
         "initial": partial(from_table, Initial),
         "drive": partial(drives.as_drive, folder=folder),
-        "bars": partial(drives.as_bars, folder=folder),
+        "bars": partial(bars.as_bars, folder=folder),
     }
     if is_topography(table.get("heights")):
         readers["heights"] = partial(as_topography, folder=folder)

@@ -82,6 +82,7 @@ class Schedule:
     phase: float | None = None
 
     def __post_init__(self) -> None:
+        """Check the points, whose times never decrease, or the numbers of a sine."""
         if self.kind == SINE:
             self._check_sine()
             return
@@ -184,16 +185,17 @@ class Schedule:
         slopes: list[float] = []
         for i, (t, value) in enumerate(self.points):
             following = self.points[i + 1] if i + 1 < len(self.points) else None
+            jumps = following is not None and following[0] == t
             slope = 0.0
-            if following is not None and following[0] == t:
-                # The value before a jump, which only the first piece has.
-                if not starts:
-                    starts, values, slopes = [_before(t)], [value], [0.0]
-                continue
-            if following is not None and self.kind == "linear":
+            if following is not None and not jumps and self.kind == "linear":
                 slope = (following[1] - value) / (following[0] - t)
-            if not starts and slope != 0.0:
-                starts, values, slopes = [_before(t)], [value], [0.0]
+            if not starts and (jumps or slope != 0.0):
+                # Before the first point the value is constant.
+                starts.append(_before(t))
+                values.append(value)
+                slopes.append(0.0)
+            if jumps:  # only a piece before this point has the value before the jump
+                continue
             starts.append(t)
             values.append(value)
             slopes.append(slope)
@@ -329,6 +331,7 @@ def number_or_schedule(condition: Condition = check.ANY, unit: str = "") -> Chec
     """The check of a field that is a number, or a schedule of numbers that meet the condition."""
 
     def checked(field: str, value: Any) -> Number:
+        """The number, or the schedule that a table or a list of points describes."""
         if not (isinstance(value, (Schedule, Mapping)) or is_list(value)):
             return check.number(field, value, condition, unit)
         with check.inside(field):

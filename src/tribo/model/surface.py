@@ -12,10 +12,12 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.model.asperite import Asperite
+from tribo.model.bars import Ends, as_bars
 from tribo.model.bath import Bath, as_bath
 from tribo.model.block import check_block
 from tribo.model.drawn import column, is_column, with_draws
-from tribo.model.drives import Drive, Ends, Forced, Moved, as_bars, as_drive
+from tribo.model.drive import Drive
+from tribo.model.drives import Forced, Moved, as_drive
 from tribo.model.elastic import Elastic, as_elastic, check_elastic
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin

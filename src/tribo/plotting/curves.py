@@ -24,6 +24,11 @@ ASPECT = 0.66
 DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 
 
+def named(name: str, label: str) -> str:
+    """The name of a line in a graph of several results, each with a label; else as it is."""
+    return f"{label}: {name}" if label else name
+
+
 def swing_of(result: RunResult, surface: Surface) -> np.ndarray:
     """(times, asperites) angles of pendulums from their rest, relative to the bars [rad]."""
     series = result[surface.name]

@@ -1,4 +1,4 @@
-"""What an experiment shows of a run: friction loops, maps of mean forces, contacts over time."""
+"""What an experiment shows of a run: friction, its loops, maps of asperites, contacts over time."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.plotting.curves import ASPECT, COLOURS
+from tribo.layout.scene_records import resting_bobs
+from tribo.plotting.curves import ASPECT, COLOURS, finish
 from tribo.plotting.marks import with_minus
-from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, drawing_on, figure_of
+from tribo.plotting.pose import nearest_sample
+from tribo.plotting.style import COLUMN, INK, MEDIUM, NOTE_SIZE, drawing_on, figure_of
 from tribo.results.averages import mean_text
 from tribo.results.contacts import contacts
+from tribo.results.force_averages import friction_force
 from tribo.results.friction_loop import loop
 from tribo.results.maps import friction_map
 from tribo.results.run_result import RunResult
-from tribo.validation import one_of
+from tribo.validation import InputError, one_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,4 +73,55 @@ def draw_contacts(result: RunResult, surface: str, ax: Axes | None) -> Axes:
         ax.plot(found["time"], found["share"], color=COLOURS[0], linewidth=0.9)
         ax.set(xlabel="$t$", ylabel=f"share of {surface} in contact", ylim=(0.0, 1.02))
         ax.set_xlim(float(result.t[0]), float(result.t[-1]))
+    return ax
+
+
+def draw_friction(result: RunResult, name: str, after: float | str | None, ax: Axes | None) -> Axes:
+    """Draw the friction force on a surface over time, with its average and interval."""
+    found = friction_force(result, name, after)
+    with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+        label = with_minus(mean_text(found.mean, found.half_width, "±"))
+        low = found.mean - found.half_width
+        high = found.mean + found.half_width
+        later = [found.after, result.t[-1]]
+        ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=MEDIUM)
+        ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=MEDIUM, label=label)
+        ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)
+        finish(ax, result, f"friction force on {name}")
+    return ax
+
+
+def draw_grid(
+    result: RunResult, name: str, quantity: str, t: float | None, ax: Axes | None
+) -> Axes:
+    """Draw a quantity of every asperite of a grid in colour, over x and z."""
+    sample = -1 if t is None else nearest_sample(result, t)
+    index = [each.name for each in result.scene.surfaces].index(name)
+    grid = result.scene.surfaces[index]
+    table = result[name]
+    if grid.positions is not None or min(grid.shape) < 2:
+        raise InputError("surface", f'must be a grid, got "{name}"')
+    bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
+    if quantity == "height":  # which is no series
+        values = bobs[..., 1] - bobs[..., 1].mean()
+        look: dict[str, Any] = {"cmap": "viridis"}
+    elif quantity in table and table[quantity].ndim == 2:
+        values = table[quantity][sample].reshape(bobs.shape[:2])
+        strongest = np.percentile(np.abs(values), 99.5) or 1.0  # no outlier decides
+        look = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
+    else:
+        raise InputError(
+            "quantity",
+            f'must be "height" or a series of each asperite, as "w1", got {quantity!r}; '
+            'forces need output.series = "forces"',
+        )
+    with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
+        look |= {"shading": "nearest", "rasterized": True}
+        image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
+        ax.set(xlabel="$x$", ylabel="$z$", aspect="equal")
+        ax.tick_params(which="both", top=False, right=False)
+        extend = "neither" if quantity == "height" else "both"
+        inset = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
+        bar = figure_of(ax).colorbar(image, cax=inset, extend=extend, extendfrac=0.03)
+        bar.set_label(f"{quantity} of {name}")
     return ax

@@ -7,34 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tribo.layout.scene_records import resting_bobs
 from tribo.plotting import measured, snapshots
-from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, swing_of
-from tribo.plotting.marks import note, with_minus
-from tribo.plotting.pose import nearest_sample
-from tribo.plotting.style import COLUMN, INK, NOTE_SIZE, WIDE, drawing_on, figure_of, style
-from tribo.plotting.works import (
-    WORKS,
-    draw_works,
-    energies,
-    energy_of_pull,
-    has_pull,
-    heats_of,
-    works_of,
+from tribo.plotting.curves import ASPECT, COLOURS, DASHES, finish, legend, named, swing_of
+from tribo.plotting.energies import draw_budget
+from tribo.plotting.style import (
+    COLUMN,
+    MEDIUM,
+    THIN,
+    WIDE,
+    drawing_on,
+    style,
 )
-from tribo.results.averages import mean_text
-from tribo.results.force_averages import friction_force, has_mean_friction
+from tribo.plotting.works import WORKS, draw_works, works_of
+from tribo.results.force_averages import has_mean_friction
 from tribo.results.run_result import RunResult
-from tribo.validation import InputError, must_be, one_of
+from tribo.validation import must_be, one_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-# Width of lines where there is one surface [points].
-WIDTH = 1.1
-# Width of thin lines [points].
-PATH_WIDTH = 0.7
 
 
 class Plots:
@@ -61,7 +52,10 @@ class Plots:
         with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
             for k, surface in enumerate(result.scene.surfaces):
                 swing = swing_of(result, surface)
-                line: dict[str, Any] = {"color": COLOURS[k], "label": self._named(surface.name)}
+                line: dict[str, Any] = {
+                    "color": COLOURS[k],
+                    "label": named(surface.name, self._label),
+                }
                 line["linewidth"] = self._width(k)
                 if surface.count <= 6:  # of more, the median and a band
                     for other in ax.plot(result.t, swing, **line)[1:]:
@@ -134,28 +128,7 @@ class Plots:
         reservoirs, heat is a part of the stack, and is added to the applied work.  On pulled
         surfaces, the work put in is that of the stage in place of that of the springs.
         """
-        result = self._result
-        heats = heats_of(result)
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            below = np.zeros(result.t.size)
-            for colour, (name, values) in zip(COLOURS, energies(result).items(), strict=False):
-                edge = below + values
-                ax.plot(result.t, edge, color=colour, linewidth=PATH_WIDTH, label=self._named(name))
-                if not self._label:  # stacks of several results would cover one another
-                    ax.fill_between(result.t, below, edge, color=colour, alpha=0.35, linewidth=0.0)
-                below = edge
-            if "applied_work" in result.system:
-                work = result.system["applied_work"] + sum(heats) + energy_of_pull(result)
-                label = "applied work + heat" if heats else "applied work"
-                label = self._named("work put in" if has_pull(result) else label)
-                line: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (4.0, 3.0))}
-                ax.plot(result.t, work, color=INK, label=label, **line)
-                if not self._label:
-                    text = with_minus(f"gap {np.max(np.abs(below - work)):.1e}")
-                    place = {"xycoords": "axes fraction", "ha": "right", "fontsize": NOTE_SIZE}
-                    note(ax, (1.0, 0.0), text, (0.0, -22.0), **place)  # beside the label of time
-            finish(ax, result, "energy")
-        return ax
+        return draw_budget(self._result, self._label, ax)
 
     def friction_force(
         self, surface: str | None = None, after: float | str | None = None, ax: Axes | None = None
@@ -175,19 +148,7 @@ class Plots:
         InputError
             The forces were not recorded, or there are too few samples.
         """
-        result = self._result
-        name = self._surface(surface)
-        found = friction_force(result, name, after)
-        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
-            label = with_minus(mean_text(found.mean, found.half_width, "±"))
-            low = found.mean - found.half_width
-            high = found.mean + found.half_width
-            later = [found.after, result.t[-1]]
-            ax.plot(result.t, result[name].friction_force, color=COLOURS[0], linewidth=WIDTH)
-            ax.plot(later, [found.mean] * 2, color=COLOURS[1], linewidth=WIDTH, label=label)
-            ax.fill_between(later, low, high, color=COLOURS[1], alpha=0.3, linewidth=0.0)
-            finish(ax, result, f"friction force on {name}")
-        return ax
+        return measured.draw_friction(self._result, self._surface(surface), after, ax)
 
     def loop(
         self, surface: str | None = None, position: object = None, ax: Axes | None = None
@@ -233,11 +194,11 @@ class Plots:
                 swing = swing_of(result, surface)[:, shown]
                 rate = result[surface.name].omega[:, shown]
                 faint = max(0.08, min(1.0, 4.0 / len(shown)))
-                width = PATH_WIDTH * self._width(k)
+                width = THIN * self._width(k)
                 colour = COLOURS[k]
                 ax.plot(swing, rate, linewidth=width, alpha=faint, color=colour)
                 ax.plot(swing[-1], rate[-1], "o", color=colour, markersize=2.5)
-                ax.plot([], [], label=self._named(surface.name), color=colour)
+                ax.plot([], [], label=named(surface.name, self._label), color=colour)
             ax.set(xlabel="swing (rad)", ylabel=r"$\omega$ (rad / time)")
             legend(ax)
         return ax
@@ -334,38 +295,7 @@ class Plots:
         InputError
             If the surface is no grid, or has no such series, or the time is not in the run.
         """
-        result = self._result
-        name = self._surface(surface)
-        sample = -1 if t is None else nearest_sample(result, t)
-        index = [each.name for each in result.scene.surfaces].index(name)
-        grid = result.scene.surfaces[index]
-        table = result[name]
-        if grid.positions is not None or min(grid.shape) < 2:
-            raise InputError("surface", f'must be a grid, got "{name}"')
-        bobs = resting_bobs(result.scene, index).reshape(*grid.shape[::-1], 3)
-        if quantity == "height":  # which is no series
-            values = bobs[..., 1] - bobs[..., 1].mean()
-            look: dict[str, Any] = {"cmap": "viridis"}
-        elif quantity in table and table[quantity].ndim == 2:
-            values = table[quantity][sample].reshape(bobs.shape[:2])
-            strongest = np.percentile(np.abs(values), 99.5) or 1.0  # no outlier decides
-            look = {"cmap": "RdBu_r", "vmin": -strongest, "vmax": strongest}
-        else:
-            raise InputError(
-                "quantity",
-                f'must be "height" or a series of each asperite, as "w1", got {quantity!r}; '
-                'forces need output.series = "forces"',
-            )
-        with drawing_on(ax, COLUMN, 0.8 * COLUMN) as ax:
-            look |= {"shading": "nearest", "rasterized": True}
-            image = ax.pcolormesh(bobs[0, :, 0], bobs[:, 0, 2], values, **look)
-            ax.set(xlabel="$x$", ylabel="$z$", aspect="equal")
-            ax.tick_params(which="both", top=False, right=False)
-            extend = "neither" if quantity == "height" else "both"
-            inset = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
-            bar = figure_of(ax).colorbar(image, cax=inset, extend=extend, extendfrac=0.03)
-            bar.set_label(f"{quantity} of {name}")
-        return ax
+        return measured.draw_grid(self._result, self._surface(surface), quantity, t, ax)
 
     def overview(self) -> Figure:
         """Draw snapshots, works on the first surface, energies, angles and phases in one figure.
@@ -410,10 +340,7 @@ class Plots:
 
     def _width(self, index: int) -> float:
         """The width of a surface's lines; with two widths, equal curves are both seen [points]."""
-        return (2.6, 1.0)[index % 2] if len(self._result.scene.surfaces) > 1 else WIDTH
-
-    def _named(self, name: str) -> str:
-        return f"{self._label}: {name}" if self._label else name
+        return (2.6, 1.0)[index % 2] if len(self._result.scene.surfaces) > 1 else MEDIUM
 
 
 def compare(

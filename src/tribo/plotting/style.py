@@ -25,6 +25,9 @@ FILES = (".png", ".pdf", ".svg")
 INK = "#1a1a1a"
 # Size of notes in a figure, and of legends, as in tribo.mplstyle [points].
 NOTE_SIZE = 7.5
+# Widths of the line of a single surface, and of thin lines [points].
+MEDIUM = 1.1
+THIN = 0.7
 # Colours of lines, in order; people with any colour vision can tell the first two apart.
 CYCLE = ("#0b62a4", "#d55e00", "#1f8a70", "#7d2f86", "#8a6f00", "#c2185b", "#607d8b")
 

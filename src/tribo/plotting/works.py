@@ -1,4 +1,4 @@
-"""Works and energies: names, colours, sums and curves.
+"""Works: names, colours, sums and curves.
 
 The work on a surface is that of its external forces, W: the sum of the works of each of them on the
 asperites.  Works inside the surface, w_int, are beside it.  The total of an asperite is w, the work
@@ -85,45 +85,6 @@ def with_pseudoworks(works: Iterable[str]) -> list[str]:
 def total(values: np.ndarray) -> np.ndarray:
     """The sum over asperites, (times,), of values of each or of a surface."""
     return np.asarray(values).reshape(len(values), -1).sum(axis=1)
-
-
-def energies(result: RunResult) -> dict[str, np.ndarray]:
-    """The energies that work became, by name; those that never change are left out."""
-    system = result.system
-    blocks = result.ledger.blocks.values()
-    kinetic = sum(block["delta_K"] for block in blocks)
-    internal = sum(block["delta_E_int"] for block in blocks)
-    contact = system["contact_energy"] - system["contact_energy"][0]
-    field = system["total_energy_change"] - contact - kinetic - internal
-    bath = sum(block["heat_bath"] for block in blocks if "heat_bath" in block)
-    changes = {
-        "kinetic": kinetic,
-        "contact": contact,
-        "field": field if result.scene.fields else 0.0,
-        "internal": internal - bath,
-        "bath": bath,
-        "heat": sum(heats_of(result)),
-        "pulling springs": energy_of_pull(result),
-    }
-    return {name: np.asarray(values) for name, values in changes.items() if np.any(values)}
-
-
-def has_pull(result: RunResult) -> bool:
-    """Whether a surface is pulled by springs."""
-    return any("e_pull" in block for block in result.ledger.blocks.values())
-
-
-def energy_of_pull(result: RunResult) -> np.ndarray:
-    """The change of the energy of all pulling springs, (times,)."""
-    blocks = result.ledger.blocks.values()
-    each = (block["e_pull"] - block["e_pull"][0] for block in blocks if "e_pull" in block)
-    return sum(each, start=np.zeros(result.t.size))
-
-
-def heats_of(result: RunResult) -> list[np.ndarray]:
-    """The heat that the reservoir of each surface was given, (times,); empty without any."""
-    tables = [result[name] for name in result.ledger.surfaces]
-    return [total(table["heat"]) for table in tables if "heat" in table]
 
 
 def draw_works(

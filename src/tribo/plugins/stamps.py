@@ -28,6 +28,7 @@ def code_stamp_of(plugins: list[NamedTuple]) -> str | None:
 
 
 def _code_stamp(plugin: NamedTuple) -> str | None:
+    """What identifies the code of a plug-in in all processes; None where nothing does."""
     cls = type(plugin)
     inner = code_stamp_of([item for item in plugin if hasattr(item, "_fields")])
     if is_own(cls) or inner is None:

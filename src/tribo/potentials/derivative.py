@@ -118,6 +118,7 @@ class Rules:
         return self._choice(test, ast.Constant(1.0), u)
 
     def _of_power(self, u: ast.expr, v: ast.expr) -> ast.expr:
+        """The derivative of u ** v; an exponent that is a number is lowered by one here."""
         less: ast.expr = substitute("v - 1", v=v)
         base = self._inside(u)
         if isinstance(v, ast.Constant) and isinstance(v.value, (int, float)):

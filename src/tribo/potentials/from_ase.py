@@ -245,6 +245,7 @@ class Call:
         self._known[:] = self.place
 
     def _compute(self) -> None:
+        """Ask the calculator for the energy and the forces, term by term."""
         positions = np.column_stack([self.place, self._z])
         self.energy[:] = 0.0
         self.force[:] = 0.0

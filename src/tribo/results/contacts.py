@@ -103,13 +103,15 @@ def pair_forces(layout: Layout, pairs: ContactPairs) -> np.ndarray:
     for interaction in scene.interactions:
         acts = np.zeros(total.size, bool)
         for pair in scene.pairs(interaction):
-            mine, theirs = surface_of[pairs.mine], surface_of[pairs.theirs]
+            mine = surface_of[pairs.mine]
+            theirs = surface_of[pairs.theirs]
             acts |= (np.minimum(mine, theirs) == min(pair)) & (
                 np.maximum(mine, theirs) == max(pair)
             )
         if interaction.species is not None:
             one, other = interaction.species
-            mine, theirs = species[pairs.mine], species[pairs.theirs]
+            mine = species[pairs.mine]
+            theirs = species[pairs.theirs]
             acts &= ((mine == one) & (theirs == other)) | ((mine == other) & (theirs == one))
         at = np.flatnonzero(acts)
         if at.size == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from tribo.kernels.status import Status
 from tribo.results.averages import SampleMean, sample_mean
 from tribo.results.run_result import RunResult
-from tribo.results.stage import Leg, Pull, legs_of, pull_of
+from tribo.results.stage import Leg, Pull, legs_of, pull_of, table_of
 from tribo.validation import InputError, number
 
 if TYPE_CHECKING:
@@ -117,21 +118,44 @@ def loop(
             f"not turn back after t = {begin:g}",
         )
     work = _work_of_stage(result, surface) if position is None else None
-    rows = []
-    place = 0
-    while place < len(legs) - 1:
-        row = _cycle(result.t, pull, work, (legs[place], legs[place + 1]), margin)
-        if row is not None:
-            rows.append(row)
-            place += 1
-        place += 1
-    if not rows:
+    cycles = _cycles(result.t, pull, work, legs, margin)
+    if not cycles.sizes["cycle"]:
         raise InputError(
             "surface",
             f'must go forth and back over the same positions; no two legs of "{surface}" in a row '
             f"have {COMMON:.0%} of them in common",
         )
-    cycles = _dataset(np.array(rows))
+    mean = {str(name): sample_mean(each.values) for name, each in cycles.items()}
+    return Loop(
+        area=mean["area"],
+        forward=mean["forward"],
+        backward=mean["backward"],
+        dissipation=mean["dissipation"],
+        stroke=mean["stroke"],
+        cycles=cycles,
+        position=pull.position,
+        force=pull.force,
+        note=_note(result, cycles),
+    )
+
+
+def _cycles(
+    t: np.ndarray, pull: Pull, work: np.ndarray | None, legs: Sequence[Leg], margin: float
+) -> xarray.Dataset:
+    """The cycles, each of two legs in a row; a leg belongs to one of them."""
+    rows = []
+    place = 0
+    while place < len(legs) - 1:
+        row = _cycle(t, pull, work, (legs[place], legs[place + 1]), margin)
+        if row is not None:
+            rows.append(row)
+            place += 1
+        place += 1
+    return table_of(COLUMNS, "cycle", rows)
+
+
+def _note(result: RunResult, cycles: xarray.Dataset) -> str:
+    """What to know of the loop: that it stopped, or that areas depend on the samples."""
     notes = []
     if result.status != Status.COMPLETED:
         notes.append(f"the run stopped at t = {result.t[-1]:g}, {result.status}")
@@ -142,18 +166,7 @@ def loop(
             f"areas differ by up to {gap:.2g} from the work of the stage, which is exact: samples "
             "are too far apart for the slips; record more"
         )
-    mean = {str(name): sample_mean(each.values) for name, each in cycles.items()}
-    return Loop(
-        mean["area"],
-        mean["forward"],
-        mean["backward"],
-        mean["dissipation"],
-        mean["stroke"],
-        cycles,
-        pull.position,
-        pull.force,
-        "; ".join(notes),
-    )
+    return "; ".join(notes)
 
 
 def _work_of_stage(result: RunResult, surface: str) -> np.ndarray | None:
@@ -208,13 +221,3 @@ def _between(path: np.ndarray, along: float, low: float, high: float) -> np.ndar
         share = 0.0 if step == 0.0 else float(np.clip((value - reached[end]) / step, 0.0, 1.0))
         part[:, end] += share * (part[:, near] - part[:, end])
     return part
-
-
-def _dataset(rows: np.ndarray) -> xarray.Dataset:
-    import xarray
-
-    variables = {
-        name: ("cycle", column, {"units": unit, "long_name": meaning})
-        for (name, (unit, meaning)), column in zip(COLUMNS.items(), rows.T, strict=True)
-    }
-    return xarray.Dataset(variables, {"cycle": np.arange(len(rows))})

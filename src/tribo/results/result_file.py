@@ -15,7 +15,9 @@ import numpy as np
 from tribo import seals
 from tribo.files import netcdf_image, read_file, replace_file
 from tribo.ledger.ledger import Ledger
-from tribo.ledger.quantities import EVERY_QUANTITY, UNITS, Table, quantity_of
+from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.ledger.quantity import UNITS, Table
+from tribo.ledger.reported import quantity_of
 from tribo.loops.saved_state import State
 from tribo.model.identity import plugin_stamps, version
 from tribo.model.scene import Scene

@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.ledger import Ledger, Series
-from tribo.ledger.quantities import Table
+from tribo.ledger.quantity import Table
 from tribo.loops.saved_state import State
 from tribo.model.identity import Identity
 from tribo.model.scene import Scene

@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo.results.averages import CONFIDENCE, SampleMean, sample_mean
 from tribo.results.run_result import RunResult, index_of
-from tribo.results.stage import Leg, legs_of, pull_of, stiffness_of, turning_points
+from tribo.results.stage import Leg, legs_of, pull_of, stiffness_of, table_of, turning_points
 from tribo.validation import POSITIVE, InputError, integer, number, one_of
 
 if TYPE_CHECKING:
@@ -131,31 +131,9 @@ def slips(
     InputError
         If no springs pull the surface, forces or places were not recorded, or it does not slip.
     """
-    import xarray
-
-    index = index_of(result, surface)
-    part = result.scene.surfaces[index]
     begin = result.scene.output.run_in if after is None else number("after", after, unit="time")
-    stage = part.drive.stage
-    if stage is None or not 0.0 < stiffness_of(part) < np.inf:
-        raise InputError(
-            "surface", f'must be one that springs to a stage pull; "{surface}" has {part.drive}'
-        )
-    pull = pull_of(result, surface)
-    series = result[surface]
-    force = pull.force
-    places = series["x_bar"].mean(axis=1)
-    if asperite is not None:
-        integer("asperite", asperite, 0, part.count - 1)
-        if getattr(part.drive, "block", False):
-            raise InputError("asperite", "cannot be given: one spring pulls the whole block")
-        force = series["f2_x"][:, asperite]
-        places = series["x_bar"][:, asperite]
-        energy = 0.5 * force**2 / stage.stiffness
-    elif "e_pull" in series:
-        energy = np.asarray(series["e_pull"])
-    else:
-        raise InputError("output.keep", f'leaves out "{surface}.e_pull", the energy of the springs')
+    pulled = _pulled(result, surface, asperite)
+    force = pulled.force
     first = int(np.searchsorted(result.t, begin))
     spread = float(np.ptp(force[first:])) if force[first:].size else 0.0
     if not np.isfinite(spread):
@@ -163,35 +141,57 @@ def slips(
     least = LEAST * spread if least is None else number("least", least, POSITIVE, "force")
     rows = []
     if least > 0.0:
-        for leg in legs_of(pull.position, begin, result.t):
-            rows += _slips_of_leg(result.t, force, places, energy, leg, least)
+        for leg in legs_of(pulled.position, begin, result.t):
+            rows += _slips_of_leg(result.t, pulled, leg, least)
     if not rows:
         raise InputError(
             "surface",
             f'must slip: after t = {begin:g} the force of the springs of "{surface}" never falls '
             f"by {least:.3g} while its bars get ahead",
         )
-    columns = np.array(rows).T
-    variables = {
-        name: ("slip", column, {"units": unit, "long_name": meaning})
-        for (name, (unit, meaning)), column in zip(COLUMNS.items(), columns, strict=True)
-    }
-    table = xarray.Dataset(variables, {"slip": np.arange(len(rows))}, {"surface": surface})
+    table = table_of(COLUMNS, "slip", rows).assign_attrs(surface=surface)
     return Slips(table, least, _note(result, table, least))
 
 
-def _slips_of_leg(
-    t: np.ndarray,
-    force: np.ndarray,
-    places: np.ndarray,
-    energy: np.ndarray,
-    leg: Leg,
-    least: float,
-) -> list[list[float]]:
+class _Pulled(NamedTuple):
+    """The springs of a surface, or of one asperite, at the samples (times,)."""
+
+    position: np.ndarray  # of the stage
+    force: np.ndarray  # along x
+    places: np.ndarray  # of the bars along x
+    energy: np.ndarray
+
+
+def _pulled(result: RunResult, surface: str, asperite: int | None) -> _Pulled:
+    """The springs whose slips are found.  Raises InputError."""
+    part = result.scene.surfaces[index_of(result, surface)]
+    stage = part.drive.stage
+    if stage is None or not 0.0 < stiffness_of(part) < np.inf:
+        raise InputError(
+            "surface", f'must be one that springs to a stage pull; "{surface}" has {part.drive}'
+        )
+    pull = pull_of(result, surface)
+    series = result[surface]
+    if asperite is not None:
+        integer("asperite", asperite, 0, part.count - 1)
+        if part.drive.block:
+            raise InputError("asperite", "cannot be given: one spring pulls the whole block")
+        force = series["f2_x"][:, asperite]
+        energy = 0.5 * force**2 / stage.stiffness
+        return _Pulled(pull.position, force, series["x_bar"][:, asperite], energy)
+    if "e_pull" not in series:
+        raise InputError("output.keep", f'leaves out "{surface}.e_pull", the energy of the springs')
+    places = series["x_bar"].mean(axis=1)
+    return _Pulled(pull.position, pull.force, places, np.asarray(series["e_pull"]))
+
+
+def _slips_of_leg(t: np.ndarray, pulled: _Pulled, leg: Leg, least: float) -> list[list[float]]:
     """The slips in a leg of the stage: rows of the table."""
+    force = pulled.force
+    energy = pulled.energy
     chosen = slice(leg.first, leg.last + 1)
     along_force = leg.along * force[chosen]
-    along = leg.along * places[chosen]
+    along = leg.along * pulled.places[chosen]
     farthest = np.maximum.accumulate(along)
     turns = turning_points(along_force, least)
     rows = []
@@ -199,7 +199,8 @@ def _slips_of_leg(
         drop = along_force[a] - along_force[b]
         if drop < least or along[b] <= farthest[a]:
             continue
-        i, j = leg.first + int(a), leg.first + int(b)
+        i = leg.first + int(a)
+        j = leg.first + int(b)
         size = along[b] - along[a]
         rows.append([t[i], t[j] - t[i], size, force[i], force[j], drop, energy[i] - energy[j]])
     return rows

@@ -1,13 +1,19 @@
-"""Where the stage that pulls a surface is, and when it, or another position, turns back."""
+"""Where the stage that pulls a surface is, when it turns back, and tables of what happens then."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult, index_of
 from tribo.validation import InputError, vector
+
+if TYPE_CHECKING:
+    import xarray
 
 # Part of its whole range by which a position moves back where it turns.
 TURN = 0.1
@@ -63,8 +69,8 @@ def stiffness_of(surface: Surface) -> float:
     stage = surface.drive.stage
     if stage is None:
         return 0.0
-    one_spring = getattr(surface.drive, "block", False)  # a block has one spring
-    return float(stage.stiffness) * (1 if one_spring else surface.count)
+    springs = 1 if surface.drive.block else surface.count
+    return float(stage.stiffness) * springs
 
 
 def turning_points(values: np.ndarray, least: float) -> np.ndarray:
@@ -115,3 +121,17 @@ def legs_of(position: np.ndarray, after: float, t: np.ndarray) -> list[Leg]:
     return [
         Leg(int(a), int(b), float(np.sign(position[b] - position[a]))) for a, b in pairwise(turns)
     ]
+
+
+def table_of(
+    columns: Mapping[str, tuple[str, str]], dimension: str, rows: Sequence[Sequence[float]]
+) -> xarray.Dataset:
+    """A table of slips or cycles, from the unit and the meaning of each column."""
+    import xarray
+
+    values = np.array(rows, float).reshape(len(rows), len(columns))
+    variables = {
+        name: (dimension, column, {"units": unit, "long_name": meaning})
+        for (name, (unit, meaning)), column in zip(columns.items(), values.T, strict=True)
+    }
+    return xarray.Dataset(variables, {dimension: np.arange(len(rows))})

@@ -42,6 +42,13 @@ class _Axis(NamedTuple):
     keys: tuple[str, ...]
     rows: list[tuple[float, ...]]
 
+    @property
+    def swept(self) -> tuple[str | tuple[str, ...], list[Any]]:
+        """The key or keys of a sweep, and its values."""
+        if len(self.keys) == 1:
+            return self.keys[0], [row[0] for row in self.rows]
+        return self.keys, self.rows
+
 
 def friction_law(
     scene: Scene,
@@ -97,8 +104,6 @@ def friction_law(
         If nothing is given to vary, the surface has no load, does not slide, or no reservoir has a
         temperature.
     """
-    import xarray
-
     instance(Scene)("scene", scene)
     part = _surface_of(scene, surface)
     axes: dict[str, _Axis] = {}
@@ -114,26 +119,32 @@ def friction_law(
         raise InputError("loads", "is missing; give loads, speeds or temperatures")
     if unknown := settings.keys() & {"keep", "at", "statistics", "half_width", "point"}:
         raise InputError(min(unknown), "cannot be given: friction_law keeps averages over time")
-    force = f"{part.name}.friction_force"
-    share = f"{part.name}.contact_share"
-    keep = [force] + [share] * has_contact_distance(scene, part)
-    swept: dict[Any, Any] = {}
-    for axis in axes.values():
-        single = len(axis.keys) == 1
-        rows = [row[0] for row in axis.rows] if single else axis.rows
-        swept[axis.keys[0] if single else axis.keys] = rows
+    keep = [f"{part.name}.friction_force"]
+    if has_contact_distance(scene, part):
+        keep.append(f"{part.name}.contact_share")
+    swept: dict[Any, Any] = dict(axis.swept for axis in axes.values())
     if seeds is not None:
         swept["seed"] = list(seeds)
     data = sweep(scene, swept, members, keep=keep, **settings)
     samples = (seeds is not None) + (members is not None)
-    values = _samples(data, force, len(axes), samples)
+    return _law(data, part, axes, samples)
+
+
+def _law(
+    data: xarray.Dataset, part: Surface, axes: Mapping[str, _Axis], samples: int
+) -> xarray.Dataset:
+    """The friction of a sweep over the axes and over so many dimensions of samples."""
+    import xarray
+
+    force = f"{part.name}.friction_force"
+    share = f"{part.name}.contact_share"
+    names = tuple(axes)
     sign = -_direction(part, axes.get("speed"))
-    mean, half_width = _mean(values)
+    mean, half_width = _mean(_samples(data, force, len(axes), samples))
     if samples == 0:
         half_width = data[f"{force}_time_half_width"].values
-    names = tuple(axes)
-    about = {"units": "force", "long_name": f"friction force on {part.name}"}
     completed = np.sum(_samples(data, "status", len(axes), samples) == str(Status.COMPLETED), -1)
+    about = {"units": "force", "long_name": f"friction force on {part.name}"}
     variables: dict[str, Any] = {
         "friction": (names, sign * mean, about),
         "friction_half_width": (names, half_width, about),
@@ -144,7 +155,7 @@ def friction_law(
         with np.errstate(divide="ignore", invalid="ignore"):
             variables["friction_coefficient"] = names, sign * mean / total, {"units": "1"}
             variables["friction_coefficient_half_width"] = names, half_width / total, {"units": "1"}
-    if share in keep:
+    if share in data:
         shares = _mean(_samples(data, share, len(axes), samples))[0]
         variables["contact_share"] = names, shares, {"units": "1"}
     coordinates = {name: (name, axis.values, {"units": UNITS[name]}) for name, axis in axes.items()}
@@ -225,7 +236,7 @@ def _direction(part: Surface, speeds: _Axis | None) -> float:
 
 def _total_load(part: Surface, axes: Mapping[str, _Axis], dimensions: int) -> np.ndarray | None:
     """The load on the whole surface, along the dimension of loads; None without one."""
-    count = 1 if getattr(part.drive, "block", False) else part.count
+    count = 1 if part.drive.block else part.count
     if "load" not in axes:
         load = part.drive.load
         if changes(load):

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from tribo.analysis.contact_probe import ContactProbe
-from tribo.ledger.quantities import EVERY_QUANTITY, Table
+from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.ledger.quantity import Table
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plotting.oscillators import MOST, magnification, oscillator_dots
