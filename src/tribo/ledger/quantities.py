@@ -255,8 +255,8 @@ QUANTITIES = ASPERITE_QUANTITIES | OPTIONAL_QUANTITIES | BLOCK_QUANTITIES | SYST
 
 
 def needs_accounts(name: str) -> bool:
-    """Whether a quantity is a work, a pseudowork or the heat."""
-    return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
+    """Whether a quantity is a work, a pseudowork or the heat, which not all ledgers have."""
+    return name in EVERY_QUANTITY and isinstance(EVERY_QUANTITY[name].of, Linear)
 
 
 def _along_x(force: str, *names: str, present: Has = always) -> Quantity:
