@@ -54,7 +54,8 @@ def raising(function: Callable[..., Any], *arguments: Any) -> Any:
         result = function(*arguments)
     finally:
         _thread.errors = before
-    raise_first(errors)
+    if errors:
+        raise errors[0]
     return result
 
 
