@@ -13,7 +13,15 @@ from support.hard_scenes import simulate
 from support.sliding import long_slide
 from tribo import atlas, paper
 from tribo.accuracy import choose_method, cost_model, levels, plan, search
-from tribo.accuracy.comparison import TINY_PERTURBATION, error_bounds, measure_amplification
+from tribo.accuracy.comparison import (
+    DIVERGED,
+    LARGE_GROWTH,
+    LARGE_PERTURBATION,
+    PERTURBATION,
+    TINY_PERTURBATION,
+    error_bounds,
+    measure_amplification,
+)
 from tribo.accuracy.search_runs import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
 from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
@@ -60,6 +68,17 @@ def test_a_changed_start_that_stops_is_far_off(status, least):
     other = replace(run, status=Status(status))
     found = measure_amplification(layout, lambda *given: other, setting, run)
     assert found == least / TINY_PERTURBATION
+
+
+def test_errors_are_not_taken_for_growth():
+    """Runs that differ as much after a larger change of the start do not differ by that change."""
+    simulation = tribo.prepare(case("A"), accuracy=1e-6)
+    layout, setting = simulation.layout, simulation.plan.setting
+    run = simulation.integrator(setting, layout.times)
+    rough = tribo.prepare(case("A"), accuracy=1e-2).plan.setting
+    other = simulation.integrator(rough, layout.times)
+    found = measure_amplification(layout, lambda *given: other, setting, run)
+    assert LARGE_GROWTH * PERTURBATION < found * LARGE_PERTURBATION < DIVERGED
 
 
 def test_too_many_equal_steps():

@@ -69,6 +69,11 @@ PERTURBATION = 1e-11
 # The same where the former grows to DIVERGED, which hides how much smaller ones grow: some hundred
 # roundings.  The growth of one rounding of the start, which all runs share, follows from it.
 TINY_PERTURBATION = 1e-13
+# A growth that is also measured by a larger change: runs whose steps differ by chance, as those of a
+# pendulum that swings a million times, are apart by a part of their errors, however small the
+# change is.  That of 2,000,000 swings was 1.7e-3, and was taken for a growth by 1.7e8.
+LARGE_GROWTH = 1e6
+LARGE_PERTURBATION = 1e-7
 # Energies that follow from the state, and change with any angle and rate; their rounding is known.
 ENERGIES = {
     name
@@ -223,8 +228,9 @@ def measure_amplification(
     scales = reported_scales(layout, own)
     chosen = names or [name for name in COMMON if name not in ENERGIES]
     scaled = [name for name in chosen if scales.of(name) > 0.0]
-    grown = 0.0
-    for change in (PERTURBATION, TINY_PERTURBATION):
+
+    def grown(change: float) -> float | None:
+        """The distance of runs whose starts differ by a change, in scales; None as above."""
         start = layout.start.copy()
         asperites = layout.asperites.size
         start[:asperites] += change
@@ -234,12 +240,24 @@ def measure_amplification(
             return None
         shared = other.samples.at(run.samples.t)
         mine = own.rows(np.searchsorted(run.samples.t, shared.t))
-        grown = distance(mine, assemble(layout, shared), scales, scaled)
-        if other.status != run.status:  # one has stopped where the other goes on
-            grown = max(grown, 1.0)
-        if grown < DIVERGED:
-            break
-    return grown / change
+        apart = distance(mine, assemble(layout, shared), scales, scaled)
+        # One may have stopped where the other goes on.
+        return apart if other.status == run.status else max(apart, 1.0)
+
+    apart = grown(PERTURBATION)
+    if apart is None:
+        return None
+    if apart >= DIVERGED:
+        apart = grown(TINY_PERTURBATION)
+        return None if apart is None else apart / TINY_PERTURBATION
+    growth = apart / PERTURBATION
+    if growth >= LARGE_GROWTH:
+        farther = grown(LARGE_PERTURBATION)
+        if farther is None:
+            return None
+        if farther < DIVERGED:
+            growth = min(growth, farther / LARGE_PERTURBATION)
+    return growth
 
 
 def out_of_reach(accuracy: float, amplification: float) -> str:
