@@ -8,7 +8,7 @@ import pytest
 import tribo
 from tribo import Asperite, Bath, Coulomb, DrivenBars, Free, Initial, InputError, Pulled, Surface
 from tribo.ensembles.members import Variation, is_random
-from tribo.export.lammps import to_lammps
+from tribo.export import to_lammps
 from tribo.export.lammps_atoms import atoms_of
 from tribo.layout.initial_state import InitialState
 from tribo.layout.layout import lay_out

@@ -13,7 +13,6 @@ from tribo.ledger.quantities import (
     OPTIONAL_QUANTITIES,
     OWN_SERIES,
     PULLED_QUANTITIES,
-    QUANTITIES,
     SYSTEM_QUANTITIES,
     WITHOUT_ACCURACY,
 )
@@ -24,8 +23,8 @@ from tribo.model.surface import Surface
 
 
 def needs_accounts(name: str) -> bool:
-    """Whether a quantity is a work, a pseudowork or the heat."""
-    return name in QUANTITIES and isinstance(QUANTITIES[name].of, Linear)
+    """Whether a quantity is a work, a pseudowork or the heat, which not all ledgers have."""
+    return name in EVERY_QUANTITY and isinstance(EVERY_QUANTITY[name].of, Linear)
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
