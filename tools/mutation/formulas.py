@@ -303,6 +303,27 @@ def columns_by_slot() -> str:
     return ""
 
 
+def given_starts() -> str:
+    """Displacements and velocities that are given are those of each centre of mass."""
+    from tribo.layout.layout import lay_out
+    from tribo.model.scene_file import scene_from
+
+    given = {"x": [0.1, 0.2, 0.3], "y": 0.4, "vx": 0.5, "vy": [0.6, 0.7, 0.8]}
+    surface = {"name": "upper", "shape": [3, 1], "spacing": [1.0, 0.0], "initial": given}
+    surface["drive"] = {"kind": "free", "load": 0.1}
+    contact = {"potential": "coulomb", "strength": 0.1}
+    lower = {"name": "lower", "facing": "up", "bob": [0.0, -2.0]}
+    table = {"duration": 1.0, "interaction": contact, "surface": [surface, lower]}
+    layout = lay_out(scene_from(table))
+    q, v = np.split(layout.start, 2)
+    for name, value in given.items():
+        slots = layout.asperites[f"dof_{name[-1]}"][:3]
+        found = (v if name.startswith("v") else q)[slots]
+        if not np.array_equal(found, np.broadcast_to(value, 3)):
+            return f"{name} = {found}"
+    return ""
+
+
 def empty_cells(room: int):
     """Cells for so many boxes."""
     from tribo.kernels.records import Cells
@@ -543,6 +564,7 @@ FORMULAS = {
     "closing speeds": closing_speeds,
     "listed pairs of two clouds": listed_pairs,
     "columns by slot": columns_by_slot,
+    "given starts": given_starts,
     "cold baths": cold_baths,
     "cells": cells,
     "boxes within reach": boxes_within_reach,
