@@ -5,6 +5,7 @@ couples it to the swing.
 """
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -194,7 +195,7 @@ def test_scene_files_and_keys():
     part = surface((3.0, 2.0), (0.3, 0.1))
     scene = Scene([part], [], 1.0)
     assert scene_from(tomllib.loads(scene.to_toml())) == scene
-    turned = Surface(**{**vars(part), "langevin": part.langevin[::-1]})
+    turned = replace(part, langevin=part.langevin[::-1])
     assert turned == part
     changed = with_values(scene, {"bar.langevin.swing.gamma": 7.0}).surfaces[0]
     assert [each.gamma for each in changed.reservoirs] == [3.0, 7.0]

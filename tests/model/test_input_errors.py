@@ -750,7 +750,7 @@ def test_drives_take_keywords_only(drive):
 
 
 STARTS = [
-    ({"upper": 1.0}, "upper: must name a surface and one of theta, phi, omega, nu, swing, as"),
+    ({"upper": 1.0}, "upper: must name a surface and one of theta, phi, omega, nu, swing, x,"),
     ({"middle.theta": 1.0}, "middle.theta: must name a surface and one of theta, phi, omega,"),
     ({"upper.length": 1.0}, "upper.length: must name a surface and one of theta, phi, omega,"),
     ({"upper.swing": [1.0, 2.0]}, "upper.swing: has 2 values for 1 asperites"),

@@ -312,12 +312,12 @@ class Own(NamedTuple):
 STALE = """
 import sys
 from pathlib import Path
-from tribo.plugins import sources
+from tribo.threads import kernel_model
 from tribo.potentials.tables import from_table
 from tribo.report_card.agreement import check_agreement
 from tribo.report_card.scan import PotentialScan
 if sys.argv[2] == "wrong":
-    sources.source_stamp = lambda plugins: "always-the-same"
+    kernel_model.code_stamp_of = lambda plugins: "always-the-same"
 own = from_table({"potential": "own.py:Own", "s": 1.0}, Path(sys.argv[1]))
 print(*(line.name for line in check_agreement(PotentialScan(own)) if not line.passed))
 """

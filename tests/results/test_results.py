@@ -32,7 +32,7 @@ from tribo.ledger.motion import Motion
 from tribo.ledger.quantities import QUANTITIES
 from tribo.ledger.series_table import series_table
 from tribo.ledger.totals import AsperiteSeries
-from tribo.loops.journal import Journal
+from tribo.loops.journal import JournaledIntegration
 from tribo.simulation import from_settings
 
 
@@ -537,17 +537,17 @@ def test_long_runs_are_continued_after_kills(monkeypatch, tmp_path, keep):
     how = {"method": "midpoint", "step": 0.01}
     whole = tribo.simulate(long, **how)
     out = tmp_path / "long.nc"
-    write = Journal.write
+    write = JournaledIntegration.write
     kills = 0
 
-    def killing(journal, number, name, arrays):
+    def killing(integration, name, arrays):
         """Every third frame is the last that a process writes."""
-        write(journal, number, name, arrays)
+        write(integration, name, arrays)
         killing.left -= 1
         if killing.left == 0:
             raise MemoryError
 
-    monkeypatch.setattr(Journal, "write", killing)
+    monkeypatch.setattr(JournaledIntegration, "write", killing)
     while True:
         killing.left = 3
         try:

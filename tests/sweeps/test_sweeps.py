@@ -186,19 +186,27 @@ def test_order_of_keys_and_members_in_lanes():
     np.testing.assert_array_equal(data["upper.theta"], own["upper.theta"])
 
 
-def test_statistics_and_half_widths_at_each_point(tmp_path):
-    """As those of ensembles, side by side; they continue too."""
-    values, out = {"upper.velocity": [0.4, 0.5]}, tmp_path / "a.nc"
+def test_statistics_at_each_point(tmp_path, monkeypatch):
+    """They are those of the members that a sweep without them keeps; they continue too."""
+    values = {"upper.velocity": [0.4, 0.5], "duration": [30.0, 35.0, 40.0]}
+    members = sweep(SCENE, values, 70, THETA, keep=["upper.W"])["upper.W"].values
+    monkeypatch.setattr(batches, "CHUNK", 16)
+    out = tmp_path / "a.nc"
     how = {"keep": ["upper.W"], "statistics": True, "out": out}
     with pytest.raises(KeyboardInterrupt) as caught:
-        sweep(SCENE, values, 70, THETA, progress=interrupt_after(1), **how)
-    assert caught.value.result.attrs["status"] == "Interrupted"
+        sweep(SCENE, values, 70, THETA, progress=interrupt_after(3), **how)
+    part = caught.value.result
+    assert part.attrs["status"] == "Interrupted"
+    assert {*part["point_status"].values.ravel()} == {"completed", "not run"}
     data = sweep(SCENE, values, 70, THETA, resume=True, **how)
-    scene = with_values(SCENE, {"upper.velocity": 0.5})
-    own = ensemble(scene, 70, THETA, keep=["upper.W"], statistics=True)
-    for name in ("upper.W_mean", "upper.W_quantile", "covariance"):
-        np.testing.assert_array_equal(data[name][1], own[name])
-    assert data["upper.W_count"][1].sum() == 70 and not out.with_name("a.nc.part").exists()
+    assert data["upper.W_mean"].dims == ("upper.velocity", "duration")
+    np.testing.assert_allclose(data["upper.W_mean"], members.mean(axis=2), rtol=1e-12)
+    np.testing.assert_allclose(data["upper.W_variance"], members.var(axis=2, ddof=1), rtol=1e-9)
+    np.testing.assert_array_equal(data["upper.W_quantile"][:, :, -1], members.max(axis=2))
+    assert np.all(data["upper.W_count"].sum("upper.W_bin") == 70)
+    assert not out.with_name("a.nc.part").exists()
+    with pytest.raises(InputError, match=r"^statistics: needs members"):
+        sweep(SCENE, values, keep=["upper.W"], statistics=True)
 
 
 def test_a_half_width_at_each_point():

@@ -22,6 +22,7 @@ from numba import config, from_dtype, njit, typeof, types
 from numba.core.event import RecordingListener, install_recorder
 
 from tribo.compiler.numba_private import NATIVE
+from tribo.compiler.unit_errors import raising
 from tribo.interrupts import held
 from tribo.progress import announced
 
@@ -256,7 +257,7 @@ class EntryPoint:
         for place, example in self._tuples:
             if arguments[place] is not example:  # which needs no search
                 _compare(place, arguments[place], example)
-        return self._code(*self._fixed, *arguments)
+        return raising(self._code, *self._fixed, *arguments)
 
 
 def _kind_of(argument: Any) -> Any:

@@ -75,10 +75,17 @@ _kinds: dict[Any, KeptType] = {}
 
 def kept_type(item: Any) -> KeptType:
     """The type of a tuple that is kept; a class has one for each choice of absent fields."""
-    key = type(item), *(len(each) if type(each) is tuple else each is None for each in item)
+    key = type(item), *map(_presence, item)
     if key not in _kinds:  # threads that find the same type at once must all take one of theirs
         _kinds.setdefault(key, KeptType(pointer_type(typeof(item))))
     return _kinds[key]
+
+
+def _presence(field: Any) -> Any:
+    """What tells the types of a field apart; no two are equal, as True and a length of 1 are."""
+    if field is None:
+        return "absent"
+    return len(field) if type(field) is tuple else "present"
 
 
 @extending.typeof_impl.register(Kept)

@@ -26,6 +26,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.numba_private import NATIVE, cgutils
 from tribo.compiler.plugin_methods import like
 from tribo.compiler.pointers import pointer_to
+from tribo.compiler.unit_errors import watch
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
@@ -157,6 +158,8 @@ def address_of(
     """
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return function
+    if stamp != "":
+        watch()
     key = function, kinds, version
     if key not in _units:
         with undisturbed():

@@ -64,6 +64,12 @@ REFINEMENTS = 3
 LEVELS = 2.0 ** np.arange(14.0, -24.0, -0.5)
 # Largest difference of the sample from finer runs, in units of the accuracy: others may be larger.
 CHOSEN = 0.5
+# A search ends at a level that takes at most so many times the evaluations of one too loose.
+CLOSE = 1.1
+# Trials in a row that leave more than half of the levels, after which the middle one is tried.
+MOST_SLOW = 2
+# Places of LEVELS by which an error that is proportional to the level halves.
+LEVELS_TO_HALF = 2.0
 # Members of the pilot that are run in one call, so that threads share them.
 PIECE = 1024
 # Members of the first batch: where they suffice, 1 % are checked, in 4 % of the time.
@@ -258,18 +264,15 @@ def _cheapest(
     fine = runs.run(exact, starts)
     reference = runs.fine(fine)
     complete = fine.complete
-    # A bisection for each method, all of them side by side.
-    searches = [
-        _Bisection(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()
-    ]
-    while tried := [each for each in searches if each.is_open]:
+    searches = [_Search(name, stepper, levels.size - 1) for name, stepper in runs.steppers.items()]
+    while tried := _worth_trying(searches):
         found = [
-            runs.run(exact._replace(method=each.method, level=float(levels[each.middle])), starts)
+            runs.run(exact._replace(method=each.method, level=float(levels[each.next])), starts)
             for each in tried
         ]
-        excess = reference.compare(*found)[1][:, complete]
-        for each, own, kept in zip(tried, found, np.all(excess <= CHOSEN, axis=1), strict=True):
-            each.narrow(bool(kept), float(own.counts[:, EVALUATIONS].sum()))
+        errors = reference.compare(*found)[1][:, complete].max(axis=1, initial=0.0)
+        for each, own, error in zip(tried, found, errors.tolist(), strict=True):
+            each.narrow(error, float(own.counts[:, EVALUATIONS].sum()))
     best = min(searches, key=lambda each: each.cost)  # the first of equal ones
     if best.cost == np.inf:
         return exact._replace(level=max(FLOOR, FINER * runs.strictest))
@@ -277,30 +280,60 @@ def _cheapest(
 
 
 @dataclass
-class _Bisection:
-    """The search for the loosest of some levels with which a method keeps the accuracy."""
+class _Search:
+    """The search for the loosest of some levels with which a method keeps the accuracy.
+
+    It tries the loosest level first, which many scenes allow.  The logarithm of the error, taken to
+    be linear, tells the next one; where that leaves most of the range, the middle is next.
+    """
 
     method: str
     stepper: Stepper
     good: int  # place of the loosest level that keeps it; the finest, if none that was tried does
     too_loose: int = -1
     cost: float = np.inf  # of the runs at the good level, if that was tried
+    least: float = 0.0  # cost of those at the level that is too loose
+    error: float = 0.0  # at the good level, in units of the accuracy; 0 if that was not tried
+    largest: float = np.inf  # error at the level that is too loose
+    slow: int = 0  # trials in a row that left more than half of the range
 
     @property
     def is_open(self) -> bool:
-        return self.good - self.too_loose > 1
+        return self.good - self.too_loose > 1 and self.cost > CLOSE * self.least
 
     @property
-    def middle(self) -> int:
-        return (self.good + self.too_loose) // 2
+    def next(self) -> int:
+        """The place of the level to try."""
+        if self.too_loose < 0:
+            return 0
+        if self.slow > MOST_SLOW or self.largest == np.inf:
+            return (self.good + self.too_loose) // 2
+        ahead = LEVELS_TO_HALF * np.log2(self.largest / CHOSEN)
+        if self.error > 0.0:
+            part = np.log(self.largest / CHOSEN) / np.log(self.largest / self.error)
+            ahead = part * (self.good - self.too_loose)
+        return min(max(self.too_loose + round(float(ahead)), self.too_loose + 1), self.good - 1)
 
-    def narrow(self, kept: bool, evaluations: float) -> None:
-        """Take in whether the level in the middle keeps the accuracy, and what its runs took."""
-        if kept:
-            self.good = self.middle
+    def narrow(self, error: float, evaluations: float) -> None:
+        """Take in the error of the level that was tried, and what its runs took."""
+        tried = self.next
+        before = self.good - self.too_loose
+        if error <= CHOSEN:
+            self.good = tried
+            self.error = error
             self.cost = self.stepper.cost * evaluations
         else:
-            self.too_loose = self.middle
+            self.too_loose = tried
+            self.largest = error
+            self.least = self.stepper.cost * evaluations
+        halved = 2 * (self.good - self.too_loose) <= before
+        self.slow = 0 if halved else self.slow + 1
+
+
+def _worth_trying(searches: list[_Search]) -> list[_Search]:
+    """The searches that go on: finer levels are dearer, and one may be too dear already."""
+    cheapest = min(each.cost for each in searches)
+    return [each for each in searches if each.is_open and each.least < cheapest]
 
 
 def _with_most_evaluations(

@@ -344,8 +344,8 @@ class Tally(Counter[str]):
         others = found["status"][~completed(found)]  # comparing is quicker than counting
         self.update(others.tolist())
         self.update({str(Status.COMPLETED): found["status"].size - others.size})
-        self.update({CHECKED: int(np.isfinite(found["error"]).sum())})
         if np.isfinite(common_level):
+            self.update({CHECKED: int(np.isfinite(found["error"]).sum())})
             self.update({REFINED: int((found["level"] != common_level).sum())})
         noted = found["note"][found["note"] != ""].tolist()
         self.update({WEAK: sum(LOST in note for note in noted)})

@@ -54,7 +54,7 @@ class Store(ABC):
         self.tally = Tally()
         self._waiting: list[Any] = []  # what was taken in, and is not in frames or sums yet
         for _, arrays in () if frames is None else frames.read():
-            self._take_back(arrays)
+            self.take_back(arrays)
 
     def add(self, found: KeptValues) -> None:
         """Take in the next members; they are on disk a second later."""
@@ -72,7 +72,7 @@ class Store(ABC):
         """Take in the values of members."""
 
     @abstractmethod
-    def _take_back(self, arrays: KeptValues) -> None:
+    def take_back(self, arrays: KeptValues) -> None:
         """Take in a frame of an earlier call."""
 
     def _count(self, found: KeptValues) -> None:
@@ -84,7 +84,7 @@ class MemberStore(Store):
     def _take(self, found: KeptValues) -> None:
         self._waiting.append(found)
 
-    def _take_back(self, arrays: KeptValues) -> None:
+    def take_back(self, arrays: KeptValues) -> None:
         self._count(arrays)
 
     def flush(self) -> None:
@@ -141,7 +141,8 @@ class StatisticsStore(Store):
             self._merged = self.moments()
             self._waiting = []
 
-    def _take_back(self, arrays: KeptValues) -> None:
+    def take_back(self, arrays: KeptValues) -> None:
+        """Take in the state of an earlier call."""
         known = json.loads(arrays["known"].tobytes())
         self.done = known["done"]
         self.tally = Tally(known["tally"])
@@ -150,15 +151,17 @@ class StatisticsStore(Store):
             self._merged = Moments(*(arrays[each.name] for each in fields(Moments)))
 
     def flush(self) -> None:
-        """Write the sums, and the members that wait for their turn, to the file."""
-        if self._frames is None:
-            return
+        if self._frames is not None:
+            self._frames.append(SUMS, self.state())
+
+    def state(self) -> KeptValues:
+        """All that a later call needs to go on."""
         arrays = {"known": as_bytes(json.dumps({"done": self.done, "tally": self.tally}))}
         if self._waiting:
             arrays["waiting"] = np.concatenate(self._waiting)
         if self._merged is not None:
             arrays |= vars(self._merged)
-        self._frames.append(SUMS, arrays)
+        return arrays
 
     def moments(self) -> Moments | None:
         """Those of all complete members so far; None without any."""

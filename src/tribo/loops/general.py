@@ -12,6 +12,7 @@ from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
+from tribo.compiler.unit_errors import keeping, raise_first
 from tribo.integrators.methods import Method, noisy
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
@@ -94,6 +95,7 @@ class GeneralLoop(TimeLoop):
         self._hold()
         self.compiled = shared_loop(method.loop)
         self._assist: Any = shared_loop(assist) if self._assistants else None
+        self._errors: list[Exception] = []  # of units, in the present call
 
     def _hold(self) -> None:
         """Let the loop use the state and the scratch that are there now."""
@@ -112,13 +114,16 @@ class GeneralLoop(TimeLoop):
         return self._legs.advance(self.clocks[0], times, budget, call, self._keeps_rates)
 
     def _call(self, arguments: tuple[Any, ...]) -> int:
-        with assisted(self.model.team, self._assistants, self.assist):
+        errors = self._errors = []
+        with assisted(self.model.team, self._assistants, self.assist), keeping(errors):
             code: int = self.compiled(self._kept, *arguments)
+        raise_first(errors)
         return code
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""
-        self._assist(self._kept, self._lists, *self._held[:2])
+        with keeping(self._errors):
+            self._assist(self._kept, self._lists, *self._held[:2])
 
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""

@@ -20,11 +20,12 @@ from tribo.model.binding import check_apart, check_arguments
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
-from tribo.sweeps.dataset import Table
+from tribo.sweeps.dataset import Table, points_dataset
 from tribo.sweeps.effects import check_effects
 from tribo.sweeps.grid import POINT, Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
 from tribo.sweeps.point_sets import members_of, point_sets, runs_of
+from tribo.sweeps.point_statistics import PointStatistics
 from tribo.validation import InputError, boolean, choice, inside, instance, integer
 
 if TYPE_CHECKING:
@@ -70,7 +71,8 @@ def sweep(
         As for :func:`ensemble`; by default the scene's ``output.keep``, or else quantities of
         surfaces as wholes and of the system.
     statistics, half_width
-        As for :func:`ensemble`, at each point.  The points are then run one after another.
+        As for :func:`ensemble`, at each point.  With `half_width`, which takes another number of
+        members at each point, the points are run one after another.
     progress : callable or bool, optional
         As for :func:`ensemble`, with the number of finished points.
     point : str
@@ -121,25 +123,35 @@ def sweep(
     check_effects(grid, names, at != END or half_width is not None, not one_run)
     how = Execution.checked(engine, threads)
     statistics = boolean("statistics", statistics)
+    if statistics and number is None and half_width is None:
+        raise InputError("statistics", "needs members, as members=100")
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
 
     def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
         """The table of all points, or of those before an interrupt."""
         import xarray
 
-        if statistics or half_width is not None:
+        if half_width is not None:
             own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
             own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
-            ensemble_at = partial(ensemble, keep=names if half_width is None else None, **own)
+            ensemble_at = partial(ensemble, **own)
             return point_by_point(grid, ensemble_at, target, progress)
         # All points by one engine, those that one plan serves side by side.
         kept = request.kept(recorded)
         sets, order = point_sets(grid, request, variation, number, kept)
         by = how
-        store = MemberStore(target.frames)
+        store: MemberStore | PointStatistics = (
+            PointStatistics(kept, target.frames, number)
+            if statistics and number is not None
+            else MemberStore(target.frames)
+        )
         if progress is not None:
             by = how._replace(progress=lambda done: progress(done // (number or 1)))
         interrupted = by.collect(runs_of(sets, store.done, by), store)
+        if isinstance(store, PointStatistics):
+            store.flush()
+            found = store.datasets(grid, order, recorded.numerics.step)
+            return points_dataset(grid, target, *found, interrupted)
         table = Table(grid, order, kept, store.values(), members_of(sets) if number else None)
         attributes = target.attributes(interrupted, table.notes(recorded.numerics.step))
         attributes["keep"] = json.dumps(kept.names)

@@ -1,8 +1,12 @@
 """A sweep as a labelled data set: that of an ensemble, with a dimension for each key."""
 
+from __future__ import annotations
+
+import json
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,11 +23,15 @@ from tribo.ensembles.kept_values import (
     without_interval,
 )
 from tribo.ensembles.members import Members
+from tribo.ensembles.stores import Target
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError, inside
+
+if TYPE_CHECKING:
+    import xarray
 
 
 class Table:
@@ -154,3 +162,70 @@ def _means_and_half_widths(values: np.ndarray, status: np.ndarray) -> tuple[np.n
     for place in np.flatnonzero((number > 1) & ~every).tolist():
         mean[place], half_width[place] = interval(values[place][complete[place]])
     return mean, half_width
+
+
+def points_dataset(
+    grid: Grid,
+    target: Target,
+    found: Mapping[int, xarray.Dataset],
+    refused: Mapping[int, str],
+    interrupted: bool,
+) -> xarray.Dataset:
+    """The data sets of points, by their numbers, side by side; the others have no values.
+
+    `refused` has the reasons of points that cannot be run.  Raises InputError if there are no
+    others, and KeyboardInterrupt if the first of them was interrupted.
+    """
+    import xarray
+
+    if not found:
+        if interrupted:
+            raise KeyboardInterrupt
+        with inside(grid.label(0)):
+            raise InputError("", refused[0])
+    statuses = [NOT_RUN] * grid.size
+    notes = {}
+    for index, data in found.items():
+        statuses[index] = data.attrs["status"]
+        notes[index] = json.loads(data.attrs.get("notes", "[]"))
+    for index, why in refused.items():
+        statuses[index] = REFUSED
+        notes[index] = [why]
+    variables, coordinates = _side_by_side(grid, found)
+    about = {"long_name": "end of the ensemble"}
+    variables["point_status"] = tuple(grid.names), np.reshape(statuses, grid.shape), about
+    labelled = [f"{grid.label(index)}: {note}" for index in sorted(notes) for note in notes[index]]
+    attributes = target.attributes(interrupted, labelled)
+    attributes["keep"] = json.dumps([str(name) for name in found[min(found)].data_vars])
+    coordinates |= key_coordinates(grid)
+    return target.saved(xarray.Dataset(variables, coordinates, attributes))
+
+
+def _side_by_side(
+    grid: Grid, found: Mapping[int, xarray.Dataset]
+) -> tuple[dict[str, Variable], dict[str, Variable]]:
+    """All variables and coordinates of data sets of points, by the points' numbers.
+
+    Where a point has no value they are NaN, or 0 in a histogram.
+    """
+    first = next(iter(found.values()))
+    variables: dict[str, Variable] = {}
+    for name in map(str, [*first.data_vars, *({"status"} & {*first.coords})]):
+        arrays = {index: data[name].values for index, data in found.items()}
+        shape = np.max([each.shape for each in arrays.values()], axis=0).astype(int)
+        empty: Any = {"i": 0, "U": NOT_RUN, "O": NOT_RUN}.get(first[name].dtype.kind, np.nan)
+        dtype = np.result_type(*arrays.values(), np.array(empty))
+        table = np.full((grid.size, *shape), empty, dtype)
+        for index, values in arrays.items():
+            places: tuple[Any, ...] = (index, *map(slice, values.shape))
+            table[places] = values
+        dimensions = (*grid.names, *map(str, first[name].dims))
+        table = table.reshape(*grid.shape, *table.shape[1:])
+        variables[name] = dimensions, table, dict(first[name].attrs)
+    largest = max(found.values(), key=lambda data: data.sizes.get("member", 0))
+    coordinates: dict[str, Variable] = {
+        str(name): (each.dims, each.values, dict(each.attrs))
+        for name, each in largest.coords.items()
+        if name != "status" and name not in grid.keys
+    }
+    return variables, coordinates

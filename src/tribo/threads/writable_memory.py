@@ -14,6 +14,7 @@ from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
+from tribo.compiler.unit_errors import raising
 from tribo.kernels.records import Model
 from tribo.layout import contacts
 from tribo.layout.elastic_body import ElasticBodies, pairs_of, sums_over_pairs
@@ -122,7 +123,7 @@ class Probe:
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)
-                done = self._kernel(keep(model), keep(self._neighbours), done, *arguments)
+                done = raising(self._kernel, keep(model), keep(self._neighbours), done, *arguments)
         for call in calls:
             if call.error is not None:
                 raise InputError("potential", f"the calculator raises {call.failure}")
