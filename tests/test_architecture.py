@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 import subprocess
 import sys
 from graphlib import TopologicalSorter
@@ -277,3 +278,16 @@ def test_what_a_part_of_a_scene_is_is_declared_by_its_class():
         if name and name not in describing
     }
     assert {name: kinds for name, kinds in found.items() if kinds} == ALLOWED
+
+
+def test_tests_use_public_names_where_there_are_some():
+    """tools/internals.py says which name takes the place of another."""
+    tool = runpy.run_path(str(ROOT.parents[1] / "tools" / "internals.py"))
+    found = {
+        path.name: names
+        for path in sorted(Path(__file__).parent.rglob("test_*.py"))
+        if path != Path(__file__)
+        and (names := tool["REPLACEABLE"].keys() & set(tool["used"](path)))
+    }
+    # Values that no file can hold.
+    assert found == {"test_input_errors.py": {"tribo.model.scene_file.scene_from"}}

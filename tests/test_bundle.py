@@ -9,7 +9,7 @@ import zipfile
 
 import pytest
 
-from tribo.commands.cli import main
+from support.command import main
 
 PLUGIN = """
 from typing import NamedTuple

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from tribo import Coulomb, Numerics, Output, Scene, Surface
-from tribo.commands.cli import main
 from tribo.kernels.status import MEANINGS
 
 # The keys of `tribo run --json`: names that people's programs rely on.

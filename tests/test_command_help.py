@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from tribo.commands.cli import main
+from support.command import main
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tribo.commands.cli import main
+from support.command import main
 from tribo.commands.compile_ahead import runs
 
 

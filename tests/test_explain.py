@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from tribo import explanation, paper
 from tribo.accuracy import choose_method, cost_model
-from tribo.commands.cli import main
 from tribo.explanation import prediction
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import tribo
-from tribo.commands.cli import main
+from support.command import main
 from tribo.compiler.jit import undisturbed
 from tribo.interrupts import Interrupted
 

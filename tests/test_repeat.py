@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from tribo import InputError, paper
 from tribo.commands import repeat
-from tribo.commands.cli import main
 
 PLUGIN = """
 from pathlib import Path

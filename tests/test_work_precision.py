@@ -12,11 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from support.command import main
 from tribo import interrupts
 from tribo import work_precision as module
-from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
-from tribo.kernels.status import Status
 from tribo.layout.layout import lay_out
 from tribo.loops.setting import Setting
 from tribo.work_precision import (
@@ -198,7 +197,7 @@ def test_a_run_that_is_interrupted_ends_its_method(monkeypatch):
     layout = lay_out(tribo.Scene((tribo.Surface("upper"),), (), 1.0))
 
     def run(setting, times):
-        return SimpleNamespace(status=Status.INTERRUPTED)
+        return SimpleNamespace(status="Interrupted")
 
     run.layout = layout
     run.method = METHODS["rk4"]

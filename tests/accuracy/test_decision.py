@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from tribo.accuracy.decision import LONG_RUN, Limits, Round, Stop, best, decide, is_too_long
-from tribo.kernels.status import Status
 
 ADAPTIVE = Limits(wanted=1e-6, order=12, adaptive=True, finest=1e-13, amplification=10.0)
 EQUAL = replace(ADAPTIVE, order=2, adaptive=False)
@@ -32,8 +31,8 @@ def stopped(status, level=1e-7):
         (rounds(8.0, 6.0, 4.0), ADAPTIVE, Stop.STALLED),
         (rounds(8.0), replace(ADAPTIVE, amplification=None), Stop.OUT_OF_REACH),
         (rounds(8.0), replace(ADAPTIVE, amplification=1e11), Stop.OUT_OF_REACH),
-        ([stopped(Status.INTERRUPTED)], ADAPTIVE, Stop.ENDED),
-        ([*rounds(8.0), stopped(Status.NO_PROGRESS, 4e-7)], ADAPTIVE, Stop.BRACKETED),
+        ([stopped("Interrupted")], ADAPTIVE, Stop.ENDED),
+        ([*rounds(8.0), stopped("NoProgress", 4e-7)], ADAPTIVE, Stop.BRACKETED),
         # Levels: a tenth where the excess is small, else what the excess asks for.
         (rounds(2.0), ADAPTIVE, 1e-7),
         (rounds(60.0), ADAPTIVE, 1e-6 * 0.3 / 60.0),
@@ -42,11 +41,11 @@ def stopped(status, level=1e-7):
         (rounds(8.0, 6.0), ADAPTIVE, 1e-7 * 0.3 / 6.0),  # one stalled round is chance
         (rounds(8.0, 6.0, 1.5, 1.2), ADAPTIVE, 1e-10),  # a gain between two stalls
         # Between a level at which runs stop and one at which they do not.
-        ([*rounds(8.0), stopped(Status.NO_PROGRESS, 1e-8)], ADAPTIVE, 1e-7),
-        ([stopped(Status.NO_PROGRESS, 1e-8)], replace(ADAPTIVE, reached=1e-4), 1e-6),
-        ([stopped(Status.NO_PROGRESS, 1e-8)], ADAPTIVE, Stop.BRACKETED),
+        ([*rounds(8.0), stopped("NoProgress", 1e-8)], ADAPTIVE, 1e-7),
+        ([stopped("NoProgress", 1e-8)], replace(ADAPTIVE, reached=1e-4), 1e-6),
+        ([stopped("NoProgress", 1e-8)], ADAPTIVE, Stop.BRACKETED),
         # Equal steps that are too long: a quarter of the step, by a method of order 2.
-        ([stopped(Status.NOT_FINITE, 1e-6)], EQUAL, 1e-6 / 16.0),
+        ([stopped("NotFinite", 1e-6)], EQUAL, 1e-6 / 16.0),
         (rounds(2e6), EQUAL, 1e-6 / 16.0),
         (rounds(8.0, 7.0), EQUAL, 1e-7 * 0.3 / 7.0),
     ],
@@ -62,10 +61,10 @@ def test_the_decision_after_a_round(history, limits, wanted):
 
 def test_long_runs_are_not_repeated_with_shorter_steps():
     """Equal steps of a long run are not called too long: a shorter one would take longer still."""
-    long = Round(1e-6, Status.NOT_FINITE, work=LONG_RUN)
-    assert is_too_long([stopped(Status.NOT_FINITE)], EQUAL)
+    long = Round(1e-6, "NotFinite", work=LONG_RUN)
+    assert is_too_long([stopped("NotFinite")], EQUAL)
     assert not is_too_long([long], EQUAL)
-    assert not is_too_long([stopped(Status.NOT_FINITE)], ADAPTIVE)
+    assert not is_too_long([stopped("NotFinite")], ADAPTIVE)
 
 
 def test_the_best_round():
@@ -74,6 +73,6 @@ def test_the_best_round():
     assert best([one, two, three], ADAPTIVE) is three
     assert best([one, two, Round(1e-9, None, 0.9, 0.9)], ADAPTIVE) is two
     bad = rounds(0.5 / ADAPTIVE.wanted)
-    stop = stopped(Status.NO_PROGRESS, 1e-9)
+    stop = stopped("NoProgress", 1e-9)
     assert best([*bad, stop], ADAPTIVE) is stop
     assert best([one, stop], ADAPTIVE) is one

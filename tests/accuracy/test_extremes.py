@@ -15,7 +15,6 @@ from tribo.accuracy.levels import (
     tolerances,
 )
 from tribo.accuracy.roundoff import rounding_of_terms
-from tribo.accuracy.scales import EPSILON
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
 from tribo.ledger.motion import Motion
@@ -136,7 +135,7 @@ def test_field_energies_are_rounded_with_the_places_of_bobs():
         sample = Samples.at_zero(layout)
         sample = replace(sample, field=np.ones(1))
         found.append(rounded(layout, sample)["total_energy_change"])
-    assert found[1] == pytest.approx(7.0 * EPSILON * 2.0 * np.pi * 1e9, rel=0.1)
+    assert found[1] == pytest.approx(7.0 * np.finfo(float).eps * 2.0 * np.pi * 1e9, rel=0.1)
     assert found[0] < 1e-7 * found[1]
 
 

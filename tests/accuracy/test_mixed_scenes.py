@@ -11,7 +11,7 @@ from support.mixed.draw import STRUCTURES, drawn
 from support.mixed.judge import judged
 from support.mixed.noise import WARM
 from support.random_scenes import random_scene
-from tribo.model.scene_file import scene_from
+from support.scene_tables import scene_from
 
 
 @pytest.mark.parametrize("seed", [1, 2, 4])

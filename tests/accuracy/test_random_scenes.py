@@ -22,9 +22,9 @@ import pytest
 import tribo
 from support import verdicts
 from support.reference import compiler, kind_of, solution_from, solve
+from support.scene_tables import scene_from
 from support.verdicts import MOST, SECOND, STORED, compared, judged, verdict
 from support.wide_scenes import BLOCK, structure_of, wide_scene
-from tribo.model.scene_file import scene_from
 
 ROOT = Path(tribo.__file__).parents[2]
 SCENES = {row["seed"]: row for row in json.loads(STORED.read_text(encoding="utf-8"))}

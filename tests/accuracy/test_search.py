@@ -24,7 +24,7 @@ from tribo.accuracy.comparison import (
 )
 from tribo.accuracy.search_runs import MOST_STOPS, PARTS, StopTimes
 from tribo.integrators.methods import METHODS
-from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS, Status
+from tribo.kernels.status import COUNTS, EVALUATIONS, STEPS
 from tribo.layout.layout import lay_out
 from tribo.loops.integrate import Integration
 from tribo.potentials.cutoff import AT_CUTOFF
@@ -65,7 +65,7 @@ def test_a_changed_start_that_stops_is_far_off(status, least):
     simulation = tribo.prepare(case("A"), accuracy=1e-6)
     layout, setting = simulation.layout, simulation.plan.setting
     run = simulation.integrator(setting, layout.times)
-    other = replace(run, status=Status(status))
+    other = replace(run, status=status)
     found = measure_amplification(layout, lambda *given: other, setting, run)
     assert found == least / TINY_PERTURBATION
 
@@ -170,7 +170,7 @@ def test_nothing_is_known_where_a_coarser_run_stopped():
     *_, few, many, fine = simulation.plan.tuned.runs
     bounds = error_bounds(simulation.layout, fine, [few, many], None, 1e-6).bounds
     assert max(bounds.values()) < np.inf
-    short = replace(many, status=Status.ENCOUNTER_JUMPED)
+    short = replace(many, status="EncounterJumped")
     bounds = error_bounds(simulation.layout, fine, [few, short], None, 1e-6).bounds
     assert min(bounds.values()) == np.inf
 
@@ -182,7 +182,7 @@ def test_an_interrupt_ends_all_runs():
     integrate = simulation.integrator
 
     def interrupted(*given, **named):
-        runs.append(replace(integrate(*given, **named), status=Status.INTERRUPTED))
+        runs.append(replace(integrate(*given, **named), status="Interrupted"))
         return runs[-1]
 
     simulation.integrator = interrupted
@@ -330,7 +330,7 @@ def test_work_of_calculators():
     layout = lay_out(case("A"))
     counts = np.zeros(COUNTS, int)
     counts[[STEPS, EVALUATIONS]] = 3, 7
-    run = Integration(lambda: None, Status.COMPLETED, counts, 1.0, {})
+    run = Integration(lambda: None, "completed", counts, 1.0, {})
     assert levels.work(layout, run) == 7 * 2
     assert levels.work(replace(layout, calculator_calls=(None,)), run) == 7 * (2 + levels.CALL)
 

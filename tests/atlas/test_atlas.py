@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from support.command import main
 from tribo import atlas, interrupts, prepare
 from tribo.atlas.entries import STOP_TIME, all_entries
 from tribo.atlas.rows import NOT_HONEST, NOT_MET
-from tribo.commands.cli import main
 from tribo.kernels.status import MEANINGS
 
 ENTRIES = all_entries()

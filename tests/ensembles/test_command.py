@@ -9,8 +9,8 @@ from scipy import stats
 from scipy.stats import qmc
 
 import tribo
+from support.command import main
 from tribo import ensemble, paper, plotting
-from tribo.commands.cli import main
 from tribo.ensembles import batches
 from tribo.model.parameters import with_values
 from tribo.progress import ProgressBar

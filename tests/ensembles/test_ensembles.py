@@ -11,6 +11,7 @@ import pytest
 from scipy import stats
 
 import tribo
+from support.scene_tables import scene_from
 from tribo import (
     Asperite,
     Coulomb,
@@ -29,7 +30,6 @@ from tribo.ensembles import batches
 from tribo.ensembles.dataset import COUNTS
 from tribo.ensembles.figure import mean_band
 from tribo.ensembles.means import FIRST_STAGE
-from tribo.model.scene_file import scene_from
 from tribo.results.averages import interval, members_needed
 
 TEMPERATURE = 0.3

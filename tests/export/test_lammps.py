@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from tribo import InputError
-from tribo.commands.cli import main
 from tribo.export import to_lammps
 from tribo.export.lepton import energy_text
 from tribo.potentials import expression, from_points

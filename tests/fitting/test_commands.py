@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.commands.cli import main
+from support.command import main
 
 CASE = tribo.paper.scene("A")
 

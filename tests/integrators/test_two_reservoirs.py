@@ -12,9 +12,9 @@ import pytest
 from scipy.linalg import expm, solve_continuous_lyapunov
 
 import tribo
+from support.scene_tables import scene_from
 from tribo import Asperite, Initial, InputError, Langevin, Output, Pulled, Pushed, Scene, Surface
 from tribo.model.parameters import is_parameter, with_values
-from tribo.model.scene_file import scene_from
 
 STEP = 0.1
 STIFFNESS = 1.0

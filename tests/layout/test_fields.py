@@ -4,8 +4,8 @@ import mpmath
 import pytest
 
 from support.random_scenes import random_scene
+from support.scene_tables import scene_from
 from tribo.layout.layout import lay_out
-from tribo.model.scene_file import scene_from
 
 
 def test_phase_of_a_field_far_from_the_origin():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from support.continued import chain
 from tribo import Coulomb, Free, InputError, Output, Scene, Surface, sweep
-from tribo.commands.cli import main
 from tribo.ensembles.figure import mean_band
 
 KEEP = ("upper.W", "upper.x_cm", "contact_energy")

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 import tribo
+from support.command import main
 from support.pages import ARGUMENTS, CHROMIUM, held
-from tribo.commands.cli import main
 from tribo.model.parameters import with_values
 
 # Most bytes of the page of case A.

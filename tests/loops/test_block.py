@@ -22,6 +22,7 @@ from tribo import (
     Forced,
     Free,
     Initial,
+    InputError,
     Interaction,
     Langevin,
     Morse,
@@ -33,8 +34,7 @@ from tribo import (
     Springs,
     Surface,
 )
-from tribo.export.lammps import to_lammps
-from tribo.validation import InputError
+from tribo.export import to_lammps
 
 # Masses, rods and stiffnesses that differ, and ten of them: one block of eight, and a part of one.
 COUNT = 10

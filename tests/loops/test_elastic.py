@@ -15,6 +15,7 @@ from tribo import (
     Field,
     Free,
     Initial,
+    InputError,
     Langevin,
     Morse,
     Output,
@@ -24,7 +25,6 @@ from tribo import (
     Surface,
 )
 from tribo.layout import elastic_body
-from tribo.validation import InputError
 
 RIGID = Asperite(m1=0.5, m2=0.5, kappa=math.inf)
 

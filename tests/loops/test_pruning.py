@@ -13,9 +13,9 @@ import pytest
 
 import tribo
 from support.random_scenes import random_scene
+from support.scene_tables import scene_from
 from tribo import explanation
 from tribo.layout.layout import Layout, lay_out
-from tribo.model.scene_file import scene_from
 from tribo.threads.kernel_model import SCRATCH
 from tribo.threads.writable_memory import own_model
 

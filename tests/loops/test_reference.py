@@ -17,10 +17,10 @@ from support.random_scenes import (
     rich_scene,
     rigid,
 )
+from support.scene_tables import scene_from
 from support.verdicts import WITHOUT_REFERENCE
 from tribo.accuracy.scales import scale_of
 from tribo.integrators.methods import METHODS
-from tribo.model.scene_file import scene_from
 
 ACCURACY = 1e-8
 # Largest difference, in units of the accuracy and of the scale of each kind.

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from support.sliding import long_slide
 from support.sliding import scene as crowded
-from tribo.commands.cli import main
 from tribo.integrators.methods import METHODS
 from tribo.layout import contacts
 from tribo.layout import layout as layouts

@@ -5,11 +5,11 @@ import tomllib
 import pytest
 
 import tribo
+from support.command import main
+from support.scene_tables import scene_from
 from tribo import InputError
-from tribo.commands.cli import main
 from tribo.model.binding import bound, check_apart, check_arguments, check_together
 from tribo.model.parameters import is_parameter, value_of, with_values
-from tribo.model.scene_file import scene_from
 from tribo.sliders import sliders_of
 
 PAIR = tribo.paper.scene("A")

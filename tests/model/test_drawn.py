@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.model.scene_file import scene_from
+from support.scene_tables import scene_from
 
 
 def surface(name="upper", **asperite):

@@ -15,6 +15,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import tribo
+from support.command import main
 from tribo import (
     Asperite,
     Coulomb,
@@ -34,7 +35,6 @@ from tribo import (
     Scene,
     Surface,
 )
-from tribo.commands.cli import main
 from tribo.layout.layout import lay_out
 from tribo.model.scene_file import scene_from
 from tribo.validation import one_of

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.scene_tables import scene_from
 from tribo import InputError
 from tribo.model.parameters import is_parameter, value_of, with_values
-from tribo.model.scene_file import scene_from
 
 BASE = {
     "duration": 4.0,

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from support.scene_tables import scene_from
 from support.strategies import scenes
 from tribo import Coulomb, Interaction, LennardJones, Morse, Numerics, Output, Scene, Surface
 from tribo.layout.layout import lay_out
-from tribo.model.scene_file import scene_from
 
 # The example of the contract: as short as it can be, and with every default written out.
 SHORT = """

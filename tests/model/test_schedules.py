@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import quad
 
 import tribo
+from support.scene_tables import scene_from
 from tribo.export.lammps_motion import _formula
 from tribo.model.effects import Effect
 from tribo.model.parameters import is_parameter, value_of, with_values
-from tribo.model.scene_file import scene_from
 
 SCHEDULES = {
     "linear": tribo.Schedule([[1.0, 0.2], [3.0, 0.5], [4.0, -0.4]]),

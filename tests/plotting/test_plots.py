@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from tribo import InputError, paper, plotting
-from tribo.commands.cli import main
 from tribo.plotting import animation
 from tribo.plotting.pose import pose
 

@@ -8,8 +8,8 @@ import zipfile
 
 import pytest
 
+from support.command import main
 from tribo import InputError, load_scene
-from tribo.commands.cli import main
 from tribo.model.identity import as_sent, received
 from tribo.plugins.sources import is_installed, place_of
 

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tribo
+from support.scene_tables import scene_from
 from tribo import InputError
 from tribo.integrators.methods import METHODS
 from tribo.layout.layout import lay_out
-from tribo.model.scene_file import scene_from
 from tribo.potentials import (
     BUILT_IN,
     BornMayer,

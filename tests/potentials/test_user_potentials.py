@@ -7,8 +7,8 @@ import pytest
 
 import tribo
 import tribo.potentials
+from support.scene_tables import scene_from
 from tribo import InputError
-from tribo.model.scene_file import scene_from
 from tribo.potentials import as_potential
 
 HEAD = """import math

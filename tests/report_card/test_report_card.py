@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from support.command import main
 from tribo import InputError, check
-from tribo.commands.cli import main
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,

@@ -9,7 +9,8 @@ import pytest
 import xarray
 
 import tribo
-from tribo.results.averages import FUNCTIONS
+
+FUNCTIONS = 12  # trigonometric functions that the estimator fits
 
 ROOT = Path(__file__).parents[2]
 BENCHMARK = runpy.run_path(str(ROOT / "benchmarks" / "averages.py"))

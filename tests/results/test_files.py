@@ -19,10 +19,10 @@ import pytest
 import xarray
 
 import tribo
+from support.command import main
 from support.continued import chain, pair, same_end
 from tribo import Coulomb, InputError, Output, Scene, Surface, seals
 from tribo.commands import bundle
-from tribo.commands.cli import main
 from tribo.layout import contacts
 from tribo.loops import frames, integrate
 from tribo.results import result_file

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
-from tribo.commands.cli import main
-from tribo.kernels.status import Status
+from support.command import main
 from tribo.ledger.ledger import Ledger, known
 from tribo.results import report
 
@@ -178,7 +177,7 @@ def test_averages_of_a_stopped_run_end_together(result):
     series["friction_force"] = np.append(series["friction_force"][:-1], np.inf)
     whole = result.ledger
     ledger = Ledger(whole.t, whole.surfaces, {"tip": known(series)}, whole.system)
-    stopped = replace(result, status=Status.NOT_FINITE, assemble=lambda: ledger)
+    stopped = replace(result, status="NotFinite", assemble=lambda: ledger)
     friction = stopped.friction_force("tip")
     pull = stopped.pull_force("tip")
     t = result.t
@@ -261,7 +260,7 @@ def test_a_large_drag_is_noted():
 def test_the_average_of_a_stopped_run_says_so(result):
     """Its status and its time are in the note."""
     stopped = replace(result)
-    stopped.status = Status.ENCOUNTER_JUMPED
+    stopped.status = "EncounterJumped"
     for average in (stopped.friction_force("tip"), stopped.pull_force("tip")):
         assert average.note.startswith("the run stopped at t = 450, EncounterJumped")
     assert "the run stopped at t = 450, EncounterJumped" in str(stopped)

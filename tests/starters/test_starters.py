@@ -3,8 +3,8 @@
 import pytest
 
 import tribo
+from support.command import main
 from tribo.commands import doctor
-from tribo.commands.cli import main
 from tribo.starters import KINDS, starter
 
 

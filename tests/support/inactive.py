@@ -227,7 +227,7 @@ def check_paths(scene) -> str:
     model.surfaces.dtype.names = ("vx", "vy")
     model.surfaces = model.surfaces.view(np.recarray)
     for eligible, width, crossed in ((1, 19.9, True), (1, 20.1, False), (0, 19.9, False)):
-        active = SimpleNamespace(eligible=[eligible])
+        active = SimpleNamespace(eligible=[eligible], blocks=np.zeros(1))
         if inactive_have_crossed(model, active, width, -2.0) != crossed:
             return "the distance that a surface moves"
     loop, _ = loops(scene)

@@ -13,8 +13,8 @@ import xarray
 from scipy import stats
 
 import tribo
+from support.command import main
 from tribo import InputError, Output, ensemble, paper, sweep
-from tribo.commands.cli import main
 from tribo.ensembles import batches, request
 from tribo.loops import frames
 from tribo.model.parameters import with_values

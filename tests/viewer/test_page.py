@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from support.pages import ARGUMENTS, CHROMIUM, assert_same, held, numbers
 from tribo import Coulomb, InputError, Output, Scene, Surface
 from tribo.analysis.contact_probe import ContactProbe
-from tribo.commands.cli import main
 from tribo.plotting import animation
 from tribo.plotting.works import WORKS
 from tribo.viewer import contents

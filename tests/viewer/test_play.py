@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import tribo
+from support.command import main
 from support.pages import ARGUMENTS, CHROMIUM, assert_same, numbers
 from tribo import InputError
-from tribo.commands.cli import main
 from tribo.model.parameters import with_values
 from tribo.sliders import MOST_EVALUATIONS, Playing, grid_page, sliders_of
 from tribo.viewer.server import MOST_BYTES, Server

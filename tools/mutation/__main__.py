@@ -2,6 +2,7 @@
 
     python -m tools.mutation                    # a sample, in a minute or two
     python -m tools.mutation --all [FILE ...]   # every mutant of these files, or of all: hours
+    python -m tools.mutation --check slid       # the checks with this word, without a mutant
 
 Ends with status 1 if a mutant is missed, or if a table of `survivors` is not what was found.
 """
@@ -66,14 +67,29 @@ def missed(pool: ProcessPoolExecutor, chosen: list[Mutant], without: frozenset[s
     return {text for text, verdict in verdicts.items() if not verdict.result()}
 
 
+def check(word: str) -> int:
+    """Run the checks whose names contain a word on the sources as they are; 1 if one complains."""
+    judge.uncompiled()
+    chosen = {name: each for name, each in judge.CHECKS.items() if word in name}
+    said = {name: each() for name, each in chosen.items()}
+    for name, problem in said.items():
+        print(f"{name}: {problem or 'passes'}")
+    if not chosen:
+        print(f'no check has "{word}" in its name; there are:', *judge.CHECKS, sep="\n    ")
+    return 1 if any(said.values()) or not chosen else 0
+
+
 def main() -> int:
     """Judge the mutants that the command line names; 1 if the result is not as expected."""
     parser = argparse.ArgumentParser("python -m tools.mutation", description=__doc__)
     parser.add_argument("files", nargs="*", metavar="FILE", help="below src/tribo; default: all")
     parser.add_argument("--all", action="store_true", help="all mutants, not a sample")
     parser.add_argument("--sample", type=float, default=SAMPLE, help=f"default: {SAMPLE}")
+    parser.add_argument("--check", metavar="WORD", help="run the checks whose names contain it")
     parser.add_argument("-j", type=int, default=1, help="processes (default: 1)")
     given = parser.parse_args()
+    if given.check:
+        return check(given.check)
     wrong = [f"the tables name no mutant or function: {text}" for text in stale()]
     # More than the usual sample needs all checks.
     few = not given.all and given.sample <= SAMPLE

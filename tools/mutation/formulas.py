@@ -18,42 +18,6 @@ from tools.mutation.start import start_of
 EPSILON = np.finfo(float).eps
 
 
-def points_of_a_rod() -> str:
-    """Positions along the rod, their rates of change, forces at its bar, and nearest images."""
-    from tribo.kernels import kinematics
-
-    x, y, vx, vy, l1, l2, swing, omega = np.random.default_rng(6).uniform(0.3, 1.3, 8)
-    for facing, rest in ((1.0, 0.0), (-1.0, np.pi)):
-
-        def along(t, arm, rest=rest):
-            theta = rest + swing + omega * t
-            return np.array([x + vx * t + arm * np.sin(theta), y + vy * t - arm * np.cos(theta)])
-
-        tx = facing * np.cos(swing)
-        ty = facing * np.sin(swing)
-        for name, arm in (("bob", l1), ("bar", -l2)):
-            position = kinematics.rod_position(x, y, arm, tx, ty)
-            velocity = kinematics.rod_velocity(vx, vy, omega, arm, tx, ty)
-            rate = along(1e-100j, arm).imag / 1e-100
-            if not np.allclose([position, velocity], [along(0.0, arm), rate], 1e-13):
-                return f"{name} of a surface with facing {facing}"
-            power = kinematics.rotational_power(arm, omega, tx, ty, 0.7, -0.4)
-            if not np.isclose(power, np.dot([0.7, -0.4], rate - [vx, vy]), 1e-13):
-                return f"power at the {name}"
-    f = np.array(kinematics.end_force(1.7, 1.0 / 2.5, np.sin(swing), np.cos(swing)))
-    arm = 2.5 * np.array([np.cos(swing), np.sin(swing)])  # from the left end to the right
-    if not np.allclose([arm @ f, arm[0] * f[1] - arm[1] * f[0]], [0.0, 1.7], 0.0, 1e-13):
-        return "not the torque of two opposite forces across the bar"
-    for period in (0.7, 3.0):
-        for images, left in ((0, 0.3), (2, -0.49), (-3, 0.49)):
-            found = kinematics.nearest_image((images + left) * period, period)
-            if not np.isclose(found, left * period, 1e-13):
-                return f"image {images} of period {period}"
-    if kinematics.nearest_image(3.0, 2.0) != -1.0:
-        return "not from -period/2 on"
-    return "" if kinematics.nearest_image(5.0, 0.0) == 5.0 else "an image without a period"
-
-
 CALLS: list[tuple[float, ...]] = []  # arguments with which a drive was called
 
 
@@ -339,108 +303,6 @@ def columns_by_slot() -> str:
     return ""
 
 
-def hot_baths() -> str:
-    """Oscillators start about their bars, each on its own, with variances T / k and T / m."""
-    from tribo.layout.layout import lay_out
-    from tribo.model.scene_file import scene_from
-
-    count = 500
-    temperature = 0.5
-    phi = 0.3
-    oscillators = [(0.3, 1.5), (0.2, 2.5)]
-    torsional = (0.4, 1.1)
-    surface = {
-        "name": "lower",
-        "facing": "up",
-        "shape": [count, 1],
-        "spacing": [1.0, 0.0],
-        "bars": "free",
-        "asperite": {"m1": 0.7, "m2": 1.5, "length": 1.3},
-        "initial": {"theta": 3.6, "phi": phi},
-        "bath": {
-            "temperature": temperature,
-            "oscillators": [{"mass": m, "frequency": w} for m, w in oscillators],
-            "torsional": [{"inertia": torsional[0], "frequency": torsional[1]}],
-        },
-    }
-    contact = {"potential": "coulomb", "strength": 0.1}
-    upper = {"name": "upper", "bob": [0.0, 5.0]}
-    layout = lay_out(
-        scene_from({"duration": 1.0, "interaction": contact, "surface": [upper, surface]})
-    )
-    q, v = np.split(layout.start, 2)
-    first = layout.asperites.dof_bath[1:]
-    l2 = 1.3 * 0.7 / (0.7 + 1.5)
-    bar_x = -l2 * np.sin(3.6)
-    bar_y = l2 * (np.cos(3.6) - np.cos(np.pi))
-    columns = []
-    for k, (place, mass, frequency) in enumerate(
-        [(bar_x, m, w) for m, w in oscillators]
-        + [(bar_y, m, w) for m, w in oscillators]
-        + [(phi, *torsional)]
-    ):
-        stiffness = mass * frequency**2
-        columns.append((q[first + k] - place) * np.sqrt(stiffness / temperature))
-        columns.append(v[first + k] * np.sqrt(mass / temperature))
-    drawn = np.array(columns)  # (10, count) of the normal distribution
-    if np.any(abs(np.mean(drawn, axis=1)) > 5.0 / np.sqrt(count)):
-        return "not about the bar"
-    covariance = drawn @ drawn.T / count
-    if np.any(abs(covariance - np.eye(len(drawn))) > 5.0 * np.sqrt(2.0 / count)):
-        return "not the covariance of a thermal state"
-    return ""
-
-
-def hot_starts() -> str:
-    """Variances of swings and rates: T / kappa, T / I, T / i2, T / m; held bars are in place."""
-    from tribo.layout.layout import lay_out
-    from tribo.model.scene_file import scene_from
-
-    count = 4000
-    temperature = 0.3
-    kappa = 1.7
-    m1 = 0.6
-    m2 = 1.2
-    length = 1.4
-    phi = 0.2
-    asperite = {"kappa": kappa, "m1": m1, "m2": m2, "length": length}
-    row = {"shape": [count, 1], "spacing": [1.0, 0.0], "asperite": asperite}
-    row["initial"] = {"temperature": temperature, "phi": phi}
-    surfaces = [
-        row | {"name": "loose", "drive": {"kind": "free", "load": 0.1}, "bars": "free"},
-        row | {"name": "held", "drive": "bars"},
-        row | {"name": "block", "drive": {"kind": "free", "rigid": True}},
-        {"name": "cold", "facing": "up", "drive": {"kind": "free", "load": 0.1}},
-    ]
-    contact = {"potential": "coulomb", "strength": 0.1}
-    table = {"duration": 1.0, "interaction": contact, "surface": surfaces}
-    layout = lay_out(scene_from(table))
-    q, v = np.split(layout.start, 2)
-    a = layout.asperites
-    loose, held, block = (np.arange(k * count, (k + 1) * count) for k in range(3))
-    mass = m1 + m2
-    about_centre = m1 * m2 / mass * length**2
-    about_bar = m1 * length**2
-    columns = [(q[part] - phi) * np.sqrt(kappa / temperature) for part in (loose, held)]
-    for part, inertia in ((loose, about_centre), (held, about_bar)):
-        columns.append(v[part] * np.sqrt(inertia / temperature))
-    columns.append(v[a.dof_phi[loose]] * np.sqrt(a.i2[loose] / temperature))
-    columns += [v[d[loose]] * np.sqrt(mass / temperature) for d in (a.dof_x, a.dof_y)]
-    if np.any(abs(np.mean(columns, axis=1)) > 5.0 / np.sqrt(count)):
-        return "not about the start at rest"
-    covariance = np.array(columns) @ np.array(columns).T / count
-    if np.any(abs(covariance - np.eye(len(columns))) > 5.0 * np.sqrt(2.0 / count)):
-        return "not the covariance of a thermal state"
-    if np.any(a.dof_x[held] >= 0) or np.any(a.dof_y[held] >= 0):
-        return "held bars can be displaced"
-    speed = v[a.dof_x[block]]
-    if not 0.0 < abs(speed[0]) < 5.0 * np.sqrt(temperature / (count * mass)):
-        return "not the speed of a block"
-    if np.any(v[[a.dof_x[-1], a.dof_y[-1]]]):
-        return "a surface without a temperature moves"
-    return "" if np.all(speed == speed[0]) else "a block moves apart"
-
-
 def given_starts() -> str:
     """Displacements and velocities that are given are those of each centre of mass."""
     from tribo.layout.layout import lay_out
@@ -695,7 +557,6 @@ def short_rows() -> str:
 
 
 FORMULAS = {
-    "points of a rod": points_of_a_rod,
     "arguments of a drive": arguments_of_a_drive,
     "errors": errors,
     "errors of a pair": errors_of_a_pair,
@@ -703,8 +564,6 @@ FORMULAS = {
     "closing speeds": closing_speeds,
     "listed pairs of two clouds": listed_pairs,
     "columns by slot": columns_by_slot,
-    "hot baths": hot_baths,
-    "hot starts": hot_starts,
     "given starts": given_starts,
     "cold baths": cold_baths,
     "cells": cells,

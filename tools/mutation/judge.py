@@ -27,6 +27,7 @@ from tools.mutation.loops import LOOPS
 from tools.mutation.registers import registers_as_arrays
 from tools.mutation.scenes import COULOMB, LOWER, PAIRS, SCENES
 from tools.mutation.start import start_of
+from tools.mutation.unit_tests import UNIT_TESTS
 
 import tribo
 from support import inactive, reference
@@ -572,7 +573,8 @@ def asperites_out_of_reach() -> str:
 
 
 CHECKS: dict[str, Callable[[], str]] = (
-    FORMULAS
+    UNIT_TESTS
+    | FORMULAS
     | LOOPS
     | {
         "bars that stand": bars_that_stand,

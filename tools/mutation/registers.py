@@ -10,13 +10,17 @@ import numpy as np
 
 
 def with_fields(loop):
-    """The loop, told of fields by name, as compiled code is."""
+    """The loop, told of fields by name, as compiled code is, and of the potential itself."""
+    from tribo.pair.potential import PotentialUnits
 
     def call(*arguments):
-        return loop(*(x.view(np.recarray) if named(x) else x for x in arguments))
+        return loop(*map(told, arguments))
 
-    def named(x):
-        return isinstance(x, np.ndarray) and x.dtype.names is not None
+    def told(x):
+        if isinstance(x, PotentialUnits):
+            return x.numbers  # where nothing is compiled, its numbers are the potential
+        is_record = isinstance(x, np.ndarray) and x.dtype.names is not None
+        return x.view(np.recarray) if is_record else x
 
     return call
 

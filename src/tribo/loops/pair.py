@@ -212,7 +212,7 @@ class Pair:
         self.potential = layout.model.contacts[0].potential
         memory, (numbers,) = memory_of((self.potential,))
         self._potential_memory = memory
-        self._numbers = int(numbers)
+        self._numbers = numbers
         known = Known(layout.scene, self.potential)
         distance = known.kind, types.float64, *CHARGES, types.int64
         self.units = PotentialUnits(

@@ -121,14 +121,13 @@ def with_columns(table: Any, folder: Path) -> Any:
 
 
 def with_draws(table: Any, name: str, count: int) -> Any:
-    """A table of asperites with numbers in place of distributions."""
-    if not isinstance(table, Mapping):
-        return table
-    found = dict(table)
-    for key, value in table.items():
-        if is_column(value):
-            with check.inside(str(key)):
-                found[key] = column(value, Path())
-        elif is_distribution(value):
-            found[key] = drawn(str(key), value, name, count)
-    return found
+    """A table of asperites with numbers in place of distributions, and of columns of files."""
+    found = with_columns(table, Path())
+    if not isinstance(found, Mapping):
+        return found
+    drawn_values = {
+        key: drawn(str(key), value, name, count)
+        for key, value in found.items()
+        if is_distribution(value)
+    }
+    return {**found, **drawn_values}

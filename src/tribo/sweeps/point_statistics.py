@@ -60,6 +60,7 @@ class PointStatistics(Store):
         self._written = self.done // self._members
 
     def _take(self, found: KeptValues) -> None:
+        """Give members to their points, in order: so many to each."""
         size = found["status"].size
         first = 0
         done = self.done
