@@ -47,17 +47,6 @@ def compiling_units(placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[None]:
         raise compile_error(placed, error) from None
 
 
-@contextmanager
-def calling(placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[None]:
-    """The same in a context that calls methods of plug-ins before they are compiled."""
-    try:
-        yield
-    except InputError:
-        raise
-    except Exception as error:
-        raise compile_error(placed, error) from None
-
-
 def _foreign(placed: Iterable[tuple[str, NamedTuple]]) -> list[tuple[str, NamedTuple]]:
     """The plug-ins that are not this package's, and those among the fields of plug-ins."""
     parts = [(field, part) for field, plugin in placed for part in plugins.parts(plugin)]

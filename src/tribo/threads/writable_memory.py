@@ -123,9 +123,7 @@ class Probe:
         with compiling(self._kernel, plugins_of(self._layout.scene)):
             while done < count:
                 self._neighbours = contacts.with_room(self._neighbours)
-                done = raising(
-                    self._kernel, keep(model), keep(self._neighbours), done, *arguments
-                )
+                done = raising(self._kernel, keep(model), keep(self._neighbours), done, *arguments)
         for call in calls:
             if call.error is not None:
                 raise InputError("potential", f"the calculator raises {call.failure}")
