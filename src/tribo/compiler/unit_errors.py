@@ -1,8 +1,8 @@
 """Errors that plug-ins raise in units, which compiled code calls and no error leaves.
 
 numba gives such an error to `sys.unraisablehook`, which prints it, and the unit returns zero: the
-run would go on with wrong numbers.  Here the error is kept, and the call of compiled code raises
-it.
+run would go on with wrong numbers.  Here the error is kept, and raised by the call of compiled
+code.
 """
 
 import sys

@@ -17,14 +17,17 @@ from tribo.ledger.samples import Samples
 
 def at_next_kicks(layout: Layout, samples: Samples, step: float) -> Samples:
     """The samples, moved by the drift of half a step to the kick that follows each."""
-    intervals = np.diff(samples.t)
-    if intervals.size == 0:
+    times = layout.times
+    if times.size < 2:
         return samples
+    # The samples may be a part of the run's: the interval after the last one is among its times.
+    after = np.clip(np.searchsorted(times, samples.t, side="right"), 1, times.size - 1)
+    intervals = times[after] - times[after - 1]
     kinks = np.append(layout.legs.kinks, np.inf)
-    following = kinks[layout.legs.of_times(samples.t[:-1])]  # where a leg ends before a sample
-    intervals = np.minimum(intervals, following - samples.t[:-1])
+    left = kinks[layout.legs.of_times(samples.t)] - samples.t  # where a leg ends before a sample
+    intervals = np.where(left > 0.0, np.minimum(intervals, left), intervals)
     steps = intervals / count_of_steps(intervals, step)
-    lags = 0.5 * np.append(steps, steps[-1])[:, None]
+    lags = 0.5 * steps[:, None]
     y = samples.y.copy()
     q = y[:, : layout.core]
     v = y[:, layout.core :]

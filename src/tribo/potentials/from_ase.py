@@ -64,6 +64,10 @@ class Live:
         """Distance from which the force is zero."""
         return self.reach
 
+    def range_between(self, one: float, other: float) -> float:
+        """The same between two charges, of which a calculator knows nothing."""
+        return self.reach
+
     def smoothness(self) -> float:
         """Number of continuous derivatives: unknown, and assumed infinite."""
         return math.inf
