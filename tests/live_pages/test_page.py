@@ -2,11 +2,12 @@
 
 import re
 from dataclasses import replace
+from html import unescape
 
 import pytest
 
 import tribo
-from support.pages import ARGUMENTS, CHROMIUM, held
+from support.pages import ARGUMENTS, CHROMIUM, held, held_in
 from tribo.commands.cli import main
 from tribo.model.parameters import with_values
 
@@ -48,6 +49,29 @@ def test_command(tmp_path, capsys, monkeypatch):
     scene.save("row.toml")
     assert main(["live", "row.toml"]) == 2
     assert "one on one" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
+
+
+def test_exported_widgets():
+    """An exported notebook shows a live page in place of a widget, or the page of the run."""
+    pytest.importorskip("anywidget", reason="needs tribo[notebook]")
+    scene = replace(tribo.paper.scene("A"), duration=1.0)
+    played = tribo.play(scene, {"upper.velocity": (0.1, 2.0), "upper.drive": ["forced", "free"]})
+    for widget in (tribo.simulate(scene).widget(), played):
+        shown = exported(widget)
+        assert "makeProgram" in shown and len(held_in(shown)["module"]) > 10_000
+    velocity, _ = held_in(shown)["controls"]
+    assert (velocity["low"], velocity["high"]) == (0.1, 2.0)
+    row = replace(scene.surfaces[0], shape=(2, 1), spacing=(3.0, 0.0))
+    scene = replace(scene, surfaces=(row, scene.surfaces[1]))
+    shown = exported(tribo.simulate(scene, method="verlet", step=0.01).widget())
+    assert "makeProgram" not in shown and held_in(shown)["run"]["title"] in shown
+
+
+def exported(widget):
+    """The page in the frame that stands for a widget."""
+    data, _ = widget._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in data
+    return unescape(re.search(r'srcdoc="([^"]*)"', data["text/html"])[1])
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")

@@ -14,6 +14,7 @@ from tribo.live_pages.source import source_of
 from tribo.model.scene import Scene
 from tribo.simulation import simulate
 from tribo.validation import as_path
+from tribo.viewer.html import frame
 from tribo.viewer.html import part as viewer_part
 
 # The scripts, in the order in which they need one another; those of the viewer first.  A worker has
@@ -21,7 +22,9 @@ from tribo.viewer.html import part as viewer_part
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
 SCRIPTS = (
     *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
-    *("end_panel.js", "starts_panel.js", "files_panel.js", "page.js"),
+    *("end_panel.js", "starts_panel.js", "files_panel.js", "energy_panel.js", "numbers_panel.js"),
+    *("body.js", "controls.js", "tabs.js", "curve_choices.js", "dragging.js", "status.js"),
+    *("interface.js", "page.js"),
 )
 WORKER = ("machine.js",)
 POLICY = (
@@ -54,6 +57,8 @@ window.tribo = await startPage(document.getElementById("live"), source);
 </body>
 </html>
 """
+# Height of a page in a notebook [pixels].
+FRAME_HEIGHT = 760
 # The stored picture: its size, and the works in it with their colours.
 WIDTH = 720
 HEIGHT = 300
@@ -120,11 +125,7 @@ class LivePage:
         self._text = text
 
     def _repr_html_(self) -> str:
-        frame = escape(self._text, quote=True)
-        return (
-            f'<iframe srcdoc="{frame}" title="live page" style="width: 100%; height: 760px; '
-            'border: 0" allow="clipboard-write"></iframe>'
-        )
+        return frame(self._text, "live page", FRAME_HEIGHT)
 
 
 def live(scene: Scene, controls: object = None) -> LivePage:
