@@ -24,7 +24,7 @@ SCRIPTS = (
     *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
     *("end_panel.js", "starts_panel.js", "files_panel.js", "energy_panel.js", "numbers_panel.js"),
     *("body.js", "controls.js", "tabs.js", "curve_choices.js", "dragging.js", "status.js"),
-    *("interface.js", "page.js"),
+    *("interface.js", "laws.js", "page.js"),
 )
 WORKER = ("machine.js",)
 POLICY = (
@@ -52,7 +52,7 @@ PAGE = """\
 "use strict";
 {module}
 const source = JSON.parse(document.getElementById("data").textContent);
-window.tribo = await startPage(document.getElementById("live"), source);
+await startPages(document.getElementById("live"), source);
 </script>
 </body>
 </html>
@@ -98,9 +98,11 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
         The values that have sliders, in their order: key -> range (low, high), or None for the
         usual one, or a table with `range` and `label`; beside them "title", "introduction" and
         "questions" in Markdown, and "panel", the panel that is open at first: "End value",
-        "Energy", "Numbers", "Many starts" or "Files".  Or the name of a TOML file with the same.
-        By default the strength of the force, the gap, the velocity, stiffness, masses, length,
-        drive and duration.
+        "Energy", "Numbers", "Many starts" or "Files".  "interaction" offers other potentials: a
+        table whose `values` have potentials by the words for them, and beside it `label` and `own`,
+        the words for the choice and for the scene's own potential.  Or the name of a TOML file
+        with the same.  By default the strength of the force, the gap, the velocity, stiffness,
+        masses, length, drive and duration.
 
     Returns
     -------

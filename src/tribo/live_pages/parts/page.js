@@ -2,7 +2,9 @@
 
 const SECONDS = 10; // that a run takes at speed 1
 
-async function startPage(element, source) {
+// Starts with `values`, or those of the address, and ends with the `signal`; `laws` are those that a
+// reader can choose, with the `present` one.
+async function startPage(element, source, { values, signal, laws }) {
   element.classList.add("tribo", "live");
   element.innerHTML = BODY;
   const part = (name) => element.querySelector(`[data-part=${name}]`);
@@ -21,6 +23,7 @@ async function startPage(element, source) {
     part("scene").outerHTML = source.picture;
     return null;
   }
+  if (signal.aborted) return null;
   const program = makeProgram(machine, source, source.samples);
   const short = makeProgram(machine, source, 2);
   const state = makeState(source);
@@ -50,8 +53,8 @@ async function startPage(element, source) {
     run = { ...runOf(source, state, simulated(state.numbers)), source };
     t = Math.min(t, run.last);
     part("time").max = Math.max(run.last, kept ? kept.last : 0);
-    showStatus({ part, source, state, change }, run);
-    writeAddress(state);
+    showStatus({ part, source, state, change, laws }, run);
+    writeAddress(state, laws);
     showControls();
     showAll();
     update();
@@ -131,6 +134,7 @@ async function startPage(element, source) {
   // ---- controls and panels, which are functions that show themselves; true after a new run
 
   const showControls = makeControls({ part, source, state, change });
+  if (Object.keys(laws.sources).length > 0) addLaws({ part, state }, laws);
   const isOpen = (name) => !part(name).hidden;
   const panels = [];
   const showAll = () => panels.forEach((panel) => panel(true));
@@ -141,7 +145,7 @@ async function startPage(element, source) {
   });
   const curveChoices = makeCurveChoices({ part, source, update });
   const present = { run: () => run, time: () => t, group: curveChoices.group, seen: () => view };
-  const own = { part, source, state, isOpen, change, showAll, short, observed: withObserver, ...present };
+  const own = { part, source, state, isOpen, change, showAll, short, signal, observed: withObserver, ...present };
   for (const make of [makeEndPanel, makeStartsPanel, makeFilesPanel, makeEnergyPanel, makeNumbersPanel]) panels.push(make(own));
   part("observer").addEventListener("input", () => {
     observer = Number(part("observer").value);
@@ -173,6 +177,10 @@ async function startPage(element, source) {
     update();
   });
   part("reset").addEventListener("click", () => {
+    if (laws.present !== laws.own) {
+      laws.choose(laws.own);
+      return;
+    }
     state.reset();
     observer = 0;
     part("observer").value = 0;
@@ -199,30 +207,40 @@ async function startPage(element, source) {
     if (own && !(event.key === " " && isSlider)) return; // the space bar plays from a slider too
     event.preventDefault();
     actions[event.key]();
-  });
-  window.addEventListener("hashchange", () => {
-    state.reset();
+  }, { signal });
+  window.addEventListener("hashchange", async () => {
+    const law = lawInAddress() ?? laws.own;
     try {
+      if (law !== laws.present) {
+        await laws.choose(law, valuesInAddress());
+        return;
+      }
+      state.reset();
       change(readAddress(state));
     } catch (error) {
       part("status").textContent = error.message;
     }
-  });
-  new ResizeObserver(() => {
+  }, { signal });
+  const resized = new ResizeObserver(() => {
     update();
     tellHeight();
-  }).observe(element);
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update);
+  });
+  resized.observe(element);
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", update, { signal });
+  signal.addEventListener("abort", () => {
+    playing = false;
+    resized.disconnect();
+  });
 
   openTab(source.panel);
   let wrong = null;
   try {
-    state.set(readAddress(state));
+    state.set(values ?? readAddress(state));
   } catch (error) {
     wrong = error;
   }
   resimulate();
   if (wrong !== null) part("status").textContent = `${wrong.message} (in the address)`;
 
-  return makeInterface({ source, state, change, simulated });
+  return makeInterface({ source, state, change, simulated, laws });
 }

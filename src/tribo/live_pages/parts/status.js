@@ -1,7 +1,7 @@
 // The sentence at the top: what a run gives, or why its numbers are not those of an encounter.
 
-function showStatus({ part, source, state, change }, run) {
-  const isChanged = Object.keys(state.changes()).length > 0;
+function showStatus({ part, source, state, change, laws }, run) {
+  const isChanged = Object.keys(state.changes()).length > 0 || laws.present !== laws.own;
   part("title").textContent = source.title + (isChanged ? ", with other values" : "");
   const { code, passed, needed, reached, samples } = run.result;
   const worst = Math.max(run.result.errors[source.names.asperite.indexOf("w1")], run.result.errors[source.names.asperite.length + source.names.asperite.indexOf("w1")]);
