@@ -202,11 +202,17 @@ class Result(RunResult):
         return path
 
     def widget(self) -> Any:
-        """The page as an ``anywidget.AnyWidget`` of a notebook (extra ``notebook``)."""
+        """The page as an ``anywidget.AnyWidget`` of a notebook (extra ``notebook``).
+
+        A notebook that is exported shows the :func:`tribo.live` page of the scene instead, or this
+        page where the scene cannot go into one.
+        """
+        import tribo  # whose public names are found when they are used
         from tribo.viewer.contents import contents
         from tribo.viewer.widget import Player
 
-        return Player({"run": contents(self), "sliders": []})
+        source = {"run": contents(self), "sliders": []}
+        return Player(source, live=lambda: tribo.live(self.scene))
 
 
 def load_result(path: str | Path) -> Result:

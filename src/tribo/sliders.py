@@ -211,12 +211,21 @@ def play(scene: Scene, sliders: Mapping[str, Any]) -> Player:
         Key -> range (low, high), or a list of values: ``{"upper.velocity": (0.1, 2.0)}`` or
         ``{"upper.drive": ["forced", "free"]}``.
 
+    Returns
+    -------
+    anywidget.AnyWidget
+        The page.  A notebook that is exported shows the :func:`live` page with these sliders
+        instead, or the first run where the scene cannot go into one.
+
     Raises
     ------
     InputError
         If a key or a value does not suit the scene, or anywidget is not installed.
     """
+    from tribo.live_pages.page import live
     from tribo.viewer.widget import Player
 
-    playing = Playing(scene, sliders_of(scene, sliders))
-    return Player(playing.source(), playing.run)
+    own = sliders_of(scene, sliders)
+    controls = {each.key: None if each.values else (each.low, each.high) for each in own}
+    playing = Playing(scene, own)
+    return Player(playing.source(), playing.run, lambda: live(scene, controls))

@@ -2,12 +2,13 @@
 
 import re
 from dataclasses import replace
+from html import unescape
 
 import pytest
 
 import tribo
 from support.command import main
-from support.pages import ARGUMENTS, CHROMIUM, held
+from support.pages import ARGUMENTS, CHROMIUM, held, held_in
 from tribo.model.parameters import with_values
 
 # Most bytes of the page of case A.
@@ -48,6 +49,49 @@ def test_command(tmp_path, capsys, monkeypatch):
     scene.save("row.toml")
     assert main(["live", "row.toml"]) == 2
     assert "one on one" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
+
+
+LAWS = {"label": "law", "own": "strong", "values": {"weak": tribo.Coulomb(0.1)}}
+
+
+def test_laws(tmp_path):
+    """Controls offer other potentials, each with its own keys, or are refused in a sentence."""
+    scene = tribo.paper.scene("A")
+    controls = {"interaction": LAWS, "interaction.strength": None, "duration": None}
+    data = held(scene.to_live_html(tmp_path / "a.html", controls))
+    laws = data["laws"]
+    other = laws["sources"]["weak"]
+    assert (laws["label"], laws["own"]) == ("law", "strong")
+    assert [each["value"] for each in data["controls"]] == [0.2, 40.0]
+    assert [each["value"] for each in other["controls"]] == [0.1, 40.0]
+    assert len(other["module"]) > 10_000 and "strength = 0.1" in other["toml"]
+    table = {"values": {"wrong": {"potential": "coulomb", "strengt": 1.0}}}
+    with pytest.raises(tribo.InputError, match=r"controls\.interaction\.wrong.*strengt"):
+        scene.to_live_html(tmp_path / "b.html", {"interaction": table})
+    with pytest.raises(tribo.InputError, match="without the scene's own"):
+        scene.to_live_html(tmp_path / "b.html", {"interaction": LAWS | {"own": "weak"}})
+
+
+def test_exported_widgets():
+    """An exported notebook shows a live page in place of a widget, or the page of the run."""
+    pytest.importorskip("anywidget", reason="needs tribo[notebook]")
+    scene = replace(tribo.paper.scene("A"), duration=1.0)
+    played = tribo.play(scene, {"upper.velocity": (0.1, 2.0), "upper.drive": ["forced", "free"]})
+    for widget in (tribo.simulate(scene).widget(), played):
+        shown = exported(widget)
+        assert "makeProgram" in shown and len(held_in(shown)["module"]) > 10_000
+    velocity, _ = held_in(shown)["controls"]
+    assert (velocity["low"], velocity["high"]) == (0.1, 2.0)
+    played = tribo.play(scene, {"upper.velocity,duration": [[0.5, 1.0], [1.0, 0.5]]})
+    shown = exported(played)  # a live page has no slider of two keys
+    assert "makeProgram" not in shown and held_in(shown)["run"]["title"] in shown
+
+
+def exported(widget):
+    """The page in the frame that stands for a widget."""
+    data, _ = widget._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in data
+    return unescape(re.search(r'srcdoc="([^"]*)"', data["text/html"])[1])
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
@@ -91,9 +135,32 @@ def test_in_a_browser(page):
             tab.wait_for_timeout(50)
         check_accessible(tab)
         check_stopped(browser, page)
+        check_laws(browser, page.with_name("laws.html"), problems)
         browser.close()
     assert problems == []
     assert [url for url in requests if not url.startswith(("data:", "blob:"))] == [requests[0]]
+
+
+def check_laws(browser, path, problems):
+    """Another law gives the numbers of its scene and stands in the address; Reset leaves it."""
+    scene = tribo.paper.scene("A")
+    scene.to_live_html(path, {"interaction": LAWS, "upper.velocity": None})
+    tab = browser.new_page()
+    tab.on("pageerror", lambda error: problems.append(str(error)))
+    tab.goto(path.as_uri() + "#upper.velocity=0.4")
+    tab.wait_for_function("window.tribo")
+    tab.locator("[data-part=law]").select_option("weak")
+    tab.wait_for_function("tribo.law === 'weak'")
+    assert tab.url.endswith("#interaction=weak&upper.velocity=0.4")
+    want = with_values(scene, {"interaction.strength": 0.1, "upper.velocity": 0.4})
+    work = tribo.simulate(want, accuracy=1e-9)["upper"].w1[-1, 0]
+    for _ in range(2):  # as chosen, and from the address
+        assert tab.evaluate("tribo.run().end.upper.w1") == pytest.approx(work, abs=1e-7)
+        tab.reload()
+        tab.wait_for_function("window.tribo")
+    tab.locator("[data-part=reset]").click()
+    tab.wait_for_function("tribo.law === 'strong'")
+    assert tab.evaluate("tribo.values['upper.velocity']") == 0.5 and "#" not in tab.url
 
 
 def check_map(tab):

@@ -13,8 +13,12 @@ ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking",
 
 
 def held(page):
-    """The data in a page."""
-    text = page.read_text(encoding="utf-8")
+    """The data in the file of a page."""
+    return held_in(page.read_text(encoding="utf-8"))
+
+
+def held_in(text):
+    """The data in the text of a page."""
     return json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tribo.live_pages.keys import Key, keys_of, numbers_at
-from tribo.model.parameters import with_values
+from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.scene import Scene
-from tribo.validation import InputError, as_path, is_list, known_keys, must_be, number
+from tribo.validation import InputError, as_path, inside, is_list, known_keys, must_be, number
 
 # Drives that a pair's module has.
 DRIVES = ("forced", "free", "bars")
@@ -72,6 +72,15 @@ class Control:
 
 
 @dataclass(frozen=True)
+class Laws:
+    """Potentials among which a reader can choose: the words for the scene's own, and others."""
+
+    label: str
+    own: str
+    scenes: dict[str, Scene]  # words -> the scene with that potential
+
+
+@dataclass(frozen=True)
 class Controls:
     """All that a reader can change: keys with their numbers, and those that have controls."""
 
@@ -79,6 +88,7 @@ class Controls:
     choices: tuple[Choice, ...]
     shown: tuple[Control, ...]
     words: dict[str, str]
+    laws: Laws | None = None
 
 
 def controls_of(scene: Scene, given: object = None) -> Controls:
@@ -92,10 +102,46 @@ def controls_of(scene: Scene, given: object = None) -> Controls:
     words = {name: str(table.pop(name)) for name in WORDS if name in table}
     if words.get("panel", PANELS[0]) not in PANELS:
         raise must_be("controls.panel", f"one of {', '.join(PANELS)}", words["panel"])
+    laws = _laws(scene, table.pop(INTERACTION, None))
     wanted = table or _usual(scene, keys)
     known = {key.key: key.value for key in keys} | {each.key: each.value for each in choices}
     shown = tuple(_control(scene, known, key, value) for key, value in wanted.items())
-    return Controls(keys, choices, shown, words)
+    return Controls(keys, choices, shown, words, laws)
+
+
+def of_other_law(scene: Scene, given: object) -> dict[str, Any]:
+    """The mapping of controls for the same page with the potential of another scene.
+
+    Parameters that the potential does not have are left out.
+    """
+    table = _table(given)
+    table.pop(INTERACTION, None)
+    known = {key.key for key in keys_of(scene)}
+    return {
+        key: value
+        for key, value in table.items()
+        if not key.startswith(f"{INTERACTION}.") or key in known
+    }
+
+
+def _laws(scene: Scene, given: object) -> Laws | None:
+    """The potentials that a reader can choose.  Raises InputError for one that is none."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        raise must_be("controls.interaction", "a table with `values`", given)
+    table = known_keys(dict(given), ("values", "label", "own"), ("values",))
+    values = table["values"]
+    if not isinstance(values, Mapping) or not values:
+        raise must_be("controls.interaction.values", "potentials by the words for them", values)
+    own = str(table.get("own") or type(scene.interactions[0].potential).__name__)
+    if own in values:
+        raise must_be("controls.interaction.values", "without the scene's own", own)
+    scenes = {}
+    for word, potential in values.items():
+        with inside(f"controls.interaction.{word}"):
+            scenes[str(word)] = with_values(scene, {INTERACTION: potential})
+    return Laws(str(table.get("label") or "law of force"), own, scenes)
 
 
 def _table(given: object) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from tribo.live_pages.source import source_of
 from tribo.model.scene import Scene
 from tribo.simulation import simulate
 from tribo.validation import as_path
+from tribo.viewer.html import frame
 from tribo.viewer.html import part as viewer_part
 
 # The scripts, in the order in which they need one another; those of the viewer first.  A worker has
@@ -21,7 +22,9 @@ from tribo.viewer.html import part as viewer_part
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
 SCRIPTS = (
     *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
-    *("end_panel.js", "starts_panel.js", "files_panel.js", "page.js"),
+    *("end_panel.js", "starts_panel.js", "files_panel.js", "energy_panel.js", "numbers_panel.js"),
+    *("body.js", "controls.js", "tabs.js", "curve_choices.js", "dragging.js", "status.js"),
+    *("interface.js", "laws.js", "page.js"),
 )
 WORKER = ("machine.js",)
 POLICY = (
@@ -49,11 +52,13 @@ PAGE = """\
 "use strict";
 {module}
 const source = JSON.parse(document.getElementById("data").textContent);
-window.tribo = await startPage(document.getElementById("live"), source);
+await startPages(document.getElementById("live"), source);
 </script>
 </body>
 </html>
 """
+# Height of a page in a notebook [pixels].
+FRAME_HEIGHT = 760
 # The stored picture: its size, and the works in it with their colours.
 WIDTH = 720
 HEIGHT = 300
@@ -93,9 +98,11 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
         The values that have sliders, in their order: key -> range (low, high), or None for the
         usual one, or a table with `range` and `label`; beside them "title", "introduction" and
         "questions" in Markdown, and "panel", the panel that is open at first: "End value",
-        "Energy", "Numbers", "Many starts" or "Files".  Or the name of a TOML file with the same.
-        By default the strength of the force, the gap, the velocity, stiffness, masses, length,
-        drive and duration.
+        "Energy", "Numbers", "Many starts" or "Files".  "interaction" offers other potentials: a
+        table whose `values` have potentials by the words for them, and beside it `label` and `own`,
+        the words for the choice and for the scene's own potential.  Or the name of a TOML file
+        with the same.  By default the strength of the force, the gap, the velocity, stiffness,
+        masses, length, drive and duration.
 
     Returns
     -------
@@ -120,11 +127,7 @@ class LivePage:
         self._text = text
 
     def _repr_html_(self) -> str:
-        frame = escape(self._text, quote=True)
-        return (
-            f'<iframe srcdoc="{frame}" title="live page" style="width: 100%; height: 760px; '
-            'border: 0" allow="clipboard-write"></iframe>'
-        )
+        return frame(self._text, "live page", FRAME_HEIGHT)
 
 
 def live(scene: Scene, controls: object = None) -> LivePage:

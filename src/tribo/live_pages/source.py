@@ -14,7 +14,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import inputs, program
 from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
-from tribo.live_pages.controls import PANELS, Controls, controls_of, least
+from tribo.live_pages.controls import PANELS, Controls, controls_of, least, of_other_law
 from tribo.live_pages.keys import numbers_of
 from tribo.live_pages.quantities import OfAsperite, OfSystem
 from tribo.loops.pair import KNOWN, is_pair
@@ -22,7 +22,7 @@ from tribo.model.effects import reason_for
 from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table
-from tribo.validation import InputError
+from tribo.validation import InputError, inside
 from tribo.viewer.contents import subject
 
 # The method of a pair's loop, and the accuracy of a page whose scene names none.
@@ -82,8 +82,23 @@ def _why_not(scene: Scene) -> str:
 
 def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
     """The page of a scene as JSON.  Raises InputError."""
-    layout = check(scene)
+    check(scene)
     controls = controls_of(scene, given)
+    source = _of_one_law(scene, controls)
+    laws = controls.laws
+    if laws is not None:
+        others = {}
+        for word, other in laws.scenes.items():
+            with inside(f"controls.interaction.{word}"):
+                own = controls_of(other, of_other_law(other, given))
+                others[word] = _of_one_law(other, own)
+        source["laws"] = {"label": laws.label, "own": laws.own, "sources": others}
+    return source
+
+
+def _of_one_law(scene: Scene, controls: Controls) -> dict[str, Any]:
+    """The page of a scene with its own potential alone."""
+    layout = check(scene)
     potential = layout.model.contacts[0].potential
     found = _program(scene, layout) | _values(scene, layout, controls)
     return found | {

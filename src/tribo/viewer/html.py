@@ -66,3 +66,11 @@ def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
         module=module(),
         source=reader,
     )
+
+
+def frame(page: str, title: str, height: int) -> str:
+    """A page in a frame of a notebook's cell, `height` pixels high."""
+    return (
+        f'<iframe srcdoc="{escape(page, quote=True)}" title="{title}" style="width: 100%; '
+        f'height: {height}px; border: 0" allow="clipboard-write"></iframe>'
+    )

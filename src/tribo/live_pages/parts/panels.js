@@ -1,4 +1,4 @@
-// The panels beside the drawing: works and energies now, an end value against a control, many starts.
+// Graphs of the panels: bars, curves and maps of end values, histograms; and numbers as text.
 
 const POINTS = 61; // of the end value against a control
 const CELLS = 19; // of a map against two controls, on each side
@@ -48,41 +48,6 @@ function roundUp(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
   return power * [1, 2, 5, 10].find((each) => each * power >= value * 0.999999);
-}
-
-// Changes of all energies since the start, which add up to the work that was put in.
-function energyRows(run, k) {
-  const change = (name) => run.tables.reduce((sum, table) => sum + table[name][k] - table[name][0], 0);
-  const system = tableOf(run.source, run.result, 2);
-  const rows = [
-    { label: "translation", value: change("k_trans"), paint: "wT" },
-    { label: "rotation", value: change("k_swing"), paint: "wL" },
-    { label: "springs", value: change("e_torsion"), paint: "rod" },
-    { label: "contact", value: system.contact_energy[k] - system.contact_energy[0], paint: "w1" },
-  ];
-  rows.push({ label: "sum", value: rows.reduce((sum, { value }) => sum + value, 0), paint: "ink", line: true });
-  rows.push({ label: "work put in", value: system.applied_work[k], paint: "w2" });
-  return rows;
-}
-
-// Powers of a force at its point, and at the velocity of the centre of mass.
-function powerRows(run, surface, k) {
-  const table = run.tables[surface];
-  return [
-    { label: "friction, at the bob", value: table.p1[k], paint: "w1" },
-    { label: "… at centre of mass", value: table.p1_cm[k], paint: "cm" },
-    { label: "drive, at the bar", value: table.p2[k], paint: "w2", line: true },
-    { label: "… at centre of mass", value: table.p2_cm[k], paint: "cm" },
-  ];
-}
-
-function largestOf(run, rowsAt) {
-  let size = 0;
-  const last = run.times.length - 1;
-  for (let k = 0; k <= last; k += Math.max(1, Math.floor(last / 100))) {
-    for (const { value } of rowsAt(k)) size = Math.max(size, Math.abs(value));
-  }
-  return size;
 }
 
 // A graph of points (x, y), joined where the run showed the encounter; others are open circles.

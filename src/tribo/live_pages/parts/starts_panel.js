@@ -2,7 +2,7 @@
 
 const RARE = 0.05; // the part of a sum from which a single run decides it
 
-function makeStartsPanel({ part, source, state, isOpen }) {
+function makeStartsPanel({ part, source, state, isOpen, signal }) {
   let starts = null;
   const gains = [];
   for (const { name } of source.surfaces) part("startsQuantity").add(new Option(`work of friction on ${name}`, name));
@@ -30,6 +30,8 @@ function makeStartsPanel({ part, source, state, isOpen }) {
     starts = null;
     part("more").textContent = "Start";
   }
+
+  signal.addEventListener("abort", stopStarts);
 
   function clearStarts() {
     stopStarts();

@@ -1,5 +1,7 @@
 // The values of the page: the numbers of the module, and the keys that set them.
 
+const LAW = "interaction"; // the key of the law of force
+
 // `numbers` is the state; a key's value follows from the first number that it sets.
 function makeState(source) {
   const initial = floatsOf(source.numbers);
@@ -75,18 +77,23 @@ function makeState(source) {
   };
 }
 
-// Values in the address, as #upper.velocity=0.3&upper.drive=free.
-function readAddress(state) {
-  const found = {};
-  for (const part of decodeURIComponent(window.location.hash.slice(1)).split("&")) {
-    const [key, value] = part.split("=");
-    if (value !== undefined) found[key] = state.choices.has(key) ? value : Number(value);
-  }
-  return found;
+// Values in the address, as #upper.velocity=0.3&upper.drive=free, and the law of force among them.
+function partsOfAddress() {
+  const parts = window.location.hash.slice(1).split("&").map((part) => part.split("=").map(decodeURIComponent));
+  return parts.filter(([, value]) => value !== undefined);
 }
 
-function writeAddress(state) {
-  const parts = Object.entries(state.changes()).map(([key, value]) => `${key}=${value}`);
+const lawInAddress = () => partsOfAddress().find(([key]) => key === LAW)?.[1];
+const valuesInAddress = () => Object.fromEntries(partsOfAddress().filter(([key]) => key !== LAW));
+
+function readAddress(state) {
+  const found = Object.entries(valuesInAddress());
+  return Object.fromEntries(found.map(([key, value]) => [key, state.choices.has(key) ? value : Number(value)]));
+}
+
+function writeAddress(state, laws) {
+  const law = laws.present !== laws.own ? [[LAW, laws.present]] : [];
+  const parts = [...law, ...Object.entries(state.changes())].map(([key, value]) => `${key}=${encodeURIComponent(value)}`);
   const { pathname, search } = window.location;
   try {
     window.history.replaceState(null, "", parts.length ? `#${parts.join("&")}` : pathname + search);

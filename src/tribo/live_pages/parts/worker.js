@@ -6,7 +6,7 @@ const BATCH = 20;
 function startWorker(source, numbers, swings, rows, lengthen) {
   const code = `"use strict";\n${source.script}\n(${workerMain.toString()})();`;
   const worker = new Worker(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
-  worker.postMessage({ source: { ...source, script: "" }, numbers: numbers.slice(), swings, rows, lengthen, batch: BATCH });
+  worker.postMessage({ source: { ...source, script: "", laws: null }, numbers: numbers.slice(), swings, rows, lengthen, batch: BATCH });
   return worker;
 }
 
