@@ -25,6 +25,7 @@ from tribo import (
     Surface,
 )
 from tribo.layout import elastic_body
+from tribo.model.free_edges import Grid, compliance, relaxed
 
 RIGID = Asperite(m1=0.5, m2=0.5, kappa=math.inf)
 
@@ -262,6 +263,63 @@ def test_noise_warms_a_block_on_an_elastic_body():
     assert np.mean(each) / 0.4 == pytest.approx(1.0, abs=0.06)
 
 
+# --- free edges ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("facing", [1.0, -1.0])
+def test_bars_on_a_body_with_edges_have_the_response_to_point_forces(facing):
+    """Boussinesq and Cerruti at distances of several cells, where these are points."""
+    modulus, poisson = 2.0, 0.3
+    grid = Grid((9, 7), (1.0, 1.2), facing)
+    found = compliance(Elastic(modulus, poisson), grid)
+    shear = 2.0 * math.pi * modulus / (1.0 + poisson)
+    along, across = found[:, 8, :, 0], found[:, 54, :, 0]  # at x = 8, and at z = 7.2
+    mixed = facing * 0.5 * (1.0 - 2.0 * poisson) * 2.0 / (shear * 8.0)
+    normal = 2.0 * (1.0 - poisson) / (shear * 8.0)
+    expected = [[2.0 / (shear * 8.0), -mixed], [mixed, normal]]
+    assert np.allclose(along, expected, rtol=2e-3)
+    normal = 2.0 * (1.0 - poisson) / (shear * 7.2)
+    assert np.allclose(np.diag(across), normal, rtol=5e-3)
+    assert np.max(np.abs([across[0, 1], across[1, 0]])) <= 1e-15
+    whole = found.reshape(126, 126)
+    assert np.max(np.abs(whole - whole.T)) <= 1e-15
+    assert np.min(np.linalg.eigvalsh(whole)) > 0.0
+
+
+def test_a_square_punch_has_the_known_stiffness():
+    """2 E* sqrt(area / pi) times 1.012: R. B. King, Int. J. Solids Struct. 23, 1657 (1987)."""
+    stiffness = []
+    for n in (8, 16):
+        normal = compliance(Elastic(0.75, 0.5), Grid((n, n), (1 / n, 1 / n), 1.0))[1, :, 1]
+        stiffness.append(np.sum(np.linalg.inv(normal)))
+    known = 1.012 * 2.0 / math.sqrt(math.pi)
+    errors = np.abs(np.array(stiffness) / known - 1.0)
+    assert errors[1] < 0.04 and errors[1] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("name", ["each", "block"])
+def test_ledger_closes_at_edges(name):
+    given = replace(sliding(DRIVES[name]), periodic=Periodic())
+    result = tribo.simulate(given, method="dop853", accuracy=1e-8)
+    for _, table in tables(result):
+        for law, _, one, other in identities([table]):
+            assert np.max(np.abs(one - other)) <= 1e-7, law
+    own = result["upper"]
+    assert np.max(np.abs(own["f_spring_x"])) > 1e-3
+    for axis in "xy":
+        assert np.max(np.abs(own[f"f_spring_{axis}"].sum(axis=1))) <= 1e-12
+    if name == "each":
+        return
+    # The drive acts where the half-space is far away, and presses harder at the corners.
+    shares = relaxed(Elastic(2.0, 0.3), Grid(SMALL, (1.0, 1.0), 1.0))[1]
+    moved = [own[f"{axis}_bar"] - own[f"{axis}_bar"][0] for axis in "xy"]
+    place = np.einsum("atn,and->td", moved, shares) / 30.0
+    whole = np.array([2.0 * (0.3 * result.t - place[:, 0]), -1.0 - place[:, 1]])
+    drive = np.array([own["f2_x"], own["f2_y"]])
+    assert np.max(np.abs(drive - np.einsum("and,dt->atn", shares, whole) / 30.0)) <= 1e-12
+    assert drive[1, 0, 0] < 1.5 * drive[1, 0, 14] < 0.0
+
+
 # --- the contact of a sphere ---------------------------------------------------------------------
 
 
@@ -359,5 +417,18 @@ def test_files_and_keys_keep_the_body(tmp_path):
 def test_what_is_refused(settings, problem):
     with pytest.raises(InputError, match=problem):
         sliding(**{"drive": Free()} | settings)
-    with pytest.raises(InputError, match="needs periodic"):
-        Scene((body(drive=Free()),), (), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "periodic", "problem"),
+    [
+        ({}, Periodic(x=12 * 0.8), "periodic.z too"),
+        ({"shape": (17, 16)}, Periodic(), "more than 256 bars, got 272"),
+        ({"elastic": Elastic(1.0, 0.3, 2.0)}, Periodic(), "thickness"),
+        ({"shape": (12, 1), "spacing": (0.8, 0.0)}, Periodic(), "upper.spacing"),
+        ({"drive": Free(block=True)}, Periodic(), "needs a load"),
+    ],
+)
+def test_what_is_refused_at_edges(settings, periodic, problem):
+    with pytest.raises(InputError, match=problem):
+        Scene((body(**{"drive": Free()} | settings),), (), 1.0, periodic=periodic)

@@ -31,7 +31,7 @@ from tribo.kernels.blocks import (
     vectors_if_any,
 )
 from tribo.kernels.contact_forces import contact_forces
-from tribo.kernels.elastic import elastic_forces
+from tribo.kernels.elastic import shares_of_bars
 from tribo.kernels.fields import field_forces
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.levers import lever_mass
@@ -220,6 +220,8 @@ def drive_of_block(model, s, i, t, q):
             gy = gy - s.stiffness_y * s.ay
         else:
             gy = gy - s.stiffness_y * coordinates(s.dof_y, s, i, q)
+    if s.elastic_block > 0:
+        gx, gy = shares_of_bars(model.elastic.shares, i, gx, gy)
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
         return gx, gy  # no contact acts on those that fill the last block
     present = block(model.each[rows.PRESENT], i)
@@ -253,7 +255,8 @@ def forces(model, neighbours, t):
         field_forces(model, t)
     clear(model.internal)
     spring_forces(model, model.springs)
-    elastic_forces(model)
+    if model.bodies:
+        call_unit(model.units[rows.ELASTIC_FORCES], (model,))
 
 
 @apart

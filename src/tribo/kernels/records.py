@@ -72,6 +72,9 @@ FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED = range(8)
 # What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
 RIGID_ASPERITES, PENDULUMS = 1, 2
 
+# How the forces of an elastic body are found, see `kernels.elastic`; else 0.
+PAIRS, WAVES = 1, 2
+
 SURFACE = np.dtype(
     [
         ("start", "i8"),  # columns start <= i < stop
@@ -97,12 +100,13 @@ SURFACE = np.dtype(
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("block", "i8"),  # RIGID_ASPERITES, PENDULUMS; the drive's numbers are a bar's share
-        ("elastic_row", "i8"),  # first row of its pairs in `Model.elastic_pairs`; 0 without
-        ("elastic_block", "i8"),  # 1 where the drive acts at the mean displacement of the bars
+        ("elastic", "i8"),  # PAIRS, WAVES; 0 without an elastic body
+        ("elastic_row", "i8"),  # first row of its pairs, or place in the grid, of `Elastic`
+        ("elastic_block", "i8"),  # 1 where the drive acts on the bars by their shares, `Elastic`
         ("stiffness_y", "f8"),  # of the pulling spring along y
         ("damping", "f8"),  # of the damper beside the pulling spring
         ("damping_y", "f8"),  # of the same along y
-        ("ax", "f8"),  # acceleration of a rigid body, or mean displacement of elastic bars, scratch
+        ("ax", "f8"),  # acceleration of a rigid body, or place of an elastic one, scratch
         ("ay", "f8"),
         # Rows of the table of schedules that take the place of these numbers; 0 where none does.
         # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.  Of
@@ -303,6 +307,22 @@ class Calculator(NamedTuple):
     energy: np.ndarray  # (1,) their potential energy
 
 
+class Elastic(NamedTuple):
+    """The elastic bodies under the bars of surfaces, see `kernels.elastic`.
+
+    Grids of many bars follow one another in `grid`, and their waves in `waves`.
+    """
+
+    pairs: np.ndarray  # (rows, 4 LANES) K between few bars, after a row of 0
+    # (4, n) of each bar of a block: what it takes of a drive that is shared alike, xx, xy, yx, yy.
+    shares: np.ndarray
+    columns: np.ndarray  # (bars,) columns of the bars of grids
+    grid: np.ndarray  # (2, bars) scratch: their displacements, or K times these
+    waves: np.ndarray  # (2, 2 waves) scratch: complex numbers, the transforms of these
+    stiffness: np.ndarray  # (3, waves) K_xx, K_yy, K_xy / i
+    calls: np.ndarray  # (2,) addresses of functions that transform the grids, and back
+
+
 class Box(NamedTuple):
     """Lengths of a periodic scene; 0 where it is not."""
 
@@ -418,18 +438,20 @@ class Tables(NamedTuple):
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
 # neighbours, baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads;
-# rigid bodies;
+# rigid and elastic bodies;
 # and of drifts and kicks, which several loops and units share.
 UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
     *("share_contacts", "share_step", "drift", "kick", "join_blocks"),
+    *("elastic_forces", "elastic_energies"),
     *("rates", "powers", "speeds", "encounters", "sample"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
 SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, 15)
-RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(15, len(UNITS))
+ELASTIC_FORCES, ELASTIC_ENERGIES = range(15, 17)
+RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(17, len(UNITS))
 
 
 class Model(NamedTuple):
@@ -466,9 +488,8 @@ class Model(NamedTuple):
     sums: bool  # whether accounts are sums over asperites
     on_bobs: bool  # whether other forces than contact with other surfaces act on bobs
     on_bars: bool  # whether other forces than f2 act on bars
-    elastic: np.ndarray  # (2,) addresses of functions, see `kernels.elastic`; empty without bodies
-    elastic_energy: np.ndarray  # (surfaces,) scratch
-    elastic_pairs: np.ndarray  # (rows, 4 LANES) K between bars, see `kernels.elastic`
+    elastic: Elastic
+    bodies: bool  # whether the bars of any surface stand on an elastic body
     blocks: bool  # whether the bars of any surface are one rigid body, see `kernels.rigid_block`
     species: np.ndarray  # (n,) of each bob, floats; empty where none matters
     pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`

@@ -15,9 +15,9 @@ from tribo.kernels.blocks import (
     halves,
 )
 from tribo.kernels.contact import contact_energy, energy_of_pair
-from tribo.kernels.elastic import elastic_energies
 from tribo.kernels.fields import field_energy
 from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
+from tribo.kernels.records import ELASTIC_ENERGIES
 from tribo.kernels.records import SAMPLE as SAMPLE_UNIT
 from tribo.kernels.springs import spring_energies
 
@@ -196,7 +196,8 @@ def sample_unit(model, neighbours, t, state, record, k, lane):
         for j in range(STORED):
             record.stored[k, m, j] = 0.0
     spring_energies(model, model.springs, record.stored[k], SPRINGS, lane)
-    elastic_energies(model, record.stored[k], SPRINGS)
+    if model.bodies:
+        call_unit(model.units[ELASTIC_ENERGIES], (model, record.stored[k], SPRINGS))
     energies_within(model, neighbours, record.stored[k], lane)
     if not (absent(model.bath) and absent(model.torsional)):
         samples = record.stored[k], record.baths[k], lane

@@ -9,6 +9,7 @@ import numpy as np
 from tribo.kernels.kinematics import rod_position
 from tribo.kernels.records import BARS
 from tribo.kernels.samples import BATH, KINETIC, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
+from tribo.layout.elastic_body import shares_of_edges
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Span
 from tribo.ledger.accounts import APPLIED, EXTERNAL, Account, Integrals, OfAccounts, Part
@@ -143,7 +144,7 @@ class SurfaceSeries(AsperiteSeries):
         return energy
 
     def _energy_of_elastic_pull(self, stage: np.ndarray) -> np.ndarray:
-        """That of the spring at the mean of the bars of a block on an elastic body."""
+        """That of the spring at the place of the elastic body of a block."""
         count = int(self._record.end - self._record.start)
 
         def bar(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
@@ -152,8 +153,14 @@ class SurfaceSeries(AsperiteSeries):
             rise = a.l2 * a.facing * 2.0 * np.sin(0.5 * motion.swing) ** 2
             return motion.x - a.l2 * ty, motion.y - rise
 
-        x = self._total(lambda motion: bar(motion)[0]) / count
-        y = self._total(lambda motion: bar(motion)[1]) / count
+        scene = self._layout.scene
+        shares = shares_of_edges(scene, scene.surfaces[self._index])
+        if shares is None:
+            x = self._total(lambda motion: bar(motion)[0]) / count
+            y = self._total(lambda motion: bar(motion)[1]) / count
+        else:
+            bars = [self.each(lambda motion, axis=axis: bar(motion)[axis]) for axis in (0, 1)]
+            x, y = np.einsum("atn,and->dt", bars, shares) / count
         each = self._record.stiffness * (stage - x) ** 2 + self._record.stiffness_y * y**2
         return np.asarray(0.5 * count * each)
 

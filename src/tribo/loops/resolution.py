@@ -10,7 +10,7 @@ from tribo.integrators.splitting import Splitting
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
-from tribo.layout.elastic_body import stiffnesses
+from tribo.layout.elastic_body import stiffest
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
@@ -52,8 +52,8 @@ def spring_frequency(layout: Layout, members: MemberNumbers | None = None) -> fl
     if springs is not None:
         columns = layout.places.columns
         stiffness += 2.0 * stiffness_at_bars(springs, layout.model.each.shape[1])[columns]
-    for k, (xx, yy, _) in stiffnesses(layout.scene).items():  # both are the trace of each wave's K
-        stiffness = stiffness + (a.surface == k) * float(np.max(xx + yy))
+    for k, of_body in stiffest(layout.scene).items():
+        stiffness = stiffness + (a.surface == k) * of_body
     return float(np.sqrt(np.max(stiffness * _mobility(_constants(layout, members), row.L2))))
 
 

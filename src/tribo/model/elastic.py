@@ -1,9 +1,9 @@
 """The elastic body of a surface: what couples the displacements of its bars beside springs.
 
 Bars of a grid stand on the surface of a half-space, or of a layer on a rigid base.  A force on a
-bar is a traction on its cell of the grid, and displaces all bars.  In Fourier space each wave is
-displaced by itself: along the wave vector q and into the body by a matrix of two rows, across q in
-the surface by one number.
+bar is a traction on its cell of the grid, and displaces all bars.  On a periodic grid each wave is
+displaced by itself in Fourier space: along the wave vector q and into the body by a matrix of two
+rows, across q in the surface by one number.  For grids with edges see `model.free_edges`.
 
 K. L. Johnson, Contact Mechanics (1985), chapter 3, for the half-space; the layer's matrix is the
 solution of Navier's equations for each wave, with the base at rest.
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tribo import validation as check
+from tribo.kernels import records
 from tribo.model.tables import from_table
 from tribo.validation import InputError, must_be
 
@@ -22,6 +23,9 @@ from tribo.validation import InputError, must_be
 DEEP = 40.0
 # Relative difference up to which a period is the length of a grid.
 SAME = 1e-9
+# Most bars of a surface whose forces are sums over all pairs: a step of so many bars takes 0.05 ms
+# with sums.  Those of more bars are found by transforms, which need a periodic grid.
+MOST_OF_PAIRS = 256
 
 
 @dataclass(frozen=True)
@@ -173,20 +177,48 @@ def check_elastic(surface: Any) -> None:
         raise InputError("elastic", "cannot go with the damping of a block; langevin damps bars")
 
 
+def has_free_edges(periodic: Any) -> bool:
+    """Whether the body reaches beyond the grids of a scene with this period."""
+    return periodic.x is None and periodic.z is None
+
+
 def grid_of(surface: Any, periodic: Any) -> tuple[tuple[int, int], tuple[float, float]]:
-    """Numbers of bars along x and z, and their spacings, of the periodic grid on an elastic body.
+    """Numbers of bars along x and z, and their spacings, of the grid on an elastic body.
 
     A single row stands on cells as wide as the period along z.  Raises InputError.
     """
+    name = f"{surface.name}.elastic"
+    if has_free_edges(periodic):
+        _check_free_edges(surface, name)
+        return surface.shape, surface.spacing
     spacings = []
     for n, axis, given in zip(surface.shape, "xz", surface.spacing, strict=True):
         period = getattr(periodic, axis)
         if period is None:
-            problem = f"needs periodic.{axis}, the number of bars along {axis} times their spacing"
-            raise InputError(f"{surface.name}.elastic", problem)
+            other = "x" if axis == "z" else "z"
+            problem = f"needs periodic.{axis} too, beside periodic.{other}; or neither, for edges"
+            raise InputError(name, problem)
         spacing = given if n > 1 else period
         if abs(n * abs(spacing) - period) > SAME * period:
             problem = f"needs periodic.{axis} = {n * abs(spacing):g}, {n} times the spacing of bars"
-            raise InputError(f"{surface.name}.elastic", f"{problem}, got {period:g}")
+            raise InputError(name, f"{problem}, got {period:g}")
         spacings.append(spacing)
     return surface.shape, (spacings[0], spacings[1])
+
+
+def _check_free_edges(surface: Any, name: str) -> None:
+    """Refuse what has no stiffness on a body that reaches beyond the grid."""
+    if surface.elastic.thickness is not None:
+        problem = "a layer needs periodic.x and periodic.z, the lengths of the grid; a half-space "
+        raise InputError(f"{name}.thickness", problem + "may have edges")
+    if surface.count > MOST_OF_PAIRS:
+        problem = f"needs periodic.x and periodic.z for more than {MOST_OF_PAIRS} bars"
+        raise InputError(name, f"{problem}, got {surface.count}")
+    if 0.0 in surface.spacing:
+        problem = "must not be 0 along x or z on an elastic body with edges, even of a single row"
+        raise InputError(f"{surface.name}.spacing", f"{problem}, got {list(surface.spacing)}")
+    drive = surface.drive
+    cancels = drive.load is None or drive.law == records.FORCED
+    if drive.block and cancels:
+        problem = "needs a load where its elastic body has edges, and cannot be forced"
+        raise InputError(f"{surface.name}.drive", problem)

@@ -29,9 +29,11 @@ from tribo.kernels import (
     samples,
     user_forces,
 )
+from tribo.kernels import elastic as body
 from tribo.kernels.records import Box, Contacts, Customs, Fields, Model, Tables
 from tribo.kernels.samples import State
 from tribo.layout.contacts import NO_NEIGHBOURS
+from tribo.layout.elastic_body import NO_BODIES
 from tribo.model.identity import plugins_of
 from tribo.model.scene import Scene
 from tribo.plugins.compile_errors import compiling_units
@@ -55,15 +57,13 @@ def model_of(
     listed: bool = False,
     team: Team | None = None,
     times_in_lanes: bool = False,
-    elastic: np.ndarray | None = None,
-    elastic_pairs: np.ndarray | None = None,
+    elastic: records.Elastic = NO_BODIES,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
     Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
     given the time as Lanes where members have `times_in_lanes`.  There are lists of neighbours if
-    it is `listed`.  `elastic` are the addresses that elastic bodies will have, and `elastic_pairs`
-    the stiffness between bars of those that have few.  Raises InputError.
+    it is `listed`.  Raises InputError.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -89,9 +89,8 @@ def model_of(
         on_bobs=any(scratch[name].size for name in ("inner", "external")),
         on_bars=any(scratch[name].size for name in ("internal", "friction", "left", "right")),
         species=room((0,)) if tables.species is None else tables.species,
-        elastic=np.zeros(0, np.int64) if elastic is None else elastic,
-        elastic_energy=room((len(tables.surfaces),)),
-        elastic_pairs=room((1, 0)) if elastic_pairs is None else elastic_pairs,
+        elastic=elastic,
+        bodies=bool(np.any(tables.surfaces.elastic > 0)),
         blocks=bool(np.any(tables.surfaces.block > 0)),
         pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
         box=tables.box or Box(0.0, 0.0),
@@ -153,6 +152,8 @@ class Units:
                 (time, VECTOR, VECTOR, VECTOR),
             ),
             records.JOIN_BLOCKS: (model.blocks, rigid_block.join_blocks, (time, VECTOR, VECTOR)),
+            records.ELASTIC_FORCES: (model.bodies, body.elastic_forces, ()),
+            records.ELASTIC_ENERGIES: (model.bodies, body.elastic_energies, (TABLE, types.int64)),
             records.SHARE_CONTACTS: (
                 model.team.counters.size > 0,
                 contact_forces.share_contacts,

@@ -17,7 +17,7 @@ from tribo.compiler.pointers import map_arrays
 from tribo.compiler.unit_errors import raising
 from tribo.kernels.records import Model
 from tribo.layout import contacts
-from tribo.layout.elastic_body import ElasticBodies, pairs_of, sums_over_pairs
+from tribo.layout.elastic_body import ElasticBodies, bodies_of
 from tribo.layout.layout import Layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
@@ -42,19 +42,13 @@ def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
         tables = tables._replace(calculators=calculators)
     team = None if tables.team is None else new_team(layout.scene, tables)
     listed = layout.rows > 0
-    elastic = [surface for surface in layout.scene.surfaces if surface.elastic is not None]
-    if not elastic:
+    if all(surface.elastic is None for surface in layout.scene.surfaces):
         return model_of(layout.scene, tables, listed, team), calls
     columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
-    pairs = pairs_of(layout.scene, tables.surfaces, columns)
-    if all(map(sums_over_pairs, elastic)):
-        return model_of(layout.scene, tables, listed, team, elastic_pairs=pairs), calls
-    addresses = np.zeros(2, np.int64)
-    model = model_of(layout.scene, tables, listed, team, elastic=addresses, elastic_pairs=pairs)
-    arrays = model.displaced, model.internal, model.elastic_energy
-    bodies = ElasticBodies(layout.scene, model.surfaces, columns, *arrays)
-    addresses[:] = bodies.addresses
-    return model, (*calls, bodies)
+    elastic = bodies_of(layout.scene, tables.surfaces, columns, tables.each.shape[1])
+    if elastic.columns.size > 0:
+        calls = (*calls, ElasticBodies(layout.scene, elastic))
+    return model_of(layout.scene, tables, listed, team, elastic=elastic), calls
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
