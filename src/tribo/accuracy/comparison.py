@@ -69,9 +69,9 @@ PERTURBATION = 1e-11
 # The same where the former grows to DIVERGED, which hides how much smaller ones grow: some hundred
 # roundings.  The growth of one rounding of the start, which all runs share, follows from it.
 TINY_PERTURBATION = 1e-13
-# A growth that is also measured by a larger change: runs whose steps differ by chance, as those of a
-# pendulum that swings a million times, are apart by a part of their errors, however small the
-# change is.  That of 2,000,000 swings was 1.7e-3, and was taken for a growth by 1.7e8.
+# A growth that is also measured by a larger change: runs whose steps differ by chance are apart by a
+# part of their errors, however small the change is.  Over 4e6 radians of a free pendulum that was
+# 1.7e-3, and was taken for a growth by 1.7e8.
 LARGE_GROWTH = 1e6
 LARGE_PERTURBATION = 1e-7
 # Energies that follow from the state, and change with any angle and rate; their rounding is known.
