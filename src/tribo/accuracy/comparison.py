@@ -69,11 +69,11 @@ PERTURBATION = 1e-11
 # The same where the former grows to DIVERGED, which hides how much smaller ones grow: some hundred
 # roundings.  The growth of one rounding of the start, which all runs share, follows from it.
 TINY_PERTURBATION = 1e-13
-# A growth that is also measured by a larger change: runs whose steps differ by chance are apart by a
-# part of their errors, however small the change is.  Over 4e6 radians of a free pendulum that was
-# 1.7e-3, and was taken for a growth by 1.7e8.
+# A growth that is also measured by larger changes, of which the first counts that does not grow to
+# DIVERGED: runs whose steps differ by chance are apart by a part of their errors, however small the
+# change is.  Over 4e6 radians of a free pendulum that was 1.7e-3, taken for a growth by 1.7e8.
 LARGE_GROWTH = 1e6
-LARGE_PERTURBATION = 1e-7
+LARGE_PERTURBATIONS = 1e-4, 1e-7
 # Energies that follow from the state, and change with any angle and rate; their rounding is known.
 ENERGIES = {
     name
@@ -251,12 +251,12 @@ def measure_amplification(
         apart = grown(TINY_PERTURBATION)
         return None if apart is None else apart / TINY_PERTURBATION
     growth = apart / PERTURBATION
-    if growth >= LARGE_GROWTH:
-        farther = grown(LARGE_PERTURBATION)
+    for change in LARGE_PERTURBATIONS if growth >= LARGE_GROWTH else ():
+        farther = grown(change)
         if farther is None:
             return None
         if farther < DIVERGED:
-            growth = min(growth, farther / LARGE_PERTURBATION)
+            return min(growth, farther / change)
     return growth
 
 
