@@ -1,6 +1,5 @@
 """Plug-ins that raise an error while they run: no run goes on without their numbers."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import pytest
@@ -48,15 +47,7 @@ def members(scene):
     tribo.ensemble(scene, 2, {"upper.theta": [[0.0], [0.1]]}, keep=["upper.W"], **HOW)
 
 
-def assistants(scene):
-    wide = [replace(each, shape=(64, 1)) for each in scene.surfaces]
-    tribo.simulate(replace(scene, surfaces=wide), threads=2, **HOW)
-
-
-CALLS = [single, with_accuracy, members, pytest.param(assistants, marks=pytest.mark.slow)]
-
-
-@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("call", [single, with_accuracy, members])
 def test_an_error_of_a_plugin_ends_the_run(call, capfd):
     """It is raised where the run was called, and printed nowhere; other distances are computed."""
     call(scene(wall=0.3))
