@@ -206,6 +206,20 @@ def test_transforms_give_the_sums_over_pairs(shape, monkeypatch):
         assert np.max(np.abs(pairs[name] - transforms[name])) <= 1e-13, name
 
 
+def test_runs_with_transforms_continue_and_do_not_depend_on_threads(monkeypatch):
+    monkeypatch.setattr(elastic_body, "MOST_OF_PAIRS", 0)
+    given = sliding(DRIVES["block"])
+    runs = [
+        tribo.simulate(given, method="verlet", step=0.025, threads=count)["upper"]["x_bar"]
+        for count in (1, 2)
+    ]
+    assert np.array_equal(*runs)
+    half = replace(given, duration=1.0, output=Output(samples=5))
+    middle = tribo.simulate(half, method="verlet", step=0.025)
+    after = tribo.simulate(given, method="verlet", step=0.025, start=middle.state())
+    assert np.max(np.abs(after["upper"]["x_bar"][-1] - runs[0][-1])) <= 1e-12
+
+
 def test_the_spring_of_a_block_acts_at_the_mean_of_its_bars():
     result = tribo.simulate(sliding(DRIVES["block"]), method="dop853", accuracy=1e-8)
     own = result["upper"]

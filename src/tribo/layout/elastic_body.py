@@ -215,7 +215,7 @@ class ElasticBodies:
 def _transforms() -> tuple[Any, Any]:
     """Functions of grids (2, nz, nx) and waves (2, nz, nx // 2 + 1): from one to the other, back.
 
-    Those of ducc0, if it is installed, else those of scipy, which take twice the time; they agree
+    Those of ducc0, if it is installed, else those of scipy, which are slower; they agree
     to round-off.  Both leave alone what they transform.
     """
     try:

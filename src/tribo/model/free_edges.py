@@ -43,9 +43,9 @@ def relaxed(body: Any, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
 def compliance(body: Any, grid: Grid) -> np.ndarray:
     """Displacements of all bars by unit forces on all bars, (2, n, 2, n) [length / force]."""
     (nx, nz), (ax, az) = grid.counts, grid.spacing
-    z, x = np.unravel_index(np.arange(nx * nz), (nz, nx))
-    x = (x[:, None] - x) * ax
-    z = (z[:, None] - z) * az
+    row, column = np.unravel_index(np.arange(nx * nz), (nz, nx))
+    x = (column[:, None] - column) * ax
+    z = (row[:, None] - row) * az
     poisson = body.poisson
     scale = (1.0 + poisson) / (np.pi * body.modulus * abs(ax * az))
     along, across, ahead = (_over_cell(each, x, z, abs(ax), abs(az)) for each in INTEGRALS)
