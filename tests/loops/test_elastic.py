@@ -1,6 +1,7 @@
 """Elastic bodies: Green's functions, energy, waves, and the contact of a sphere."""
 
 import math
+import sys
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -189,9 +190,14 @@ def test_ledger_closes_with_the_energy_of_the_body(name):
         assert np.max(np.abs(own[f"f_spring_{axis}"][-1] + force[k])) <= 1e-12
 
 
+@pytest.mark.parametrize("library", ["ducc0", "scipy"])
 @pytest.mark.parametrize("shape", [(6, 5), (5, 6), (30, 1)])
-def test_transforms_give_the_sums_over_pairs(shape, monkeypatch):
+def test_transforms_give_the_sums_over_pairs(shape, library, monkeypatch):
     """With bars in another order than their columns, and for even and odd numbers of them."""
+    if library == "ducc0":
+        pytest.importorskip("ducc0")
+    else:
+        monkeypatch.setitem(sys.modules, "ducc0", None)
     drawn = np.random.default_rng(0).uniform(0.0, 0.1, 30)
     drive = DRIVES["block"]
     upper = body(shape=shape, spacing=(1.0, 1.0), drive=drive, initial=Initial(x=drawn))
