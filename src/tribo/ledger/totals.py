@@ -159,8 +159,9 @@ class SurfaceSeries(AsperiteSeries):
             x = self._total(lambda motion: bar(motion)[0]) / count
             y = self._total(lambda motion: bar(motion)[1]) / count
         else:
-            bars = self.each(lambda motion: bar(motion)[0]), self.each(lambda motion: bar(motion)[1])
-            x, y = np.einsum("atn,and->dt", bars, shares) / count
+            along = self.each(lambda motion: bar(motion)[0])
+            upward = self.each(lambda motion: bar(motion)[1])
+            x, y = np.einsum("atn,and->dt", (along, upward), shares) / count
         each = self._record.stiffness * (stage - x) ** 2 + self._record.stiffness_y * y**2
         return np.asarray(0.5 * count * each)
 
