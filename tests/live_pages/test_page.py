@@ -65,8 +65,8 @@ def test_laws(tmp_path):
     assert [each["value"] for each in data["controls"]] == [0.2, 40.0]
     assert [each["value"] for each in other["controls"]] == [0.1, 40.0]
     assert len(other["module"]) > 10_000 and "strength = 0.1" in other["toml"]
-    table = {"values": {"wrong": {"potential": "coulomb", "strengt": 1.0}}}
-    with pytest.raises(tribo.InputError, match=r"controls\.interaction\.wrong.*strengt"):
+    table = {"values": {"wrong": {"potential": "coulomb", "depth_of_all": 1.0}}}
+    with pytest.raises(tribo.InputError, match=r"controls\.interaction\.wrong.*depth_of_all"):
         scene.to_live_html(tmp_path / "b.html", {"interaction": table})
     with pytest.raises(tribo.InputError, match="without the scene's own"):
         scene.to_live_html(tmp_path / "b.html", {"interaction": LAWS | {"own": "weak"}})
