@@ -282,7 +282,7 @@ def test_what_a_part_of_a_scene_is_is_declared_by_its_class():
 
 def test_tests_use_public_names_where_there_are_some():
     """tools/internals.py says which name takes the place of another."""
-    tool = runpy.run_path(str(ROOT.parents[1] / "tools" / "internals.py"))
+    tool = runpy.run_path(str(Path(__file__).parents[1] / "tools" / "internals.py"))
     found = {
         path.name: names
         for path in sorted(Path(__file__).parent.rglob("test_*.py"))
