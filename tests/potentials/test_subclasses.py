@@ -18,6 +18,7 @@ from tribo import (
     Surface,
 )
 from tribo.export import to_lammps
+from tribo.model.fields import curvature_of, period_of
 from tribo.potentials import as_potential
 
 
@@ -168,6 +169,18 @@ class Sloped(Corrugation):
 
     def energy_at(self, x, y):
         return self.amplitude * np.cos(2.0 * x) * y
+
+
+class Named(Corrugation):
+    """The built-in field under another name."""
+
+
+def test_a_period_is_that_of_the_energy():
+    """A class with another energy does not inherit its parent's period and curvature."""
+    own, same = (Field(each, on=["a"]).potential for each in (Sloped(0.3, 1.5), Named(0.3, 1.5)))
+    assert (period_of(own), curvature_of(own)) == (None, 0.0)
+    assert period_of(same) == 1.5
+    assert curvature_of(same) == Corrugation(0.3, 1.5).largest_curvature()
 
 
 def test_forces_of_fields_are_those_of_their_energies():

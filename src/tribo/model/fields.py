@@ -62,12 +62,25 @@ class Corrugation(NamedTuple):
 
 def period_of(potential: Any) -> float | None:
     """The period of a field along x, if its class has ``period_along_x(self)``."""
-    return potential.period_along_x() if hasattr(potential, "period_along_x") else None
+    return potential.period_along_x() if _is_of_its_energy(potential, "period_along_x") else None
 
 
 def curvature_of(potential: Any) -> float:
     """The largest curvature, if the field's class has ``largest_curvature(self)``; else 0."""
-    return potential.largest_curvature() if hasattr(potential, "largest_curvature") else 0.0
+    declared = _is_of_its_energy(potential, "largest_curvature")
+    return potential.largest_curvature() if declared else 0.0
+
+
+def _is_of_its_energy(potential: Any, name: str) -> bool:
+    """Whether a field has a method, and not from a parent of the class that defines its energy."""
+    for cls in type(potential).__mro__:
+        if "made_by" in vars(cls):  # a class of ours, with all that its parent has
+            continue
+        if name in vars(cls):
+            return True
+        if "energy_at" in vars(cls):
+            return False
+    return False
 
 
 def _complex_step(self, x, y):  # type: ignore[no-untyped-def]
