@@ -169,11 +169,8 @@ DRIVES = {
 }
 
 
-@pytest.mark.parametrize("name", DRIVES)
-def test_ledger_closes_with_the_energy_of_the_body(name):
-    pendulums = Asperite(m1=0.5, m2=0.8, length=0.5)
-    given = sliding(DRIVES[name], asperite=pendulums)
-    result = tribo.simulate(given, method="dop853", accuracy=1e-8)
+def check_ledger(result):
+    """All identities hold, and the forces of the body, which act, have no sum."""
     for _, table in tables(result):
         for law, _, one, other in identities([table]):
             assert np.max(np.abs(one - other)) <= 1e-7, law
@@ -181,6 +178,15 @@ def test_ledger_closes_with_the_energy_of_the_body(name):
     assert np.max(np.abs(own["f_spring_x"])) > 1e-3
     for axis in "xy":
         assert np.max(np.abs(own[f"f_spring_{axis}"].sum(axis=1))) <= 1e-12
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_ledger_closes_with_the_energy_of_the_body(name):
+    pendulums = Asperite(m1=0.5, m2=0.8, length=0.5)
+    given = sliding(DRIVES[name], asperite=pendulums)
+    result = tribo.simulate(given, method="dop853", accuracy=1e-8)
+    own = result["upper"]
+    check_ledger(result)
     # The forces are -K u, and the body's energy u . K u / 2.
     xx, yy, xy = Elastic(2.0, 0.3).stiffness(SMALL, (1.0, 1.0), 1.0)
     u = np.array([own[f"{axis}_bar"][-1] - own[f"{axis}_bar"][0] for axis in "xy"])
@@ -321,13 +327,8 @@ def test_a_square_punch_has_the_known_stiffness():
 def test_ledger_closes_at_edges(name):
     given = replace(sliding(DRIVES[name]), periodic=Periodic())
     result = tribo.simulate(given, method="dop853", accuracy=1e-8)
-    for _, table in tables(result):
-        for law, _, one, other in identities([table]):
-            assert np.max(np.abs(one - other)) <= 1e-7, law
     own = result["upper"]
-    assert np.max(np.abs(own["f_spring_x"])) > 1e-3
-    for axis in "xy":
-        assert np.max(np.abs(own[f"f_spring_{axis}"].sum(axis=1))) <= 1e-12
+    check_ledger(result)
     if name == "each":
         return
     # The drive acts where the half-space is far away, and presses harder at the corners.

@@ -7,7 +7,7 @@ function makeInterface({ source, state, change, simulated, laws }) {
     // Values by their keys, as those of --set.
     get values() { return state.all(); },
     set(values) { change(values); },
-    // The law of force by its name; the page begins anew with it.
+    // The law of force by its name; the page starts again with it.
     get law() { return laws.present; },
     async choose(name) { await laws.choose(name); },
     // A run with other values; the page stays as it is.

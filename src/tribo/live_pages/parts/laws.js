@@ -1,5 +1,5 @@
-// Laws of force that a page offers beside that of its file: each has a module of its own, with
-// which the page begins anew.
+// Laws of force that a page offers beside that of its file: each has a module of its own.  The
+// page starts again when another one is chosen.
 
 // `window.tribo` is the interface of the page with the present law.
 async function startPages(element, source) {
