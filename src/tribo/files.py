@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
@@ -17,6 +16,7 @@ from tribo.system import longest_name, replace
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
+    import netCDF4
     import xarray
 
 
@@ -65,6 +65,8 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
 
 # The ending of names of NetCDF files.
 NETCDF = ".nc"
+# The memory that a NetCDF file in memory has at first.
+FIRST_BYTES = 2**16
 # What follows the name of a file while it is written; the longest such addition to a name.
 NEW = ".part.new"
 
@@ -89,27 +91,77 @@ def replace_file(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
-def write_netcdf(data: xarray.Dataset, file: Path | BinaryIO, **how: Any) -> None:
+def write_netcdf(data: xarray.Dataset, path: Path, **how: Any) -> None:
     """Write a data set as NetCDF; `how` are `encoding` and `unlimited_dims` of xarray.
 
-    ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
-    for it without end, and no cluster knows a file in memory.  h5py has the lock that HDF5 needs.
+    Raises OSError.
     """
-    from xarray.backends import H5NetCDFStore
+    import netCDF4
 
-    name = file if isinstance(file, io.IOBase) else str(file)
-    store = H5NetCDFStore.open(name, mode="w", lock=False)
     try:
-        data.dump_to_store(store, **how)
-    finally:
-        store.close()
+        _dump(data, netCDF4.Dataset(path, mode="w"), how)
+    except RuntimeError as error:  # of the NetCDF library, as where a disk is full
+        raise OSError(str(error)) from None
 
 
 def netcdf_image(data: xarray.Dataset) -> bytes:
     """The bytes of a NetCDF file with a data set."""
-    image = io.BytesIO()
-    write_netcdf(data, image)
-    return image.getvalue()
+    import netCDF4
+
+    return bytes(_dump(data, netCDF4.Dataset("image", mode="w", memory=FIRST_BYTES), {}))
+
+
+def _dump(data: xarray.Dataset, file: netCDF4.Dataset, how: dict[str, Any]) -> memoryview:
+    """Write a data set into an open file, and close it; the content of a file in memory.
+
+    ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
+    for it without end, and no cluster knows a file in memory.
+    """
+    from xarray.backends import NetCDF4DataStore
+
+    try:
+        data.dump_to_store(NetCDF4DataStore(file), **how)
+    finally:
+        content = file.close()
+    return content
+
+
+def netcdf_in(image: bytes) -> xarray.Dataset:
+    """The data set in the bytes of a NetCDF file.  A damaged file may raise anything."""
+    import netCDF4
+    import xarray
+    from xarray.backends import NetCDF4DataStore
+
+    return xarray.load_dataset(NetCDF4DataStore(netCDF4.Dataset("image", memory=image)))
+
+
+def netcdf_attributes(path: str | Path, image: bytes | None = None) -> dict[str, Any]:
+    """The attributes of a NetCDF file, whose bytes may be given.  Raises OSError."""
+    import netCDF4
+
+    with netCDF4.Dataset(path, memory=image) as file:
+        return dict(file.__dict__)
+
+
+def append_netcdf(path: Path, data: xarray.Dataset, dimension: str, first: int) -> None:
+    """Append to the variables of a file along its unlimited dimension, at an index.
+
+    Texts are letters of a fixed number in the file.  Raises OSError.
+    """
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path, mode="a") as file:
+            file.set_auto_chartostring(False)
+            for name, variable in data.variables.items():
+                if variable.dims[:1] == (dimension,):
+                    array = file.variables[str(name)]
+                    values = variable.values
+                    if values.dtype.kind == "U":
+                        values = netCDF4.stringtochar(values.astype(f"S{array.shape[1]}"))
+                    array[first : first + len(variable)] = values
+    except RuntimeError as error:
+        raise OSError(str(error)) from None
 
 
 def read_file(path: Path) -> bytes:

@@ -117,7 +117,7 @@ def rewritten_results(folder):
     """A result that another program has written again, without a seal."""
     path, read = results(folder)
     data = xarray.load_dataset(path)
-    data.to_netcdf(path, engine="h5netcdf")
+    data.to_netcdf(path)
     return path, read
 
 

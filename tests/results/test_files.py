@@ -243,7 +243,7 @@ def written_by_xarray(source, target):
     """A file that xarray has read and written, with the variables compressed."""
     data = xarray.load_dataset(source)
     packed = {name: {"zlib": True} for name, each in data.variables.items() if each.ndim}
-    data.to_netcdf(target, engine="h5netcdf", encoding=packed)
+    data.to_netcdf(target, encoding=packed)
 
 
 REWRITE = {
