@@ -9,7 +9,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 from tribo import system
 from tribo.system import longest_name, replace
@@ -91,55 +91,71 @@ def replace_file(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
+@contextmanager
+def netcdf_file(
+    path: str | Path, mode: Literal["r", "w", "a"] = "r", memory: int | bytes | None = None
+) -> Iterator[netCDF4.Dataset]:
+    """An open NetCDF file, on disk or in memory: a size to write, or bytes to read.
+
+    The NetCDF library is not made for threads: one has it at a time, by the lock that xarray has
+    for what it reads later.  Raises OSError.
+    """
+    import netCDF4
+    from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
+
+    with NETCDF4_PYTHON_LOCK:
+        try:
+            file = netCDF4.Dataset(path, mode, memory=memory)
+            try:
+                yield file
+            finally:
+                if file.isopen():
+                    file.close()
+        except RuntimeError as error:  # of the NetCDF library, as where a disk is full
+            raise OSError(str(error)) from None
+
+
 def write_netcdf(data: xarray.Dataset, path: Path, **how: Any) -> None:
     """Write a data set as NetCDF; `how` are `encoding` and `unlimited_dims` of xarray.
 
     Raises OSError.
     """
-    import netCDF4
-
-    try:
-        _dump(data, netCDF4.Dataset(path, mode="w"), how)
-    except RuntimeError as error:  # of the NetCDF library, as where a disk is full
-        raise OSError(str(error)) from None
+    with netcdf_file(path, "w") as file:
+        _dump(data, file, **how)
 
 
 def netcdf_image(data: xarray.Dataset) -> bytes:
     """The bytes of a NetCDF file with a data set."""
-    import netCDF4
+    with netcdf_file("image", "w", FIRST_BYTES) as file:
+        _dump(data, file)
+        return bytes(file.close())
 
-    return bytes(_dump(data, netCDF4.Dataset("image", mode="w", memory=FIRST_BYTES), {}))
 
-
-def _dump(data: xarray.Dataset, file: netCDF4.Dataset, how: dict[str, Any]) -> memoryview:
-    """Write a data set into an open file, and close it; the content of a file in memory.
+def _dump(data: xarray.Dataset, file: netCDF4.Dataset, **how: Any) -> None:
+    """Write a data set into an open file.
 
     ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
     for it without end, and no cluster knows a file in memory.
     """
     from xarray.backends import NetCDF4DataStore
 
-    try:
-        data.dump_to_store(NetCDF4DataStore(file), **how)
-    finally:
-        content = file.close()
-    return content
+    data.dump_to_store(NetCDF4DataStore(file, lock=False), **how)
 
 
 def netcdf_in(image: bytes) -> xarray.Dataset:
     """The data set in the bytes of a NetCDF file.  A damaged file may raise anything."""
-    import netCDF4
     import xarray
     from xarray.backends import NetCDF4DataStore
 
-    return xarray.load_dataset(NetCDF4DataStore(netCDF4.Dataset("image", memory=image)))
+    with netcdf_file("image", memory=image) as file:
+        data = xarray.open_dataset(NetCDF4DataStore(file, lock=False)).load()
+        data.set_close(None)  # the file is closed here
+    return data
 
 
 def netcdf_attributes(path: str | Path, image: bytes | None = None) -> dict[str, Any]:
     """The attributes of a NetCDF file, whose bytes may be given.  Raises OSError."""
-    import netCDF4
-
-    with netCDF4.Dataset(path, memory=image) as file:
+    with netcdf_file(path, memory=image) as file:
         return dict(file.__dict__)
 
 
@@ -150,18 +166,15 @@ def append_netcdf(path: Path, data: xarray.Dataset, dimension: str, first: int) 
     """
     import netCDF4
 
-    try:
-        with netCDF4.Dataset(path, mode="a") as file:
-            file.set_auto_chartostring(False)
-            for name, variable in data.variables.items():
-                if variable.dims[:1] == (dimension,):
-                    array = file.variables[str(name)]
-                    values = variable.values
-                    if values.dtype.kind == "U":
-                        values = netCDF4.stringtochar(values.astype(f"S{array.shape[1]}"))
-                    array[first : first + len(variable)] = values
-    except RuntimeError as error:
-        raise OSError(str(error)) from None
+    with netcdf_file(path, "a") as file:
+        file.set_auto_chartostring(False)
+        for name, variable in data.variables.items():
+            if variable.dims[:1] == (dimension,):
+                array = file.variables[str(name)]
+                values = variable.values
+                if values.dtype.kind == "U":
+                    values = netCDF4.stringtochar(values.astype(f"S{array.shape[1]}"))
+                array[first : first + len(variable)] = values
 
 
 def read_file(path: Path) -> bytes:

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -194,6 +195,21 @@ def test_damage_is_found_before_a_library_reads(tmp_path, monkeypatch):
         with pytest.raises(InputError, match="cannot be read: it is damaged"):
             seals.is_sealed(io.BytesIO(damaged), str(path))
     assert seals.is_sealed(io.BytesIO(content), str(path))
+
+
+def test_threads_save_and_load_side_by_side(tmp_path):
+    """The NetCDF library is not made for threads: without a lock the process crashes."""
+    result = tribo.simulate(pair(), accuracy=1e-4)
+
+    def again(name):
+        for _ in range(2):
+            result.save(tmp_path / name)
+            if not same_end(result, tribo.load_result(tmp_path / name)):
+                return False
+        return True
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(again, [f"{k}.nc" for k in range(4)]))
 
 
 def named(name):
