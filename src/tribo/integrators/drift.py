@@ -173,7 +173,8 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
         swing, twists = drift_clamped(model, s, i, now - tau, tau, q, v, turn)
     x = move(s.dof_x, s, i, tau, q, v)
     y = move(s.dof_y, s, i, tau, q, v)
-    place_block(model, s, i, now, swing, x, y)
+    # No splitting method takes blocks that tilt, whose bars' angles have a part in places.
+    place_block(model, s, i, now, swing, zero, x, y)
     # Works come last, since the next forces do not wait for them.
     if s.acc_ends >= 0 and s.fixed == 0:
         add_end_works(model, s, i, twists, now - tau, tau, v, accounts)

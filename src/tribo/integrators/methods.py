@@ -28,12 +28,17 @@ _NEGATIVE_SUBSTEPS = dict.fromkeys(
 )
 _BLOCK_VELOCITIES = {
     "block of pendulums": _POSITIONS_ONLY + "pendulums pull at their block by the squares of rates",
+    "tilting block": _POSITIONS_ONLY + "bars pull at a block that turns by the square of its rate",
     "damped block": _POSITIONS_ONLY + "the dampers of a block depend on velocities",
 }
 _BLOCK_IN_DRIFTS = {
     "block of pendulums": (
         "lets pendulums swing one by one in its drifts; those of a block are coupled by it: "
         '"gauss-radau-15" and "dop853" integrate them, and any method does with kappa = inf'
+    ),
+    "tilting block": (
+        "moves coordinates one by one in its drifts; those of a block that turns are coupled: "
+        '"gauss-radau-15" and "dop853" integrate them'
     ),
     "damped block": "has no dampers of blocks; langevin damps their bars",
 }

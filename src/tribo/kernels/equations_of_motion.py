@@ -12,6 +12,12 @@ from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
+from tribo.kernels.arms import (
+    accelerations_of_bars,
+    turned_arms,
+    with_tilting,
+    with_turned_arms,
+)
 from tribo.kernels.blocks import (
     absent,
     active_of,
@@ -69,12 +75,13 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 
 
 @inlined
-def place_block(model, s, i, t, swing, x, y):
+def place_block(model, s, i, t, swing, phi, x, y):
     """Set positions and directions of a block of bobs, and clear their contact forces."""
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, constant(model, rows.L2, s, i), sin, versine)
+    x, y = with_turned_arms(model, s, i, phi, x, y)
     x = block(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
     y = block(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
     x, y = rod_position(x, y, constant(model, rows.L1, s, i), tx, ty)
@@ -88,8 +95,7 @@ def place_bobs(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            swing, _, x, y = all_coordinates(s, i, q)
-            place_block(model, s, i, t, swing, x, y)
+            place_block(model, s, i, t, *all_coordinates(s, i, q))
 
 
 @inlined
@@ -97,6 +103,7 @@ def velocities_of_bars(model, s, i, v):
     """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
     vx = coordinates(s.dof_x, s, i, v)
     vy = coordinates(s.dof_y, s, i, v)
+    vx, vy = with_tilting(model, s, i, coordinates(s.dof_phi, s, i, v), vx, vy)
     l2 = constant(model, rows.L2, s, i)
     return rod_velocity(vx, vy, block(v, i), -l2, *vectors(model.directions, i))
 
@@ -122,7 +129,8 @@ def friction_forces(model, friction, swing_friction, v):
                 fx = -gamma * (vx - s.reservoir_x)
                 fy = -gamma * (vy - s.reservoir_y)
                 present = block(model.each[rows.PRESENT], i)
-                if s.block == RIGID_ASPERITES:  # as `integrators.reservoirs` shares it
+                # As `integrators.reservoirs` shares it; bars of a block that tilts have their own.
+                if s.block == RIGID_ASPERITES and s.tilting == 0:
                     share = (s.end - s.start) / s.mass
                     present = present * share * constant(model, rows.MASS, s, i)
                 set_vectors(friction, i, present * fx, present * fy)
@@ -295,17 +303,24 @@ def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
 
 
 @inlined
-def joined(model, s, i, swing, x, y):
+def joined(model, s, i, swing, turning, x, y):
     """Accelerations of a block; those of the whole where bars are one rigid body, in place."""
     if s.block > 0:
         present = block(model.each[rows.PRESENT], i)
         x = present * s.ax
         y = present * s.ay
+        along_x = x
+        along_y = y
+        if s.tilting > 0:
+            turning = present * s.alpha
+            along_x, along_y = accelerations_of_bars(model, s, i)
         if s.block == PENDULUMS:
             tx, ty = vectors(model.directions, i)
             inverse_length = lever_mass(model, s, i) * constant(model, rows.INVERSE_INERTIA, s, i)
-            swing = swing - (tx * x + ty * y) * inverse_length
-    return swing, x, y
+            swing = swing - (tx * along_x + ty * along_y) * inverse_length
+        elif s.tilting > 0:
+            swing = turning
+    return swing, turning, x, y
 
 
 @inlined
@@ -336,8 +351,7 @@ def accelerations(model, s, i, torsion, t, q, drive):
     mobility = constant(model, rows.INVERSE_MASS, s, i)
     x, y = (bob_x + bar_x) * mobility, (bob_y + bar_y) * mobility
     swing = torque * constant(model, rows.INVERSE_INERTIA, s, i)
-    swing, x, y = joined(model, s, i, swing, x, y)
-    return swing, turning, x, y
+    return joined(model, s, i, swing, turning, x, y)
 
 
 @inlined
@@ -408,7 +422,14 @@ def speeds_unit(model, neighbours, t, q, v, speeds):
             rate = stiffness * twist * twist + omega * omega
             vx = own_number(model.own, rows.OWN_VX, s.vx, i)
             vy = own_number(model.own, rows.OWN_VY, s.vy, i)
-            set_block(speeds[0], i, vx + coordinates(s.dof_x, s, i, v))
-            set_block(speeds[1], i, vy + coordinates(s.dof_y, s, i, v))
+            own_x = coordinates(s.dof_x, s, i, v)
+            own_y = coordinates(s.dof_y, s, i, v)
+            if s.tilting > 0:
+                x, y = turned_arms(model, i, coordinates(s.dof_phi, s, i, q))[0]
+                nu = coordinates(s.dof_phi, s, i, v)
+                own_x = own_x - nu * y
+                own_y = own_y + nu * x
+            set_block(speeds[0], i, vx + own_x)
+            set_block(speeds[1], i, vy + own_y)
             set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
     return 0.0

@@ -39,6 +39,7 @@ from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
+from tribo.kernels.arms import with_tilting
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
 from tribo.kernels.blocks import (
     absent,
@@ -196,8 +197,11 @@ def set_swing_powers(model, s, i, omega, power):
 
 
 @apart
-def set_internal_powers(model, s, i, velocities, power):
-    """Set the same of the internal forces: springs and bath on the bars, contact on the bobs."""
+def set_internal_powers(model, s, i, nu, velocities, power):
+    """Set the same of the internal forces: springs and bath on the bars, contact on the bobs.
+
+    The constraint of a block that tilts has torques on the bars, which turn at `nu`.
+    """
     omega, vx, vy = velocities
     tx, ty = vectors(model.directions, i)
     bob, bar = levers(model, model.pivots, s, i)
@@ -205,6 +209,8 @@ def set_internal_powers(model, s, i, velocities, power):
     bob_x, bob_y = vectors_if_any(model.inner, i)
     about = rotational_power(-bar, omega, tx, ty, x, y)
     about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
+    if s.tilting > 0:
+        about = about + nu * block(model.couples[0], i)
     x = x + bob_x
     y = y + bob_y
     write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
@@ -245,7 +251,8 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
     separately; the ends that hold rigid asperites never are.
     """
     if model.ledger:
-        omega, _, vx, vy = velocities
+        omega, nu, vx, vy = velocities
+        vx, vy = with_tilting(model, s, i, nu, vx, vy)
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         at_centre = omega, vx, vy
         set_contact_powers(model, s, i, omega, power)
@@ -259,7 +266,7 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
         if s.acc_field >= 0:
             set_point_powers(model, model.external, bob, s.acc_field, s, i, at_centre, power)
         if s.acc_internal >= 0:
-            set_internal_powers(model, s, i, at_centre, power)
+            set_internal_powers(model, s, i, nu, at_centre, power)
         if s.acc_thermal >= 0:
             set_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, at_centre, power)
         set_swing_powers(model, s, i, omega, power)
@@ -339,9 +346,12 @@ def momentum(model, s, v):
     for i in range(s.start, s.stop, LANES):
         mass = constant(model, rows.MASS, s, i)
         x, y = vectors_if_any(model.bath_momentum, i)
-        px = px + (x + mass * coordinates(s.dof_x, s, i, v))
-        py = py + (y + mass * coordinates(s.dof_y, s, i, v))
-        if s.block == PENDULUMS:
+        vx = coordinates(s.dof_x, s, i, v)
+        vy = coordinates(s.dof_y, s, i, v)
+        vx, vy = with_tilting(model, s, i, coordinates(s.dof_phi, s, i, v), vx, vy)
+        px = px + (x + mass * vx)
+        py = py + (y + mass * vy)
+        if s.block == PENDULUMS or s.tilting > 0:
             about = lever_mass(model, s, i) * block(v, i)
             tx, ty = vectors(model.directions, i)
             px = px + about * tx

@@ -27,6 +27,8 @@ ASPERITE = np.dtype(
         ("i2", "f8"),  # the bar's moment of inertia
         ("bar_length", "f8"),
         ("pivot", "f8"),  # on driven bars l2, from the bar to the centre of mass; else 0
+        ("arm_x", "f8"),  # of bars of a block that tilts, from the mean of their places; else 0
+        ("arm_y", "f8"),
         ("facing", "f8"),  # +1 hangs down (rest angle 0), -1 stands up (rest angle pi)
         ("x", "f8"),  # centre of mass at t = 0
         ("y", "f8"),
@@ -100,6 +102,7 @@ SURFACE = np.dtype(
         ("speed", "f8"),  # of the pulling stage, relative to the surface's initial velocity
         ("anchor", "f8"),  # displacement of the pulling stage at t = 0
         ("block", "i8"),  # RIGID_ASPERITES, PENDULUMS; the drive's numbers are a bar's share
+        ("tilting", "i8"),  # 1 where the rigid body turns about z, see `kernels.tilting_block`
         ("elastic", "i8"),  # PAIRS, WAVES; 0 without an elastic body
         ("elastic_row", "i8"),  # first row of its pairs, or place in the grid, of `Elastic`
         ("elastic_block", "i8"),  # 1 where the drive acts on the bars by their shares, `Elastic`
@@ -108,6 +111,8 @@ SURFACE = np.dtype(
         ("damping_y", "f8"),  # of the same along y
         ("ax", "f8"),  # acceleration of a rigid body, or place of an elastic one, scratch
         ("ay", "f8"),
+        ("alpha", "f8"),  # angular acceleration and velocity of a body that tilts, scratch
+        ("rate", "f8"),
         # Rows of the table of schedules that take the place of these numbers; 0 where none does.
         # A stage's is that of its displacement from `anchor`, and "heat" is the temperature.  Of
         # a surface with a given motion, "push" and "load" are its velocities along x and y.
@@ -418,6 +423,9 @@ class Tables(NamedTuple):
     swing_friction: Any = None  # (1, n), scratch: the same torque on each swing
     # (1, columns of constants), see `kernels.levers`; None without driven bars or such blocks.
     pivots: Any = None
+    arms: Any = None  # (2, n) of each bar of a block that tilts; None without any
+    turned: Any = None  # (2, n), scratch: the same, turned by the tilt
+    couples: Any = None  # (1, n), scratch: torque of the constraint on each bar of such a block
     left: Any = None  # (2, n), scratch: a plug-in's force on the left end of each bar
     right: Any = None  # (2, n), scratch: on its right end
     box: Any = None  # Box
@@ -480,6 +488,8 @@ class Model(NamedTuple):
     displaced: np.ndarray  # (2, n), scratch: displacement of each bar from its rest
     friction: np.ndarray  # (2, n), scratch: Langevin friction on each bar without noise
     swing_friction: np.ndarray  # (1, n), scratch: the same torque on each swing
+    turned: np.ndarray  # (2, n), scratch: arms of blocks that tilt, turned by the tilt
+    couples: np.ndarray  # (1, n), scratch: torque of the constraint on each bar of such a block
     left: np.ndarray  # (2, n), scratch: a plug-in's force on the left end of each bar
     right: np.ndarray  # (2, n), scratch: on its right end
     bath_momentum: np.ndarray  # (2, n), scratch: of the oscillators on each bar
@@ -493,6 +503,7 @@ class Model(NamedTuple):
     blocks: bool  # whether the bars of any surface are one rigid body, see `kernels.rigid_block`
     species: np.ndarray  # (n,) of each bob, floats; empty where none matters
     pivots: np.ndarray  # (1, columns of constants), see `kernels.levers`
+    arms: np.ndarray  # (2, n) of each bar of a block that tilts
     box: Box
     springs: Springs
     bath: np.ndarray  # (2, oscillators), see OSCILLATOR_MASS

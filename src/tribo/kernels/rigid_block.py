@@ -8,7 +8,8 @@ unit vector t along which a growing theta moves a bob, and n the one from the ba
     m1 length^2 theta_i'' + m1 length t . R'' = torque_i
 
 so that theta_i'' is eliminated, and R'' follows from the 2 x 2 matrix, sum of m1 + m2 - m1 t t^T.
-The force of the constraint on each bar is what its motion leaves over of all others.
+The force of the constraint on each bar is what its motion leaves over of all others.  Bodies that
+turn too are in `kernels.tilting_block`.
 """
 
 from tribo.compiler.jit import apart, inlined
@@ -19,6 +20,7 @@ from tribo.kernels import records as rows
 from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
 from tribo.kernels.levers import lever_mass
 from tribo.kernels.schedule import rate_of_schedule
+from tribo.kernels.tilting_block import accelerate_tilting, add_constraints_of_tilting
 
 
 @inlined
@@ -72,7 +74,9 @@ def accelerate_blocks(model, t, q, v):
     """Set R'' of all rigid bodies, all forces on their asperites in place."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        if s.block > 0:
+        if s.tilting > 0:
+            accelerate_tilting(model, s, t, q, v)
+        elif s.block > 0:
             total, matrix = sum_of_forces(model, s, t, q, v)
             x, y = total
             if s.block == rows.PENDULUMS:
@@ -91,7 +95,9 @@ def add_constraints(model, t, q, v):
     """Add the constraint's forces to the internal ones on the bars of all rigid bodies."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        if s.block > 0:
+        if s.tilting > 0:
+            add_constraints_of_tilting(model, s, t, q, v)
+        elif s.block > 0:
             for i in range(s.start, s.stop, LANES):
                 drive = vectors(model.drive, i)
                 swing, _, x, y = equations.accelerations(model, s, i, 1.0, t, q, drive)

@@ -84,10 +84,14 @@ def fill_parameters(
         asperites[name] = each[name]
     if surface.asperite.is_rigid:
         asperites["kappa"] = 0.0  # a constraint holds them, and they store no energy
-    if surface.drive.holds_bars or surface.is_block_of_pendulums:
+    if surface.drive.holds_bars or surface.refers_to_bars:
         asperites["pivot"] = each["l2"]
     asperites["x"] = bobs[:, 0]
     asperites["y"] = bobs[:, 1] + surface.facing_sign * each["l1"]
+    if surface.tilts:
+        rise = bobs[:, 1] + surface.facing_sign * each["length"]
+        asperites["arm_x"] = bobs[:, 0] - np.mean(bobs[:, 0])
+        asperites["arm_y"] = rise - np.mean(rise)
 
 
 def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
@@ -113,6 +117,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
     elif drive.block:
         rigid = surface.asperite.is_rigid
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
+        record["tilting"] = surface.tilts
     for reservoir in surface.reservoirs:
         before = "swing_" if reservoir.on == "swing" else ""
         record[f"{before}gamma"] = reservoir.strongest

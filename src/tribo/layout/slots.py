@@ -55,7 +55,7 @@ def number(
     own = scene.surfaces
     core = int(stops[-1])
     for name, wanted in (  # after the swings
-        ("dof_phi", [s.bars != "clamped" for s in own]),
+        ("dof_phi", [s.turns_bars for s in own]),
         ("dof_x", [scene.slides_along_x(s) for s in own]),
         ("dof_y", [scene.slides_along_y(s) for s in own]),
     ):
@@ -106,7 +106,7 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_drive": np.array([s.drive.has_account or s.moves_as_one for s in own])
         | (surfaces["loaded"] == 1)
         | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
-        "acc_ends": [s.bars == "clamped" and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
+        "acc_ends": [not s.turns_bars and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
         "acc_user_ends": [s.plugin_at_ends is not None for s in own],
         "acc_internal": [
             bool(

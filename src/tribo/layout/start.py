@@ -30,6 +30,8 @@ def start_of(asperites: np.ndarray, scene: Scene, numbering: Numbering) -> np.nd
         swing = surface.initial_swing
         q[part] = initial["phi"] if swing is None else swing
         v[part] = initial["omega"]
+        if surface.tilts and surface.asperite.is_rigid:  # rods turn with their bars
+            v[part] = initial["nu"]
         for name, rate in (("phi", "nu"), ("x", "vx"), ("y", "vy")):
             slots = own[f"dof_{name}"]
             if slots[0] >= 0:

@@ -38,6 +38,7 @@ def model_tables(
     pulls = lattice is not None or bath is not None or elastic
     pivots = asperites["pivot"][None]
     on_bars = any(surface.reservoir("bar") for surface in scene.surfaces)
+    tilts = any(surface.tilts for surface in scene.surfaces)
     on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
     return Tables(
         constants=_table(constants_of(scene, asperites), numbering.surfaces, shared, OF_FILLING),
@@ -57,6 +58,9 @@ def model_tables(
         friction=True if on_bars else None,
         swing_friction=True if on_swings else None,
         pivots=_table(pivots, numbering.surfaces, shared, 0.0) if np.any(pivots > 0.0) else None,
+        arms=_arms(asperites, columns, n) if tilts else None,
+        turned=True if tilts else None,
+        couples=True if tilts else None,
         box=Box(scene.periodic.x or 0.0, scene.periodic.z or 0.0) if scene.periodic else None,
         springs=lattice,
         bath=bath,
@@ -137,6 +141,14 @@ def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) 
     }
     for row, value in values.items():
         table[row, columns] = value[:, None]
+    return table
+
+
+def _arms(asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """The table of the arms of bars of blocks that tilt; 0 for all others."""
+    table = room((2, count))
+    for row, name in enumerate(("arm_x", "arm_y")):
+        table[row, columns] = asperites[name][:, None]
     return table
 
 

@@ -21,7 +21,7 @@ Position = tuple[np.ndarray, np.ndarray]  # x and y, or a velocity
 
 
 def _of_centre(group: str, table: str, place: int) -> lazy_property[np.ndarray]:
-    """A coordinate of the centres of mass, or its rate: a group of slots, and about pivots."""
+    """A coordinate of the centres of mass, or its rate: a group of slots, and about these."""
     return lazy_property(
         lambda motion: motion._column(group, getattr(motion, table)) + motion._about_pivots[place]
     )
@@ -83,8 +83,13 @@ class Motion:
     vy = _of_centre("dof_y", "_v", 3)
 
     @property
+    def x_of_block(self) -> np.ndarray:
+        """Displacement along x of the bars of a block, or of their mean where it tilts."""
+        return self._column("dof_x", self._q)
+
+    @property
     def y_of_block(self) -> np.ndarray:
-        """Displacement along y of the bars of a block."""
+        """The same along y."""
         return self._column("dof_y", self._q)
 
     @lazy_property
@@ -182,10 +187,15 @@ class Motion:
 
     @lazy_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:
-        """Displacements and velocities of centres of mass about driven bars; else zeros."""
-        if not self.span.asperites.pivot.any():
+        """Displacements and velocities of centres of mass about what x and y are those of."""
+        a = self.span.asperites
+        if not a.pivot.any():
             return 0.0, 0.0, 0.0, 0.0
-        return about_pivots(self.span.asperites, self.swing, self.omega)
+        about = about_pivots(a, self.swing, self.omega)
+        if not (a.arm_x.any() or a.arm_y.any()):
+            return about
+        tilted = about_mean(a, self.phi, self.nu)
+        return tuple(one + other for one, other in zip(about, tilted, strict=True))
 
     def _column(
         self, group: str, table: np.ndarray, absent: Callable[[], np.ndarray | float] = float
@@ -219,6 +229,21 @@ def about_pivots(
     tx, ty = swing_direction(facing, swing)
     lift = facing * 2.0 * np.sin(0.5 * swing) ** 2  # facing - tx
     return pivot * ty, pivot * lift, pivot * omega * tx, pivot * omega * ty
+
+
+def about_mean(
+    asperites: Asperites, phi: np.ndarray, nu: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Displacements x, y and velocities of the bars of a block that tilts about their mean.
+
+    They are 0 for all other bars, whose arms are.
+    """
+    a = asperites
+    sin = np.sin(phi)
+    versine = 2.0 * np.sin(0.5 * phi) ** 2
+    x = -versine * a.arm_x - sin * a.arm_y
+    y = sin * a.arm_x - versine * a.arm_y
+    return x, y, -nu * (a.arm_y + y), nu * (a.arm_x + x)
 
 
 def swing_direction(facing: np.ndarray, swing: np.ndarray) -> Position:

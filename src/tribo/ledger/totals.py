@@ -132,6 +132,8 @@ class SurfaceSeries(AsperiteSeries):
         stage = np.asarray(anchor + layout.stage_moved(index, self.samples.t))[:, None]
 
         def squares(motion: Motion) -> np.ndarray:
+            if self._record.tilting:  # whose spring is at the mean of the bars
+                return np.asarray((stage - motion.x_of_block) ** 2)
             x, _ = rod_position(motion.x, motion.y, -motion.span.asperites.l2, *motion.direction)
             return np.asarray((stage - x) ** 2)
 

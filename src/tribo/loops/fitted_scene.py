@@ -108,7 +108,7 @@ def _with_clamps(surface: Surface, before: Surface, state: State) -> Surface:
 
     Clamped bars turn uniformly, so their angle at t = 0 and their rate tell all of them.
     """
-    if surface.bars != "clamped":
+    if surface.turns_bars:
         return surface
     count = surface.count
     table = state.surfaces[surface.name]

@@ -14,6 +14,7 @@ import numpy as np
 
 from tribo.layout.layout import Layout
 from tribo.layout.start import bath_slots
+from tribo.ledger.motion import about_mean
 from tribo.loops.saved_state import MOTIONS, OF_BATHS, State
 from tribo.model.surface import Surface
 from tribo.validation import InputError
@@ -41,7 +42,7 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
                 moved = f"are displaced by {size:.3g} and move" if size else "move"
                 raise InputError("start", f"{problem}, but they {moved} at {speed:.3g}")
         if surface.is_rigid_block:
-            _join_bars(table, surface.facing_sign * own.pivot)
+            _join_bars(table, own, surface.facing_sign)
         slots = {"swing": np.arange(part.start, part.stop)}
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}
         for name, places in slots.items():
@@ -57,11 +58,18 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
     return y
 
 
-def _join_bars(table: dict[str, np.ndarray], arm: np.ndarray) -> None:
+def _join_bars(table: dict[str, np.ndarray], own: Any, facing: float) -> None:
     """Replace the centres of mass of a block by its bars, which are displaced alike."""
-    for name, about in zip(("x", "y", "vx", "vy"), _about_bars(table, arm), strict=True):
-        bars = table[name] - about
+    for name, bars in _bars_of_block(table, own, facing).items():
         table[name] = np.full(bars.size, bars[0])
+
+
+def _bars_of_block(table: dict[str, np.ndarray], own: Any, facing: float) -> dict[str, np.ndarray]:
+    """Displacements and velocities of a block's bars, less those by its tilt about their mean."""
+    about = _about_bars(table, facing * own.pivot)
+    tilted = about_mean(own, table["phi"], table["nu"])
+    every = zip(("x", "y", "vx", "vy"), about, tilted, strict=True)
+    return {name: table[name] - one - other for name, one, other in every}
 
 
 def _move_centres(table: dict[str, np.ndarray], own: Any, facing: float, before: Surface) -> None:
@@ -116,14 +124,18 @@ def _held(
         problem = f"must have asperites of {name} that move as one, as drive.rigid = true"
         yield problem, 0.0, float(np.ptp(table["vx"]))
     if surface.is_rigid_block:
-        about = _about_bars(table, surface.facing_sign * own.pivot)
-        each = zip(("x", "y", "vx", "vy"), about, strict=True)
-        x, y, vx, vy = (np.ptp(table[axis] - around) for axis, around in each)
+        bars = _bars_of_block(table, own, surface.facing_sign)
+        x, y, vx, vy = (np.ptp(each) for each in bars.values())
         problem = f"must have the bars of {name} displaced alike, as drive.block = true joins them"
         yield problem, max(x, y), max(vx, vy)
+    if surface.tilts:
+        size = float(np.max(own.l1 + own.l2))
+        problem = f'must have bars of {name} that turn together, as drive.tilt = "free"'
+        yield problem, size * np.ptp(table["phi"]), size * np.ptp(table["nu"])
     if surface.asperite.is_rigid:
         problem = f"must have asperites of {name} that do not swing, as asperite.kappa = inf"
-        yield problem, 0.0, _largest(table["omega"] * (own.l1 + own.l2))
+        turning = table["nu"] if surface.tilts else 0.0
+        yield problem, 0.0, _largest((table["omega"] - turning) * (own.l1 + own.l2))
 
 
 def _largest(values: np.ndarray) -> float:

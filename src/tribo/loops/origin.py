@@ -121,7 +121,8 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
 
 def _is_whole(layout: Layout, state: State, start: np.ndarray) -> bool:
     """Whether a state's y is that of its surfaces, in rounding of centres about blocks' bars."""
-    if np.any(layout.surfaces.block == PENDULUMS):
+    surfaces = layout.surfaces
+    if np.any((surfaces.block == PENDULUMS) | (surfaces.tilting > 0)):
         return np.allclose(state.y, start, rtol=SAME, atol=SAME * float(np.max(np.abs(start))))
     return np.array_equal(state.y, start)
 

@@ -11,7 +11,7 @@ import numpy as np
 from tribo.layout.layout import Layout
 from tribo.layout.span import columns
 from tribo.layout.start import bath_slots
-from tribo.ledger.motion import about_pivots
+from tribo.ledger.motion import about_mean, about_pivots
 from tribo.ledger.quantity import Table
 from tribo.ledger.samples import Samples
 from tribo.loops.integrate import Integration
@@ -203,8 +203,9 @@ def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
         table[name], table[MOTIONS[name]] = columns(slots, y.reshape(2, n), absent)
     if np.any(a.pivot > 0.0):
         about = about_pivots(a, table["swing"], table["omega"])
-        for name, values in zip(("x", "y", "vx", "vy"), about, strict=True):
-            table[name] = table[name] + values
+        tilted = about_mean(a, table["phi"], table["nu"])
+        for name, values, more in zip(("x", "y", "vx", "vy"), about, tilted, strict=True):
+            table[name] = table[name] + values + more
     return {name: np.array(values) for name, values in table.items()}
 
 

@@ -2,12 +2,16 @@
 
 from typing import Any
 
+import numpy as np
+
 from tribo.validation import InputError
 
 
 def check_block(surface: Any) -> None:
     """Refuse what has no equations on the bars of a block.  Raises InputError."""
     drive = surface.drive
+    if drive.tilts and surface.elastic is not None:
+        raise InputError("elastic", 'cannot go with drive.tilt = "free"')
     if not surface.is_rigid_block:
         return
     if surface.bars != "clamped":
@@ -26,7 +30,9 @@ def check_block(surface: Any) -> None:
         if surface.velocity[1] != 0.0:
             problem = f"must be 0 along y beside drive.{name}, got {surface.velocity[1]:g}"
             raise InputError("velocity", problem)
-    if surface.asperite.is_rigid:
+    if surface.tilts:
+        _check_tilt(surface)
+    elif surface.asperite.is_rigid:
         return
     if surface.initial.temperature:
         problem = "cannot go with drive.block = true unless asperite.kappa = inf: the mass matrix "
@@ -34,3 +40,22 @@ def check_block(surface: Any) -> None:
     if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
         problem = "must be 0 where drive.block = true unless asperite.kappa = inf: no method here "
         raise InputError("langevin.temperature", problem + "integrates noise on such pendulums")
+
+
+def _check_tilt(surface: Any) -> None:
+    """Refuse what a block that turns about z cannot go with.  Raises InputError."""
+    if surface.springs:
+        problem = 'cannot go with drive.tilt = "free": they do not stretch between its bars'
+        raise InputError("springs", problem)
+    initial = surface.initial_of_each
+    if initial["phi"].any():
+        problem = 'must be 0 where drive.tilt = "free": the places of the bobs give the shape'
+        raise InputError("initial.phi", problem)
+    if np.ptp(initial["nu"]) > 0.0:
+        problem = 'must be one number where drive.tilt = "free": all bars turn together'
+        raise InputError("initial.nu", problem)
+    if surface.initial.temperature:
+        raise InputError("initial.temperature", 'cannot go with drive.tilt = "free"')
+    if any(reservoir.warmest > 0.0 for reservoir in surface.reservoirs):
+        problem = 'must be 0 where drive.tilt = "free": no method here integrates noise on it'
+        raise InputError("langevin.temperature", problem)

@@ -15,6 +15,7 @@ from tribo import validation as check
 from tribo.kernels import records
 from tribo.model.schedule import Number, Schedule, number_or_schedule
 from tribo.model.tables import field_names
+from tribo.validation import InputError
 
 
 class Stage(NamedTuple):
@@ -53,11 +54,12 @@ class Drive:
 
     f2_y is then -N on a surface that faces down and +N on one that faces up, in place of -f1_y.
     Where bars form a `block`, one rigid body, its numbers are those of the whole body, and each bar
-    has an equal part.
+    has an equal part.  With `tilt` = "free" the body turns about z as well.
     """
 
     load: Number | None = None
     block: bool = False
+    tilt: str = "fixed"
 
     # The drive's name in scene files, and the keys that its table there must have.
     kind: ClassVar[str] = ""
@@ -129,6 +131,11 @@ class Drive:
         return self.cancels_x and self.cancels_y and self.load is None
 
     @property
+    def tilts(self) -> bool:
+        """Whether the bars turn about z together."""
+        return self.tilt == "free"
+
+    @property
     def presses(self) -> bool:
         """Whether the surface carries a load: a force along y other than from its surroundings."""
         return self.load is not None and self.load != 0.0
@@ -160,3 +167,14 @@ class Drive:
     def __post_init__(self) -> None:
         check.fields(self, load=number_or_schedule(unit="force"))
         check.boolean("block", self.block)
+        check.choice("tilt", self.tilt, ["fixed", "free"])
+        if not self.tilts:
+            return
+        if not self.block:
+            raise InputError("tilt", "needs block = true: it turns the block")
+        if self.cancels_x:
+            problem = f'must be "fixed" with kind = "{self.kind}", which opposes contact bar by bar'
+            raise InputError("tilt", problem)
+        if self.cancels_y and self.load is None:
+            problem = "needs a load, of 0 or more: without one f2_y = -f1_y on each bar"
+            raise InputError("tilt", problem)

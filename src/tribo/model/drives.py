@@ -39,6 +39,8 @@ class Forced(Drive):
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     block : bool
         Whether the bars are one rigid body; the load is then that on the whole body.
+    tilt : str
+        Must be "fixed".
     """
 
     kind = "forced"
@@ -60,6 +62,8 @@ class Free(Drive):
         Force N on each asperite towards the other surface [force], in place of f2_y = -f1_y.
     block : bool
         Whether the bars are one rigid body, which moves along x and y; the load is then that on it.
+    tilt : str
+        Of a block with a load: "fixed", or "free" to turn about z.
     rigid : bool
         Whether all asperites share the acceleration of the surface along x alone: each has its own
         motion along y.  Deprecated; `block` joins bars along x and y.
@@ -103,6 +107,9 @@ class Pulled(Drive):
     block : bool
         Whether the bars are one rigid body, pulled by one spring of stiffness k, as by the
         cantilever of a microscope; the load is then that on the whole body.
+    tilt : str
+        Of a block with a load: "fixed", or "free" to turn about z.  The spring then acts at the
+        mean of the bars' places.
     stiffness : float
         Stiffness k of each spring, or of that of the block [force / length].
     speed : float or Schedule
@@ -192,6 +199,8 @@ class Pushed(Drive):
         Force N on each asperite towards the other surface [force], in place of f2_y.
     block : bool
         Whether the bars are one rigid body; load, force and rate are then those on the whole body.
+    tilt : str
+        Of a block: "fixed", or "free" to turn about z.
     force : (float, float)
         Force on each bar at t = 0, x and y [force]; either may be a Schedule.
     rate : (float, float)
@@ -283,6 +292,8 @@ class DrivenBars(Drive):
         Must be None: a constraint holds the bars along y too.
     block : bool
         Must be False: driven bars move as one anyway.
+    tilt : str
+        Must be "fixed".
     """
 
     kind = "bars"
@@ -314,6 +325,8 @@ class Moved(Drive):
         Must be None: the motion is given along y too.
     block : bool
         Must be False: all bars move alike.
+    tilt : str
+        Must be "fixed".
     speed : (float or Schedule, float or Schedule)
         Velocity along x and y in the laboratory, without steps [length / time].
     """
@@ -373,8 +386,9 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
         name = parameters.pop("kind")
         load = parameters.pop("load", None)
         block = parameters.pop("block", False)
+        tilt = parameters.pop("tilt", "fixed")
         force = plugins.from_file("kind", name, parameters, folder, FORCE_ON_BAR)
-        return Custom(load=load, block=block, force=force)
+        return Custom(load=load, block=block, tilt=tilt, force=force)
     table = check.known_keys(value, value, ["kind"])
     kind = KINDS[check.choice("kind", table.pop("kind"), KINDS)]
     if kind.holds_bars and "rigid" in table:
@@ -396,7 +410,9 @@ def as_table(drive: Drive) -> dict[str, Any]:
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         table |= {"block": True} if drive.block else {}
+        table |= {"tilt": drive.tilt} if drive.tilts else {}
         return table if drive.load is None else table | {"load": drive.load}
     absent = () if drive.block else drive.of_block
+    absent = absent if drive.tilts else (*absent, "tilt")
     own = {k: v for k, v in table_of(drive).items() if v is not False and k not in absent}
     return {"kind": drive.kind} | own

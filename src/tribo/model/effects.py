@@ -30,6 +30,7 @@ class Effect(StrEnum):
         "block of pendulums",
         "pendulums that swing on the bars of one rigid body, and accelerate it",
     )
+    TILTING_BLOCK = "tilting block", "a block that turns about z"
     DAMPED_BLOCK = "damped block", "dampers between a block and its stage"
     DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
     TURNING_BARS = "turning bars", "bars that rotate freely"
@@ -152,7 +153,7 @@ def _slides(scene: Any) -> Iterator[str]:
 
 
 def _clamped(surface: Surface) -> str | None:
-    held = surface.bars == "clamped" and np.any(np.asarray(surface.asperite.kappa) > 0.0)
+    held = not surface.turns_bars and np.any(np.asarray(surface.asperite.kappa) > 0.0)
     return '"clamped"' if held else None
 
 
@@ -230,6 +231,10 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.BLOCK_OF_PENDULUMS: (
         "no pendulums swing on a block",
         _surfaces("asperite.kappa", lambda s: "finite" if s.is_block_of_pendulums else None),
+    ),
+    Effect.TILTING_BLOCK: (
+        'no drive has tilt = "free"',
+        _surfaces("drive.tilt", lambda s: '"free"' if s.tilts else None),
     ),
     Effect.DAMPED_BLOCK: (
         "no block has dampers",

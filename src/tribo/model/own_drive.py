@@ -44,6 +44,8 @@ class Custom(Drive):
         Whether the bars are one rigid body: the plug-in is then called once for all of them, with
         the mean of their places and the sum of the contact forces, and its force and the load are
         those on the whole body.
+    tilt : str
+        Of a block: "fixed", or "free" to turn about z around the mean of the bars' places.
     force : NamedTuple
         The plug-in: its fields are numbers.
     """

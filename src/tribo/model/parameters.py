@@ -352,8 +352,9 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
 def _changed_part(present: Any, part: str, own: dict[str, Any]) -> Any:
     """A part with other values, read as from the table of a scene file."""
     if isinstance(present, Custom):
-        own = {"load": present.load, "block": present.block} | own
-        of_drive = {name: own.pop(name) for name in ("load", "block")}
+        of_drive = {name: getattr(present, name) for name in ("load", "block", "tilt")}
+        of_drive = {name: own.get(name, value) for name, value in of_drive.items()}
+        own = {name: value for name, value in own.items() if name not in of_drive}
         parameters = present.force._asdict() | own
         return Custom(**of_drive, force=instance(type(present.force), parameters))
     if part == "drive":

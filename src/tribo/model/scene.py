@@ -336,7 +336,7 @@ class Scene(ComparedByValue):
             pushed = self.has_uncancelled_forces(surface)
             along_x = pushed or not drive.cancels_x
             along_y = pushed or drive.load is not None or not drive.cancels_y
-            if surface.is_block_of_pendulums:  # which their inertia moves
+            if surface.refers_to_bars:  # which their inertia moves
                 along_x = True
                 along_y = True
             moves = not drive.holds_bars

@@ -210,7 +210,7 @@ class Surface(ComparedByValue):
             return
         if self.bars != "clamped":
             raise InputError("asperite.kappa", "must be finite where bars are not clamped, got inf")
-        for name in ("omega", "nu"):
+        for name in ("omega",) if self.tilts else ("omega", "nu"):
             if np.any(self.initial_of_each[name]):
                 raise InputError(f"initial.{name}", "must be zero where asperite.kappa = inf")
         if self.reservoir("swing") is not None:
@@ -230,6 +230,21 @@ class Surface(ComparedByValue):
     def is_rigid_block(self) -> bool:
         """Whether its bars are one rigid body; on an elastic body they are displaced."""
         return self.drive.block and self.elastic is None
+
+    @property
+    def tilts(self) -> bool:
+        """Whether its bars are one rigid body that turns about z."""
+        return self.is_rigid_block and self.drive.tilts
+
+    @property
+    def refers_to_bars(self) -> bool:
+        """Whether the coordinates x and y are those of the bars, or of the body that they form."""
+        return self.is_block_of_pendulums or self.tilts
+
+    @property
+    def turns_bars(self) -> bool:
+        """Whether the angles of its bars are degrees of freedom."""
+        return self.bars != "clamped" or self.tilts
 
     @property
     def plugin_at_ends(self) -> NamedTuple | None:

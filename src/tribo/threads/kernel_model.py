@@ -44,7 +44,8 @@ from tribo.plugins.stamps import code_stamp_of, version_of
 SCRATCH = {
     **dict.fromkeys(("bobs", "directions", "f1", "drive", "inner", "external", "internal"), 2),
     **dict.fromkeys(("displaced", "friction", "left", "right", "bath_momentum"), 2),
-    "swing_friction": 1,
+    "turned": 2,
+    **dict.fromkeys(("swing_friction", "couples"), 1),
 }
 VECTOR = PointerType(types.float64, 1)
 TABLE = PointerType(types.float64, 2)
@@ -93,6 +94,7 @@ def model_of(
         bodies=bool(np.any(tables.surfaces.elastic > 0)),
         blocks=bool(np.any(tables.surfaces.block > 0)),
         pivots=room((1, 0)) if tables.pivots is None else tables.pivots,
+        arms=room((2, 0)) if tables.arms is None else tables.arms,
         box=tables.box or Box(0.0, 0.0),
         springs=tables.springs or NO_SPRINGS,
         bath=room((2, 0)) if tables.bath is None else tables.bath,
