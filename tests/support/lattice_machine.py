@@ -14,6 +14,7 @@ class LatticeMachine:
 
     def __init__(self, content, program):
         self.program, self.image = program, program.image()
+        self.words = self.image.words
         self.store = wasmtime.Store(wasmtime.Engine())
         module = wasmtime.Module(self.store.engine, content)
         pages = (2 * STACK + RESULTS + self.image.size) // PAGE + 1
@@ -25,8 +26,8 @@ class LatticeMachine:
         self.base = self.results + RESULTS
 
     def load(self):
-        """Put the image at its place."""
-        words = self.image.words.copy()
+        """Put the image, or the present `words` of it, at its place."""
+        words = self.words.copy()
         words[self.image.addresses] += self.base
         for place, number in self.image.units:
             words[place] = self.functions["unit"](self.store, int(number))
@@ -46,8 +47,9 @@ class LatticeMachine:
 
     def run(self, name, step=None):
         """A run and its quantities; the code of its status."""
-        steps, seen, _ = self.program.calls[name]
+        setup, steps, seen, _ = self.program.calls[name]
         self.load()
+        self.call(setup)
         code = self.call(steps, step)
         self.call(seen)
         return code

@@ -76,7 +76,7 @@ def keys_of(scene: Scene) -> list[Key]:
     before = numbers_of(layout)
     found = []
     for key in candidates(scene):
-        value = _present(scene, layout, key)
+        value = present_number(scene, layout, key)
         if value is None:
             continue
         tried = list(_tried(scene, key, value))
@@ -93,7 +93,7 @@ def numbers_at(scene: Scene) -> np.ndarray | None:
     return numbers_of(layout) if is_pair(layout) else None
 
 
-def _present(scene: Scene, layout: Layout, key: str) -> float | None:
+def present_number(scene: Scene, layout: Layout, key: str) -> float | None:
     """The number that a key has in the scene or in its start; None if it has none."""
     value = value_of(scene, key)
     name, _, rest = key.partition(".")

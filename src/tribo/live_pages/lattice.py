@@ -11,10 +11,18 @@ from tribo.compiler.kept import keep
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.units import unit_codes
 from tribo.integrators.methods import named
-from tribo.kernels.records import Model, Neighbours
+from tribo.integrators.splitting import splitting_steps
+from tribo.kernels.records import Y_START, Model, Neighbours
 from tribo.layout.layout import Layout
 from tribo.live_pages import lattice_quantities as quantities
 from tribo.live_pages.image import Image, image_of
+from tribo.live_pages.lattice_setup import (
+    CONSTANTS,
+    OF_ASPERITE,
+    OF_SURFACE,
+    live_setup,
+    parameters_of,
+)
 from tribo.loops.general import GeneralLoop
 from tribo.loops.setting import Setting
 from tribo.threads.writable_memory import arrays_in
@@ -45,6 +53,9 @@ class Program:
     results: dict[str, dict[str, np.ndarray]]  # for each of RUNS, by name
     units: dict[int, int]  # number of each unit by its address
     names: tuple[str, ...]  # what tells each unit apart in all processes
+    method: str
+    scene: quantities.Scene
+    derived: tuple[np.ndarray, ...]  # parts of arrays that the call "setup" sets
 
     def image(self) -> Image:
         """The memory of all arguments."""
@@ -52,9 +63,9 @@ class Program:
         return image_of(every, self.written, self.units)
 
 
-def program_of(layout: Layout, step: float) -> Program:
+def program_of(layout: Layout, step: float, method: str = METHOD) -> Program:
     """The program of a scene with equal steps.  Raises InputError if a plug-in does not compile."""
-    loop = GeneralLoop(layout, named(METHOD), Setting(step=step), layout.start, 0.0)
+    loop = GeneralLoop(layout, named(method), Setting(step=step), layout.start, 0.0)
     loop.make_all_room()
     lists = layout.neighbours()
     columns = tuple(np.zeros(each.shape) for each in loop.room(layout.times.size))
@@ -62,6 +73,8 @@ def program_of(layout: Layout, step: float) -> Program:
     dimensions = np.array(quantities.dimensions_of(len(layout.parts)))
     scratch = room((layout.room[0],)), room((layout.room[0],))
     scene = _scene_of(layout)
+    model = loop.model
+    setup = Call("setup", live_setup, (keep(model), scene, parameters_of(layout)))
     calls = {}
     results = {}
     found = (*_found_by(lists), *_found_by(loop.neighbours))
@@ -72,20 +85,39 @@ def program_of(layout: Layout, step: float) -> Program:
         drawn = np.zeros((len(quantities.Drawn._fields), own.size, layout.scene.count))
         errors = np.zeros(rows)
         samples = quantities.Samples(own, *columns[:5], loop.recorded[0])
-        seen = keep(loop.model), keep(lists), scene, samples, scratch, own.size, series, drawn
-        compared = series, other, own.size, own.size, dimensions, errors
+        reached, others = np.zeros(1, np.int64), np.zeros(1, np.int64)
+        found = reached, series, drawn
+        seen = keep(loop.model), keep(lists), scene, samples, scratch, loop.clocks, *found
+        compared = series, other, reached, others, dimensions, errors
         calls[name] = (
-            Call("steps", loop.compiled.py_func, loop.arguments(own, columns, MOST_STEPS)),
-            Call("quantities", quantities.live_lattice, seen),
+            setup,
+            Call("steps", splitting_steps, loop.arguments(own, columns, MOST_STEPS)),
+            Call("quantities", quantities.live_quantities, seen),
             Call("errors", quantities.live_errors, compared),
         )
-        results[name] = {"series": series, "other": other, "drawn": drawn, "errors": errors}
+        results[name] = {
+            "series": series,
+            "other": other,
+            "drawn": drawn,
+            "errors": errors,
+            "reached": reached,
+            "others": others,
+        }
         written = *written, *results[name].values()
+        results[name]["times"] = own
     codes = unit_codes()
     words = np.concatenate([each.view(np.int64).ravel() for each in _units_of(loop.model)])
     addresses = [each for each in words.tolist() if each in codes]
     units = {address: n for n, address in enumerate(dict.fromkeys(addresses))}
-    return Program(calls, columns, written, results, units, tuple(codes[each][0] for each in units))
+    derived = (
+        *(scene.asperites[name] for name in OF_ASPERITE),
+        *(surfaces[name] for surfaces in (scene.surfaces, model.surfaces) for name in OF_SURFACE),
+        *(model.constants[row] for row in CONSTANTS),
+        model.each[Y_START],
+        model.pivots,
+    )
+    names = tuple(codes[each][0] for each in units)
+    return Program(calls, columns, written, results, units, names, method, scene, derived)
 
 
 def _found_by(lists: Neighbours) -> tuple[Any, ...]:

@@ -389,12 +389,14 @@ def set_forces(model, neighbours, samples, k, q, v):
     equations.all_forces(model, neighbours, t, q, v)
 
 
-def live_lattice(model, neighbours, scene, samples, scratch, count, series, drawn):
-    """Write all quantities of so many samples in `series` (rows, times).
+def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached, series, drawn):
+    """Write all quantities of the samples that a run `reached` (1,) in `series` (rows, times).
 
     `drawn` (rows of :class:`Drawn`, times, asperites) has what is drawn.
     """
     q, v = scratch
+    count = clocks[0].sample
+    reached[0] = count
     surfaces = scene.surfaces.shape[0]
     series[:] = 0.0
     last = surfaces * MEMBERS
@@ -437,13 +439,14 @@ def live_lattice(model, neighbours, scene, samples, scratch, count, series, draw
     return 0
 
 
-def live_errors(series, other, count, reached, dimension, errors):
-    """Set bounds on the errors from a run with steps twice as long, whose samples are `other`.
+def live_errors(series, other, reached, other_reached, dimension, errors):
+    """Set bounds on the errors from a run with steps twice as long, whose series are `other`.
 
     A method of second order has three times less error than they differ, which
     :func:`tribo.live_pages.program.pool` takes three times, as for others.
     """
     errors[:] = 0.0
-    widen(series, other, count, reached, (1, 1), errors)
+    count = reached[0]
+    widen(series, other, count, other_reached[0], (1, 1), errors)
     pool(series, count, 1.0, dimension, other, errors)
     return 0

@@ -21,7 +21,7 @@ from tribo.viewer.html import part as viewer_part
 # those in WORKER alone.
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
 SCRIPTS = (
-    *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
+    *("machine.js", "lattice.js", "state.js", "runs.js", "panels.js", "worker.js"),
     *("end_panel.js", "starts_panel.js", "files_panel.js", "energy_panel.js", "numbers_panel.js"),
     *("body.js", "controls.js", "tabs.js", "curve_choices.js", "dragging.js", "status.js"),
     *("interface.js", "laws.js", "page.js"),
