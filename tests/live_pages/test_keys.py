@@ -97,14 +97,17 @@ def test_one_of_two_numbers():
     assert grid.sizes["upper.bob.1"] == 2
 
 
+PULLED_LATER = tribo.Pulled(stiffness=1.0, speed=tribo.Schedule([[0.0, 0.0], [5.0, 0.5]]))
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"shape": (2, 1), "spacing": (3.0, 0.0)}, "it has 3 asperites"),
+        ({"shape": (20, 10), "spacing": (3.0, 3.0)}, "it has 201 asperites"),
         ({"langevin": tribo.Langevin(gamma=0.1)}, "it has langevin"),
-        ({"drive": tribo.Pulled(stiffness=1.0, speed=0.5)}, "it has pull"),
+        ({"bath": tribo.Bath(masses=[0.1], frequencies=[1.0])}, "it has bath"),
         ({"asperite": tribo.Asperite(kappa=np.inf)}, "it has rigid asperites"),
-        ({"initial": tribo.Initial(phi=0.1)}, "live pages have forced, free and driven bars"),
+        ({"drive": PULLED_LATER}, "it has schedule"),
     ],
 )
 def test_what_cannot_go_in(change, reason):

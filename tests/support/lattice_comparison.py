@@ -12,11 +12,15 @@ import numpy as np
 
 import tribo
 from support.lattice_machine import LatticeMachine
+from tribo.integrators import methods
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
-from tribo.live_pages.lattice import FULL, METHOD, SHORT, program_of
+from tribo.live_pages.lattice import FULL, SHORT, program_of
 from tribo.live_pages.lattice_compile import module_of
+from tribo.live_pages.lattice_keys import is_alike, words_of_keys
 from tribo.live_pages.lattice_quantities import MEMBERS, Drawn, OfSurface, OfWhole
+from tribo.live_pages.lattice_source import METHODS
+from tribo.model.parameters import with_values
 
 STEP = 0.01
 SERIES = ("forces", "energies")
@@ -34,18 +38,52 @@ def rows(count=3, **changes):
     return replace(scene, surfaces=(upper, lower), duration=8.0, output=output)
 
 
-SCENES = {"rows": rows()}
+def _pulled():
+    """A row with springs, pulled with a load over a row whose bars turn, in a field."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    drive = tribo.Pulled(stiffness=1.0, speed=0.5, load=0.1)
+    upper = replace(upper, drive=drive, springs=tribo.Springs(stiffness=2.0))
+    lower = replace(lower, bars="free")
+    field = tribo.Field(tribo.Corrugation(0.1, 3.0), on=["upper"])
+    return replace(scene, surfaces=(upper, lower), fields=(field,))
 
 
-def compared(scene):
+def _grids():
+    """Two by two on driven bars, over free ones, with a cutoff, lists and a period along z."""
+    scene = rows()
+    grid = {"shape": (2, 2), "spacing": (3.0, 2.5)}
+    upper, lower = (replace(surface, **grid) for surface in scene.surfaces)
+    lower = replace(lower, drive="bars", asperite=tribo.Asperite(m1=1.5, kappa=3.0))
+    upper = replace(upper, drive="free")
+    potential = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
+    periodic = tribo.Periodic(z=5.0)
+    return replace(scene, surfaces=(upper, lower), interactions=(potential,), periodic=periodic)
+
+
+def _pushed():
+    """Pushed bobs that also repel each other within their row; asperites differ."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    unequal = tribo.Asperite(m1=[1.0, 1.5, 2.0], kappa=[2.0, 2.5, 3.0])
+    upper = replace(upper, drive=tribo.Pushed(force=(0.05, 0.0)), asperite=unequal)
+    within = tribo.Interaction(tribo.Yukawa(0.1, 0.5), between=("lower", "lower"))
+    across = tribo.Interaction(tribo.Coulomb(0.2), between=("upper", "lower"))
+    return replace(scene, surfaces=(upper, lower), interactions=(across, within))
+
+
+SCENES = {"rows": rows(), "pulled": _pulled(), "grids": _grids(), "pushed": _pushed()}
+
+
+def compared(scene, method):
     """Whether all bits of a run are the same, and the largest relative error of any quantity."""
     layout = lay_out(scene)
-    program = program_of(layout, STEP)
+    program = program_of(layout, STEP, method)
     machine = LatticeMachine(module_of(scene, program, layout.plugins), program)
     code = machine.run(FULL)
     found = {name: machine.get(array) for name, array in program.results[FULL].items()}
     columns = [machine.get(each) for each in program.columns]
-    simulation = tribo.prepare(scene, method=METHOD, step=STEP)
+    simulation = tribo.prepare(scene, method=method, step=STEP)
     result = simulation.integrator(simulation.plan.setting, layout.times)
     samples = result.samples
     same = [
@@ -71,6 +109,37 @@ def compared(scene):
         "worst": worst,
         "worst_of": worst_of,
         "short": bool(np.allclose(ends, found["series"][:, [0, -1]], rtol=1e-9, atol=1e-9)),
+        **changed_by_keys(scene, layout, machine),
+    }
+
+
+def changed_by_keys(scene, layout, machine):
+    """All keys changed at once: how far memory is from that of the scene with these values."""
+    program, image = machine.program, machine.image
+    values = {}
+    words = image.words.copy()
+    for each in words_of_keys(layout, program):
+        change = 0.03125 * (abs(each.value) or 0.5)
+        key = f"{each.key}.0" if each.key.endswith(".velocity") else each.key
+        values[key] = each.value + change
+        words.view(float)[each.places] += each.factors * change
+    machine.words = words
+    machine.load()
+    machine.call(program.calls[FULL][0])
+    machine.words = image.words
+    found = np.frombuffer(machine.read(machine.base, words.nbytes))
+    other = program_of(lay_out(with_values(scene, values)), STEP, program.method).image()
+    wanted = other.words.view(float)
+    numbers = np.ones(wanted.size, bool)
+    numbers[image.addresses] = numbers[image.units[:, 0]] = False
+    numbers &= ~np.isnan(wanted)
+    size = np.maximum(1.0, np.abs(wanted[numbers]))
+    with np.errstate(invalid="ignore"):  # infinite masses
+        apart = np.abs(found[numbers] - wanted[numbers]) / size
+    return {
+        "keys": sorted(values),
+        "alike": is_alike(image, other),
+        "apart": float(np.nanmax(apart)),
     }
 
 
@@ -101,7 +170,10 @@ def pairs_of(scene, ledger, found):
 
 def main(names):
     for name in names:
-        print(json.dumps({"name": name, **compared(SCENES[name])}), flush=True)
+        scene = SCENES[name]
+        refused = methods.refusal(methods.named(METHODS[0]), scene)
+        method = METHODS[1] if refused else METHODS[0]
+        print(json.dumps({"name": name, **compared(scene, method)}), flush=True)
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ class LatticeMachine:
                 values.append(int(value) + (self.base if kind == "place" else 0))
         raised = self.functions[call.name](self.store, *values)
         assert raised == 0
-        return int(np.frombuffer(self._read(self.results, 4), np.int32)[0])
+        return int(np.frombuffer(self.read(self.results, 4), np.int32)[0])
 
     def run(self, name, step=None):
         """A run and its quantities; the code of its status."""
@@ -57,7 +57,7 @@ class LatticeMachine:
     def get(self, array):
         """The values that an array of the program has in the module's memory."""
         place = self.base + self.image.place_of(array)
-        return np.frombuffer(self._read(place, array.nbytes), array.dtype).reshape(array.shape)
+        return np.frombuffer(self.read(place, array.nbytes), array.dtype).reshape(array.shape)
 
-    def _read(self, place, size):
+    def read(self, place, size):
         return bytes(self.memory.read(self.store, place, place + size))

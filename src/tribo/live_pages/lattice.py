@@ -28,6 +28,8 @@ from tribo.loops.setting import Setting
 from tribo.threads.writable_memory import arrays_in
 
 METHOD = "verlet"
+# Bounds on errors relative to the largest values: less than a figure shows.
+ACCURACY = 1e-4
 # Steps before a run is given up.
 MOST_STEPS = 2_000_000
 # Runs that a page makes: of all samples, and of the first and the last alone.
@@ -63,7 +65,9 @@ class Program:
         return image_of(every, self.written, self.units)
 
 
-def program_of(layout: Layout, step: float, method: str = METHOD) -> Program:
+def program_of(
+    layout: Layout, step: float, method: str = METHOD, accuracy: float = ACCURACY
+) -> Program:
     """The program of a scene with equal steps.  Raises InputError if a plug-in does not compile."""
     loop = GeneralLoop(layout, named(method), Setting(step=step), layout.start, 0.0)
     loop.make_all_room()
@@ -88,7 +92,7 @@ def program_of(layout: Layout, step: float, method: str = METHOD) -> Program:
         reached, others = np.zeros(1, np.int64), np.zeros(1, np.int64)
         found = reached, series, drawn
         seen = keep(loop.model), keep(lists), scene, samples, scratch, loop.clocks, *found
-        compared = series, other, reached, others, dimensions, errors
+        compared = series, other, reached, others, dimensions, errors, accuracy
         calls[name] = (
             setup,
             Call("steps", splitting_steps, loop.arguments(own, columns, MOST_STEPS)),

@@ -13,6 +13,7 @@ from tribo.kernels.kinematics import end_force, rod_position, rod_velocity
 from tribo.kernels.records import BARS, FORCED, X, Y
 from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages.limits import largest
 from tribo.live_pages.program import pool, widen
 from tribo.live_pages.quantities import DIMENSIONS, ONLY_HERE, Entry, boost, pseudowork, total, work
 
@@ -439,8 +440,10 @@ def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached,
     return 0
 
 
-def live_errors(series, other, reached, other_reached, dimension, errors):
+def live_errors(series, other, reached, other_reached, dimension, errors, accuracy):
     """Set bounds on the errors from a run with steps twice as long, whose series are `other`.
+
+    Returns 0 where none is above `accuracy` times the largest value of its dimension, else 1.
 
     A method of second order has three times less error than they differ, which
     :func:`tribo.live_pages.program.pool` takes three times, as for others.
@@ -449,4 +452,11 @@ def live_errors(series, other, reached, other_reached, dimension, errors):
     count = reached[0]
     widen(series, other, count, other_reached[0], (1, 1), errors)
     pool(series, count, 1.0, dimension, other, errors)
+    for name in range(series.shape[0]):
+        scale = 0.0
+        for each in range(series.shape[0]):
+            if dimension[each] == dimension[name]:
+                scale = max(scale, largest(series[each], count))
+        if errors[name] > accuracy * scale:
+            return 1
     return 0

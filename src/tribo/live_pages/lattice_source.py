@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tribo.integrators import methods
+from tribo.kernels.status import ENCOUNTER_JUMPED, NOT_FINITE
 from tribo.layout.layout import Layout
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import lattice_quantities as quantities
@@ -16,7 +17,7 @@ from tribo.live_pages.arguments import flat_arguments
 from tribo.live_pages.compile import ELSEWHERE
 from tribo.live_pages.image import WORD, Image
 from tribo.live_pages.keys import Key, Part
-from tribo.live_pages.lattice import METHOD, Program, program_of
+from tribo.live_pages.lattice import ACCURACY, METHOD, Program, program_of
 from tribo.live_pages.lattice_compile import module_of
 from tribo.live_pages.lattice_keys import Words, words_of_keys
 from tribo.model.effects import Effect, reason_for
@@ -34,9 +35,8 @@ KNOWN = {
 }
 MOST_ASPERITES = 200
 MOST_SAMPLES = 1001
-# Methods with equal steps, the cheapest first, and the accuracy where the scene names none.
+# Methods with equal steps, the cheapest first.
 METHODS = ("blanes-moan-6", METHOD)
-ACCURACY = 1e-6
 
 
 def why_not(scene: Scene, layout: Layout) -> str | None:
@@ -72,7 +72,7 @@ class Lattice:
         self.method = named[0]
         plan = prepare(scene, method=self.method, accuracy=accuracy).plan
         self.step = plan.setting.of_equal_steps()
-        self.program = program_of(layout, self.step, self.method)
+        self.program = program_of(layout, self.step, self.method, accuracy)
         self.words = words_of_keys(layout, self.program)
 
     @property
@@ -98,6 +98,7 @@ class Lattice:
             "module": _compressed(content),
             "method": self.method,
             "step": self.step,
+            "tooLong": [NOT_FINITE, ENCOUNTER_JUMPED],  # codes of runs whose steps may be too long
             "samples": int(self.layout.times.size),
             "image": _of_image(image),
             "calls": _calls(program, image),

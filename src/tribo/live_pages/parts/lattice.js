@@ -2,6 +2,7 @@
 // module.
 
 const MORE = 2; // steps of the coarser run, in units of those of the run that is shown
+const HALVINGS = 5; // of the step of the file, at most, where errors are larger than wanted
 
 // Puts the image into the memory: its words where they will stand, with addresses and units.
 async function placeImage(machine, source) {
@@ -49,13 +50,16 @@ function makeLatticeProgram(machine, source, name) {
   }
 
   return function run(numbers, { estimate = false } = {}) {
-    if (estimate) {
-      once(numbers, MORE * source.step);
+    const isTooLong = () => source.tooLong.includes(code);
+    let length = source.step;
+    let code = once(numbers, estimate ? MORE * length : length);
+    for (let n = 0, missed = estimate || isTooLong(); missed && n <= HALVINGS; n += 1) {
       copy("series", "other");
       copy("reached", "others");
+      if (n > 0 || !estimate) length /= MORE;
+      code = once(numbers, length);
+      missed = (estimate && call("errors", calls.errors) !== 0) || isTooLong();
     }
-    const code = once(numbers, estimate ? source.step : MORE * source.step);
-    if (estimate) call("errors", calls.errors);
     const reached = Number(new BigInt64Array(machine.memory.buffer, base + places.reached[0], 1)[0]);
     return {
       code,
