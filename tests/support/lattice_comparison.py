@@ -57,17 +57,18 @@ def _grids():
     lower = replace(lower, drive="bars", asperite=tribo.Asperite(m1=1.5, kappa=3.0))
     upper = replace(upper, drive="free")
     potential = tribo.LennardJones(0.3, 1.0).with_cutoff(2.5)
-    periodic = tribo.Periodic(z=5.0)
+    periodic = tribo.Periodic(z=7.0)
     return replace(scene, surfaces=(upper, lower), interactions=(potential,), periodic=periodic)
 
 
 def _pushed():
-    """Pushed bobs that also repel each other within their row; asperites differ."""
+    """A row pushed over one whose bobs repel each other, by a table; asperites differ."""
     scene = rows()
     upper, lower = scene.surfaces
     unequal = tribo.Asperite(m1=[1.0, 1.5, 2.0], kappa=[2.0, 2.5, 3.0])
     upper = replace(upper, drive=tribo.Pushed(force=(0.05, 0.0)), asperite=unequal)
-    within = tribo.Interaction(tribo.Yukawa(0.1, 0.5), between=("lower", "lower"))
+    table = tribo.potentials.tabulated(tribo.Yukawa(0.1, 0.5).energy, 0.3, 12.0, 1e-6)
+    within = tribo.Interaction(table, between=("lower", "lower"))
     across = tribo.Interaction(tribo.Coulomb(0.2), between=("upper", "lower"))
     return replace(scene, surfaces=(upper, lower), interactions=(across, within))
 

@@ -95,7 +95,7 @@ class Machine:
 
 
 def import_of(store, memory, wanted):
-    """What a module imports: the memory, a stack, a table of functions, or a function of numbers."""
+    """What a module imports: the memory, a stack, a table of functions, or a function."""
     kind = wanted.type
     if isinstance(kind, wasmtime.MemoryType):
         return memory

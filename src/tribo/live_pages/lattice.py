@@ -56,13 +56,14 @@ class Program:
     units: dict[int, int]  # number of each unit by its address
     names: tuple[str, ...]  # what tells each unit apart in all processes
     method: str
+    plugins: tuple[Any, ...]  # which may have arrays
     scene: quantities.Scene
     derived: tuple[np.ndarray, ...]  # parts of arrays that the call "setup" sets
 
     def image(self) -> Image:
         """The memory of all arguments."""
         every = tuple(call.arguments for calls in self.calls.values() for call in calls)
-        return image_of(every, self.written, self.units)
+        return image_of((*every, self.plugins), self.written, self.units)
 
 
 def program_of(
@@ -121,7 +122,8 @@ def program_of(
         model.pivots,
     )
     names = tuple(codes[each][0] for each in units)
-    return Program(calls, columns, written, results, units, names, method, scene, derived)
+    plugins = tuple(layout.plugins)
+    return Program(calls, columns, written, results, units, names, method, plugins, scene, derived)
 
 
 def _found_by(lists: Neighbours) -> tuple[Any, ...]:

@@ -21,7 +21,10 @@ SOURCES = (
     *COMPILED,
     "model/asperite.py",
     *(f"live_pages/{n}.py" for n in ("quantities", "lattice_quantities", "program", "retarget")),
-    *(f"live_pages/{n}.py" for n in ("link", "lattice", "lattice_compile", "lattice_setup", "setup")),
+    *(
+        f"live_pages/{n}.py"
+        for n in ("link", "lattice", "lattice_compile", "lattice_setup", "setup")
+    ),
 )
 
 

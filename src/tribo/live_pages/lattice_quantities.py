@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.kernels import equations_of_motion as equations
-from tribo.kernels.kinematics import end_force, rod_position, rod_velocity
+from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.records import BARS, FORCED, X, Y
 from tribo.kernels.samples import SPRINGS, WITHIN
 from tribo.ledger.quantities import EVERY_QUANTITY
@@ -346,10 +346,10 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
         bob_x,
         bob_y,
     )
-    row = 0
+    place = 0
     for value in seen:
-        drawn[row, k, i] = value
-        row += 1
+        drawn[place, k, i] = value
+        place += 1
     return a.mass * now.vx, a.mass * now.vy
 
 

@@ -72,8 +72,6 @@ def _why_not(scene: Scene, layout: Layout) -> str | None:
     """Why a page cannot show the scene, as the rest of a sentence; None if it can."""
     if _is_small(layout):
         return None
-    if any(_has_other_arrays(each.potential) for each in scene.interactions):
-        return "its potential has an array that is no row of numbers of type float"
     return lattice_source.why_not(scene, layout)
 
 
@@ -90,9 +88,7 @@ def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
     return source
 
 
-def _of_one_law(
-    scene: Scene, given: object, is_other: bool
-) -> tuple[dict[str, Any], Controls]:
+def _of_one_law(scene: Scene, given: object, is_other: bool) -> tuple[dict[str, Any], Controls]:
     """The page of a scene with its own potential alone, and its controls."""
     layout = check(scene)
     lattice = None if _is_small(layout) else Lattice(scene, layout)

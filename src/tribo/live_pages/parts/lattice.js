@@ -32,8 +32,8 @@ function makeLatticeProgram(machine, source, name) {
     return new DataView(machine.memory.buffer).getInt32(results, true);
   }
 
-  // One run with steps of a length, and its quantities.
-  function once(numbers, length) {
+  // The image with other numbers.
+  function place(numbers) {
     new Uint8Array(machine.memory.buffer).set(words, base);
     const memory = new Float64Array(machine.memory.buffer, base);
     source.words.forEach((groups, key) => {
@@ -42,6 +42,18 @@ function makeLatticeProgram(machine, source, name) {
       for (const [factor, own_] of groups) for (const place of own_) memory[place] += factor * change;
     });
     call("setup", calls.setup);
+  }
+
+  // Steps end at samples: of the coarser run, at least one lies between two, and of others two.
+  function longestStep(numbers) {
+    place(numbers);
+    const shortest = floats("times").reduce((least, t, k, times) => (k ? Math.min(least, t - times[k - 1]) : least), Infinity);
+    return Math.min(source.step, shortest / MORE);
+  }
+
+  // One run with steps of a length, and its quantities.
+  function once(numbers, length) {
+    place(numbers);
     const list = calls.steps.slice();
     list[step] = length;
     const code = call("steps", list);
@@ -51,7 +63,7 @@ function makeLatticeProgram(machine, source, name) {
 
   return function run(numbers, { estimate = false } = {}) {
     const isTooLong = () => source.tooLong.includes(code);
-    let length = source.step;
+    let length = longestStep(numbers);
     let code = once(numbers, estimate ? MORE * length : length);
     for (let n = 0, missed = estimate || isTooLong(); missed && n <= HALVINGS; n += 1) {
       copy("series", "other");
