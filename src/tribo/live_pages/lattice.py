@@ -80,19 +80,19 @@ def program_of(
     scene = _scene_of(layout)
     model = loop.model
     setup = Call("setup", live_setup, (keep(model), scene, parameters_of(layout)))
-    calls = {}
-    results = {}
-    found = (*_found_by(lists), *_found_by(loop.neighbours))
-    written = *columns, *arrays_in(found)
+    calls: dict[str, tuple[Call, ...]] = {}
+    results: dict[str, dict[str, np.ndarray]] = {}
+    searched = (*_found_by(lists), *_found_by(loop.neighbours))
+    written: tuple[np.ndarray, ...] = (*columns, *arrays_in(searched))
     for name, times in {FULL: layout.times, SHORT: layout.times[[0, -1]]}.items():
         own = times.copy()
         series, other = np.zeros((rows, own.size)), np.zeros((rows, own.size))
         drawn = np.zeros((len(quantities.Drawn._fields), own.size, layout.scene.count))
         errors = np.zeros(rows)
-        samples = quantities.Samples(own, *columns[:5], loop.recorded[0])
+        samples = quantities.Samples(own, *columns[:5], loop.recorded[0])  # type: ignore[call-arg]
         reached, others = np.zeros(1, np.int64), np.zeros(1, np.int64)
-        found = reached, series, drawn
-        seen = keep(loop.model), keep(lists), scene, samples, scratch, loop.clocks, *found
+        of_run = scene, samples, scratch, loop.clocks, reached, series, drawn
+        seen = keep(loop.model), keep(lists), *of_run
         compared = series, other, reached, others, dimensions, errors, accuracy
         calls[name] = (
             setup,

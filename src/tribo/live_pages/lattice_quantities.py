@@ -346,10 +346,8 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
         bob_x,
         bob_y,
     )
-    place = 0
-    for value in seen:
-        drawn[place, k, i] = value
-        place += 1
+    for row, value in enumerate(seen):
+        drawn[row, k, i] = value
     return a.mass * now.vx, a.mass * now.vy
 
 
