@@ -100,7 +100,7 @@ def present_number(scene: Scene, layout: Layout, key: str) -> float | None:
     if value is None and rest in ("swing", "theta", "omega"):  # not given
         index = next(k for k, surface in enumerate(scene.surfaces) if surface.name == name)
         surface: Surface = scene.surfaces[index]
-        place = index + layout.coordinates * (rest == "omega")
+        place = scene.parts[name].start + layout.coordinates * (rest == "omega")
         value = float(layout.start[place]) + surface.rest * (rest == "theta")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return None

@@ -20,6 +20,8 @@ from tribo.model.tables import field_names
 from tribo.potentials.by_key import values_by_key
 from tribo.validation import InputError
 
+# Change of all keys at once, in units of their values or of 1.
+TOGETHER = 2.0**-10
 # Keys of drives, springs and fields that are numbers.
 OF_DRIVE = ("stiffness", "speed", "load", "force")
 OF_FIELD = ("velocity.0", "velocity.1")
@@ -65,8 +67,37 @@ def words_of_keys(layout: Layout, program: Program) -> list[Words]:
         tried = list(_tried(scene, program.method, image, key, value))
         own = _words(image, free, value, tried) if len(tried) > 1 else None
         if own is not None:
-            found.append(Words(key.replace("velocity.0", "velocity"), value, *own))
-    return found
+            found.append(Words(key, value, *own))
+    return [each._replace(key=shown(each.key)) for each in _together(layout, program, image, found)]
+
+
+def shown(key: str) -> str:
+    """A key as pages have it: the velocity is that along x."""
+    return key.replace("velocity.0", "velocity")
+
+
+def _together(layout: Layout, program: Program, image: Image, found: list[Words]) -> list[Words]:
+    """The keys whose changes add up: of those that do not, as a cutoff and where its switch begins
+    by default, the first.
+    """
+    values = {}
+    expected = image.words.view(float).copy()
+    for each in found:
+        change = TOGETHER * (abs(each.value) or 1.0)
+        values[each.key] = each.value + change
+        expected[each.places] += each.factors * change
+    other = lay_out(with_values(layout.scene, values))
+    words = program_of(other, 1.0, program.method).image().words.view(float)
+    kept: list[Words] = []
+    taken: set[int] = set()
+    for each in found:
+        own = each.places
+        wrong = np.abs(words[own] - expected[own]) > 1e-9 * np.maximum(1.0, np.abs(words[own]))
+        clashes = set(own[wrong].tolist())
+        if not clashes & taken:
+            kept.append(each)
+            taken |= clashes
+    return kept
 
 
 def places_of(program: Program, image: Image) -> np.ndarray:
