@@ -331,3 +331,18 @@ def test_a_page_that_is_right_passes(written):
     written(PROGRAM.replace("x is 1.25", "x is 1.26") + SCENE)
     assert not page_code.same("a 1.0e-3", "a 1.2e-3")
     assert page_code.same("a 1e-12", "a 3e-13")
+
+
+def test_joined_tutorials(tmp_path):
+    """The tutorials are joined in the order of their contents; links lead to other sites only."""
+    archive = module_of_docs("archive")
+    names = archive.tutorials()
+    assert names[0] == "from_the_paper"
+    assert set(names) == {p.stem for p in (ROOT / "docs/tutorials").glob("*.md")} - {"index"}
+    for name in names:
+        links = '<a href="other.html">one</a> <a class="x" href="https://example.org/">two</a>'
+        text = f"<head><title>{name} - tribo</title></head><article>{name}: {links}</article>"
+        (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
+    page = archive.joined_page(tmp_path, names)
+    assert re.findall(r"(\w+): <a", page) == names
+    assert "other.html" not in page and page.count("https://example.org/") == len(names)
