@@ -15,6 +15,7 @@ from support.lattice_machine import LatticeMachine
 from tribo.integrators import methods
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
+from tribo.ledger.motion import add_reactions
 from tribo.live_pages.lattice import FULL, SHORT, program_of
 from tribo.live_pages.lattice_compile import module_of
 from tribo.live_pages.lattice_keys import is_alike, words_of_keys
@@ -83,7 +84,8 @@ def compared(scene, method):
     machine = LatticeMachine(module_of(scene, program, layout.plugins), program)
     code = machine.run(FULL)
     found = {name: machine.get(array) for name, array in program.results[FULL].items()}
-    columns = [machine.get(each) for each in program.columns]
+    columns = [machine.get(each).copy() for each in program.columns]
+    add_reactions(layout, *columns[:2], columns[0][:1])
     simulation = tribo.prepare(scene, method=method, step=STEP)
     result = simulation.integrator(simulation.plan.setting, layout.times)
     samples = result.samples

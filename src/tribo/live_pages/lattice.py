@@ -110,7 +110,7 @@ def program_of(
         }
         written = *written, *results[name].values()
         results[name]["times"] = own
-    codes = unit_codes()
+    codes = known_units()
     words = np.concatenate([each.view(np.int64).ravel() for each in _units_of(loop.model)])
     addresses = [each for each in words.tolist() if each in codes]
     units = {address: n for n, address in enumerate(dict.fromkeys(addresses))}
@@ -124,6 +124,15 @@ def program_of(
     names = tuple(codes[each][0] for each in units)
     plugins = tuple(layout.plugins)
     return Program(calls, columns, written, results, units, names, method, plugins, scene, derived)
+
+
+def known_units() -> dict[int, tuple[str, Any]]:
+    """Address -> what tells a unit apart in all processes, and the unit.
+
+    Whether arrays of a potential can be written does not matter: copies of them in another process
+    can.
+    """
+    return {at: (name.replace("readonly ", ""), unit) for at, (name, unit) in unit_codes().items()}
 
 
 def _found_by(lists: Neighbours) -> tuple[Any, ...]:

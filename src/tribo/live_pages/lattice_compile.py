@@ -8,10 +8,9 @@ import tempfile
 from typing import Any
 
 from tribo.compiler.jit import COMPILED, LOOP
-from tribo.compiler.units import unit_codes
 from tribo.layout.layout import lay_out
 from tribo.live_pages.compile import compiled_apart, given_to_process, kept_or_made
-from tribo.live_pages.lattice import FULL, Program, program_of
+from tribo.live_pages.lattice import FULL, Program, known_units, program_of
 from tribo.live_pages.link import linked
 from tribo.live_pages.retarget import UNIT, object_of
 from tribo.model.scene import Scene
@@ -61,7 +60,7 @@ def compiled(scene: Scene, names: tuple[str, ...]) -> bytes:
         name = function.overloads[kinds].fndesc.llvm_func_name
         codes[name] = function.inspect_llvm(kinds)
         exported[call.name] = name
-    made = dict(unit_codes().values())
+    made = dict(known_units().values())
     units = []
     for each in names:
         library = made[each]._library
