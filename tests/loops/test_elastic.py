@@ -27,6 +27,7 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.export import to_lammps
 from tribo.layout import elastic_body
 from tribo.model.free_edges import Grid, compliance, relaxed
 
@@ -461,7 +462,7 @@ def test_what_is_refused_at_edges(settings, periodic, problem):
 
 
 def test_a_run_on_a_body_continues_from_its_file(tmp_path):
-    """A kill after half of the steps, and a rest from the file, give the bits of one run."""
+    """The first half has the bits of the whole run; the rest from its file agrees to round-off."""
     given = sliding(DRIVES["block"])
     whole = tribo.simulate(given, method="verlet", step=0.025)
     half = replace(given, duration=1.0, output=Output(samples=5, series=("forces",)))
@@ -512,7 +513,7 @@ def sliding_for(scene, elastic):
 
 def test_files_of_lammps_cannot_have_a_body(tmp_path):
     with pytest.raises(InputError, match=r"upper\.elastic: cannot be written to files of LAMMPS"):
-        tribo.export_lammps(sliding(DRIVES["each"]), tmp_path / "body")
+        to_lammps(sliding(DRIVES["each"]), tmp_path / "body")
 
 
 ALONE = """
@@ -529,7 +530,11 @@ print(*(value.hex() for value in result["upper"].x_bar[-1].tolist()))
 """
 
 
-@pytest.mark.parametrize("mode", [{"NUMBA_DISABLE_JIT": "1"}, {"TRIBO_NUMBA": "plain"}])
+@pytest.mark.parametrize(
+    "mode",
+    [{"NUMBA_DISABLE_JIT": "1"}, {"TRIBO_NUMBA": "plain"}],
+    ids=["uncompiled", "plain"],
+)
 def test_other_modes_give_the_same_motion(mode):
     """Without compilation, and with documented functions of numba alone."""
     ends = []
