@@ -92,7 +92,9 @@ class Lattice:
         every = [*self.words, observer]
         content = module_of(self.scene, program, self.layout.plugins)
         numbers = np.array([each.value for each in every])
-        duration = [each.key for each in self.words].index("duration")
+        keys = [each.key for each in self.words]
+        # With times of samples that are given, it is no key.
+        duration = keys.index("duration") if "duration" in keys else -1
         return {
             "kind": "lattice",
             "module": _compressed(content),

@@ -145,7 +145,10 @@ async function startPage(element, source, { values, signal, laws }) {
 
   const showControls = makeControls({ part, source, state, change });
   if (Object.keys(laws.sources).length > 0) addLaws({ part, state }, laws);
-  if (isLattice) part("startsPanel").remove(); // swings at random are those of a pair
+  if (isLattice) {
+    part("startsPanel").remove(); // swings at random are those of a pair
+    part("lengthen").closest("label").hidden = true; // so is the time at which bobs have passed
+  }
   const isOpen = (name) => part(name) !== null && !part(name).hidden;
   const panels = [];
   const showAll = () => panels.forEach((panel) => panel(true));
