@@ -1,9 +1,9 @@
 """What the pages take from the package: figures, the paper's table, and tables of names.
 
-Each part is made again when a source of the package, or of the part itself, has changed, so the
-pages cannot be older than the code: figures that the pages' own code draws, the paper's numbers
-beside the computed ones, and tables of methods, effects, statuses and files.  Two parts are made at
-the same time; the longest begin first.
+Each part is made again when a source of the package, or of the part itself, has changed (of a
+page, the code in it), so the pages cannot be older than the code: figures that the pages' own code
+draws, the paper's numbers beside the computed ones, and tables of methods, effects, statuses and
+files.  Two parts are made at the same time; the longest begin first.
 """
 
 import ast
@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import fields
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import atlas_tables
 import house
@@ -48,6 +48,8 @@ PAGES_WITH_PICTURES = [
 ]
 
 
+# In the folder of the parts, the stamp and the time of each.
+STAMPS = "stamps.json"
 # Parts that are made at the same time.
 PROCESSES = 2
 # Seconds of a part that has not been made before, and of others until they have.
@@ -59,6 +61,7 @@ class Part(NamedTuple):
 
     make: Callable[[Path], None]
     sources: list[Path]
+    page: Path | None = None  # whose code it runs
 
 
 def everything(folder: Path) -> None:
@@ -66,13 +69,21 @@ def everything(folder: Path) -> None:
     documented_keys(HERE / "reference" / "scene_file.md")
     documented_names(HERE / "reference" / "api.md")
     folder.mkdir(exist_ok=True)
-    stamps = folder / "stamps.json"
+    stamps = folder / STAMPS
     made = json.loads(stamps.read_text(encoding="utf-8")) if stamps.exists() else {}
     now = {name: _stamp(part) for name, part in parts().items()}
     made = {name: entry for name, entry in made.items() if name in now}
     old = [name for name, stamp in now.items() if made.get(name, {}).get("stamp") != stamp]
-    if not old:
-        return
+    if old:
+        _make_all(old, now, made, folder)
+    for page in notebooks.PAGES:  # of text too, which may have changed alone
+        notebooks.write(page, folder)
+
+
+def _make_all(
+    old: list[str], now: dict[str, str], made: dict[str, dict[str, Any]], folder: Path
+) -> None:
+    """Make parts, and write down the stamp and the time of each."""
     expected = {name: made.get(name, {}).get("seconds", UNKNOWN) for name in old}
     seconds = max(sum(expected.values()) / PROCESSES, *expected.values())
     print(
@@ -86,7 +97,7 @@ def everything(folder: Path) -> None:
         for number, done in enumerate(as_completed(begun), start=1):
             name = begun[done]
             made[name] = {"stamp": now[name], "seconds": round(done.result(), 1)}
-            stamps.write_text(json.dumps(made, indent=1), encoding="utf-8")
+            (folder / STAMPS).write_text(json.dumps(made, indent=1), encoding="utf-8")
             print(f"[{number}/{len(old)}] {name}: {made[name]['seconds']} s", flush=True)
 
 
@@ -96,7 +107,7 @@ def parts() -> dict[str, Part]:
     found = {}
     for page in PAGES_WITH_PICTURES:
         name = str(page.relative_to(HERE).with_suffix(""))
-        found[name] = Part(_Page(page), [*own, HERE / "notebooks.py", page])
+        found[name] = Part(_Page(page), own, page)
     measured = sorted(HERE.glob("measured/*.json"))
     tables = [*own, *HERE.glob("atlas_tables.py"), *HERE.glob("measure_*.py"), *measured]
     return found | {
@@ -112,6 +123,9 @@ def _stamp(part: Part) -> str:
     digest = hashlib.blake2b(package_stamp().encode(), digest_size=8)
     for source in part.sources:
         digest.update(source.read_bytes())
+    if part.page is not None:
+        for block in page_code.blocks(part.page):
+            digest.update(f"{block.language}\n{block.text}".encode())
     return digest.hexdigest()
 
 
@@ -124,7 +138,7 @@ def _make(name: str, folder: Path) -> float:
 
 
 class _Page:
-    """Runs the program of a page in its own folder, and keeps its pictures and its notebook."""
+    """Runs the program of a page in its own folder, and keeps its pictures."""
 
     def __init__(self, page: Path) -> None:
         self._page = page
@@ -136,8 +150,6 @@ class _Page:
         for picture in own.iterdir():
             if picture.suffix in (".png", ".pdf", ".html"):
                 shutil.copy(picture, folder / picture.name)
-        if self._page in notebooks.PAGES:
-            notebooks.write(self._page, folder)
 
 
 def _paper(folder: Path) -> None:

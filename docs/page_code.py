@@ -18,6 +18,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,10 +31,12 @@ from tribo.commands import cli
 
 RUN = ("python", "shell", "toml")
 LANGUAGES = (*RUN, "py", "text", "console")
+MADE = (".ipynb", ".py")  # downloads that are made of a page or are programs, not data
 ROUND_OFF = 1e-9  # numbers below, in magnitude, may differ from machine to machine
 FENCE = re.compile(r"^```(.*)\n((?:.*\n)*?)^```$", re.MULTILINE)
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:e[-+]\d+)?)")
 FILE_NAME = re.compile(r"# (\S+\.toml)$", re.MULTILINE)
+DOWNLOAD = re.compile(r"\{download\}`[^`<]*<([^`>]+)>`")
 INDENTED = re.compile(r"\n\n((?: {4}|\t).*)\n")
 
 
@@ -72,13 +75,17 @@ def _check_prose(page: Path, text: str) -> None:
 
 
 def run(page: Path, folder: Path) -> None:
-    """Run the blocks of a page in a folder.
+    """Run the blocks of a page in a folder, which gets the data that the page offers to download.
 
     Raises what a block raises, and AssertionError where the page shows another output than that of
     the code.
     """
     os.environ.setdefault("MPLBACKEND", "Agg")
     found = list(blocks(page))
+    for name in DOWNLOAD.findall(page.read_text(encoding="utf-8")):
+        data = page.parent / name
+        if data.suffix not in MADE:
+            shutil.copy(data, folder)
     with contextlib.chdir(folder), _module(page, found, folder) as module:
         printed = None
         for block in found:

@@ -187,7 +187,7 @@ def test_derivatives_need_nothing():
     assert not list(of_this_package("potentials.derivative"))
 
 
-HEAVY = {"ase", "matplotlib", "xarray", "h5netcdf", "scipy", "tqdm", "numba", "tomli_w"}
+HEAVY = {"ase", "matplotlib", "xarray", "netCDF4", "scipy", "tqdm", "numba", "tomli_w"}
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def test_modules_of_a_run():
     program = """
 import sys, tribo
 tribo.simulate(tribo.paper.scene("A"), accuracy=1e-6, progress=False)
-unused = {"scipy.linalg", "numba.np.arraymath", "h5py", "xarray", "matplotlib", "numpy.ma"}
+unused = {"scipy.linalg", "numba.np.arraymath", "netCDF4", "xarray", "matplotlib", "numpy.ma"}
 print(*sorted(unused & sys.modules.keys()))
 """
     subprocess.run([sys.executable, "-c", program], check=True)  # compiles, if that is needed

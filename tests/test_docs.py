@@ -39,6 +39,8 @@ page_code = module_of_docs("page_code")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
+    if "x3p" in page.read_text(encoding="utf-8") and page.parent.name == "tutorials":
+        pytest.importorskip("SurfaceTopography")
     with forgotten():
         page_code.run(page, tmp_path)
 
@@ -329,3 +331,18 @@ def test_a_page_that_is_right_passes(written):
     written(PROGRAM.replace("x is 1.25", "x is 1.26") + SCENE)
     assert not page_code.same("a 1.0e-3", "a 1.2e-3")
     assert page_code.same("a 1e-12", "a 3e-13")
+
+
+def test_joined_tutorials(tmp_path):
+    """The tutorials are joined in the order of their contents; links lead to other sites only."""
+    archive = module_of_docs("archive")
+    names = archive.tutorials()
+    assert names[0] == "from_the_paper"
+    assert set(names) == {p.stem for p in (ROOT / "docs/tutorials").glob("*.md")} - {"index"}
+    for name in names:
+        links = '<a href="other.html">one</a> <a class="x" href="https://example.org/">two</a>'
+        text = f"<head><title>{name} - tribo</title></head><article>{name}: {links}</article>"
+        (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
+    page = archive.joined_page(tmp_path, names)
+    assert re.findall(r"(\w+): <a", page) == names
+    assert "other.html" not in page and page.count("https://example.org/") == len(names)

@@ -43,7 +43,7 @@ FOLDERS = r"\.ci|tests|tools|docs|benchmarks|examples"
 NAMED = re.compile(rf"(?<![\w/.-])((?:{FOLDERS})/[\w./-]*\w)(?:::(\w+))?")
 # Python that a page runs in a shell.
 RUN = re.compile(rf"python ((?:{FOLDERS})/[a-z\d_/]+\.py)()")
-MADE = {"docs/_build"}
+MADE = {"docs/_build", "docs/_generated"}
 SCRIPTS = [*sorted(ROOT.glob(".ci/*")), *sorted(ROOT.glob(".github/workflows/*.yml"))]
 
 

@@ -4,7 +4,7 @@ import importlib
 from itertools import pairwise
 
 # The one place of the version; pyproject.toml takes it from here.
-__version__ = "0.3.0.dev0"
+__version__ = "0.3.0"
 
 
 def _homes(stub: str) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
@@ -10,13 +9,14 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 from tribo import system
 from tribo.system import longest_name, replace
 from tribo.validation import InputError
 
 if TYPE_CHECKING:
+    import netCDF4
     import xarray
 
 
@@ -65,6 +65,8 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
 
 # The ending of names of NetCDF files.
 NETCDF = ".nc"
+# The memory that a NetCDF file in memory has at first.
+FIRST_BYTES = 2**16
 # What follows the name of a file while it is written; the longest such addition to a name.
 NEW = ".part.new"
 
@@ -89,27 +91,90 @@ def replace_file(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
-def write_netcdf(data: xarray.Dataset, file: Path | BinaryIO, **how: Any) -> None:
+@contextmanager
+def netcdf_file(
+    path: str | Path, mode: Literal["r", "w", "a"] = "r", memory: int | bytes | None = None
+) -> Iterator[netCDF4.Dataset]:
+    """An open NetCDF file, on disk or in memory: a size to write, or bytes to read.
+
+    The NetCDF library is not made for threads: one has it at a time, by the lock that xarray has
+    for what it reads later.  Raises OSError.
+    """
+    import netCDF4
+    from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
+
+    with NETCDF4_PYTHON_LOCK:
+        try:
+            file = netCDF4.Dataset(path, mode, memory=memory)
+            try:
+                yield file
+            finally:
+                if file.isopen():
+                    file.close()
+        except RuntimeError as error:  # of the NetCDF library, as where a disk is full
+            raise OSError(str(error)) from None
+
+
+def write_netcdf(data: xarray.Dataset, path: Path, **how: Any) -> None:
     """Write a data set as NetCDF; `how` are `encoding` and `unlimited_dims` of xarray.
 
-    ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
-    for it without end, and no cluster knows a file in memory.  h5py has the lock that HDF5 needs.
+    Raises OSError.
     """
-    from xarray.backends import H5NetCDFStore
-
-    name = file if isinstance(file, io.IOBase) else str(file)
-    store = H5NetCDFStore.open(name, mode="w", lock=False)
-    try:
-        data.dump_to_store(store, **how)
-    finally:
-        store.close()
+    with netcdf_file(path, "w") as file:
+        _dump(data, file, **how)
 
 
 def netcdf_image(data: xarray.Dataset) -> bytes:
     """The bytes of a NetCDF file with a data set."""
-    image = io.BytesIO()
-    write_netcdf(data, image)
-    return image.getvalue()
+    with netcdf_file("image", "w", FIRST_BYTES) as file:
+        _dump(data, file)
+        return bytes(file.close())
+
+
+def _dump(data: xarray.Dataset, file: netCDF4.Dataset, **how: Any) -> None:
+    """Write a data set into an open file.
+
+    ``data.to_netcdf`` would take a lock of the cluster while a client of Dask is open.  It may wait
+    for it without end, and no cluster knows a file in memory.
+    """
+    from xarray.backends import NetCDF4DataStore
+
+    data.dump_to_store(NetCDF4DataStore(file, lock=False), **how)
+
+
+def netcdf_in(image: bytes) -> xarray.Dataset:
+    """The data set in the bytes of a NetCDF file.  A damaged file may raise anything."""
+    import xarray
+    from xarray.backends import NetCDF4DataStore
+
+    with netcdf_file("image", memory=image) as file:
+        data = xarray.open_dataset(NetCDF4DataStore(file, lock=False)).load()
+        data.set_close(None)  # the file is closed here
+    return data
+
+
+def netcdf_attributes(path: str | Path, image: bytes | None = None) -> dict[str, Any]:
+    """The attributes of a NetCDF file, whose bytes may be given.  Raises OSError."""
+    with netcdf_file(path, memory=image) as file:
+        return dict(file.__dict__)
+
+
+def append_netcdf(path: Path, data: xarray.Dataset, dimension: str, first: int) -> None:
+    """Append to the variables of a file along its unlimited dimension, at an index.
+
+    Texts are letters of a fixed number in the file.  Raises OSError.
+    """
+    import netCDF4
+
+    with netcdf_file(path, "a") as file:
+        file.set_auto_chartostring(False)
+        for name, variable in data.variables.items():
+            if variable.dims[:1] == (dimension,):
+                array = file.variables[str(name)]
+                values = variable.values
+                if values.dtype.kind == "U":
+                    values = netCDF4.stringtochar(values.astype(f"S{array.shape[1]}"))
+                array[first : first + len(variable)] = values
 
 
 def read_file(path: Path) -> bytes:

@@ -23,9 +23,9 @@ SEAL = struct.Struct("<15sQ32s")
 FIRST_READ = Path(__file__).with_name("first_read.py").resolve()
 # Bytes that are read at once.
 BLOCK = 2**20
-# Most processor time of a first read without its bytes [s]; files of 160 kB with 155 variables
-# take 0.18 s.
-SECONDS = 0.45
+# Most processor time of a first read without its bytes [s]; a file of 370 kB with 170 variables
+# takes 0.1 s.
+SECONDS = 0.3
 # Bytes that a first read reads in a second of processor time, at least.
 SPEED = 1.5e6
 # Seconds in which a busy machine starts a first read.

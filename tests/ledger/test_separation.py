@@ -163,6 +163,30 @@ def test_contact_is_repulsion():
         assert tribo.simulate(scene, **how).time_without_contact("upper") == share
 
 
+class Ended(tribo.Potential):
+    """A repulsion whose formula has no real value beyond its range."""
+
+    stiffness: float
+
+    def energy(self, r):
+        return self.stiffness * (1.2 - r) ** 1.5
+
+    def range(self):
+        return 1.2
+
+
+@pytest.mark.filterwarnings("error")
+def test_contact_within_a_range_of_ones_own():
+    """Beyond its range a formula may give a complex number in Python: no contact, no warning."""
+    upper = Surface("upper", bob=(-2.0, 0.9), velocity=(1.0, 0.0), asperite=RIGID)
+    lower = Surface("lower", facing="up", asperite=RIGID)
+    tail = tribo.LennardJones(1e-9, 1.0).with_cutoff(2.5)
+    output = Output(samples=3, series=["forces"])
+    for potential in (Ended(2.0), Ended(2.0) + tail):
+        result = tribo.simulate(Scene((upper, lower), potential, 4.0, output=output), step=0.01)
+        assert result.end["contact_distance"]["upper"] == pytest.approx(1.2)
+
+
 def test_parting_and_not_meeting_are_noted():
     """Where a friction force is asked for; a slide over a periodic row is not parting."""
     (note,) = pass_over(0.5).notes

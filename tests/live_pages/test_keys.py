@@ -14,6 +14,8 @@ from tribo.live_pages.source import check
 from tribo.model.parameters import value_of, with_values
 
 SCENE = tribo.paper.scene("A")
+OTHER = tribo.paper.scene("E")
+KEYS = keys_of(SCENE)
 CUT = replace(SCENE, interactions=(tribo.LennardJones(0.3, 1.0).with_cutoff(2.5),))
 
 
@@ -36,7 +38,7 @@ def test_every_number_has_a_key():
     reached = {part.place for key in keys_of(SCENE) for part in key.parts}
     of_choices = {
         place
-        for choice in controls_of(SCENE).choices
+        for choice in controls_of(SCENE, None, KEYS).choices
         for each in choice.words.values()
         for place, _ in each
     }
@@ -45,22 +47,22 @@ def test_every_number_has_a_key():
 
 
 def test_usual_controls():
-    keys = [control.key for control in controls_of(SCENE).shown]
+    keys = [control.key for control in controls_of(SCENE, None, KEYS).shown]
     assert keys[:3] == ["interaction.strength", "upper.bob.1", "upper.velocity"]
     assert keys[-2:] == ["upper.drive", "duration"]
-    assert "lower.velocity" in [each.key for each in controls_of(tribo.paper.scene("E")).shown]
+    assert "lower.velocity" in [each.key for each in controls_of(OTHER, None, keys_of(OTHER)).shown]
 
 
 def test_given_controls(tmp_path):
     given = {"title": "Titel", "upper.velocity": {"range": [0.1, 1.0], "label": "Tempo"}}
-    controls = controls_of(SCENE, given)
+    controls = controls_of(SCENE, given, KEYS)
     (shown,) = controls.shown
     assert (shown.low, shown.high, shown.label, shown.value) == (0.1, 1.0, "Tempo", 0.5)
     assert controls.words == {"title": "Titel"}
-    assert controls_of(SCENE, given | {"panel": "Energy"}).words["panel"] == "Energy"
+    assert controls_of(SCENE, given | {"panel": "Energy"}, KEYS).words["panel"] == "Energy"
     file = tmp_path / "controls.toml"
     file.write_text('title = "Titel"\n["upper.velocity"]\nrange = [0.1, 1.0]\nlabel = "Tempo"\n')
-    assert controls_of(SCENE, file) == controls
+    assert controls_of(SCENE, file, KEYS) == controls
 
 
 @pytest.mark.parametrize(
@@ -76,7 +78,7 @@ def test_given_controls(tmp_path):
 )
 def test_wrong_controls(given, problem):
     with pytest.raises(InputError, match=problem):
-        controls_of(SCENE, given)
+        controls_of(SCENE, given, KEYS)
 
 
 def test_one_of_two_numbers():
@@ -95,14 +97,17 @@ def test_one_of_two_numbers():
     assert grid.sizes["upper.bob.1"] == 2
 
 
+PULLED_LATER = tribo.Pulled(stiffness=1.0, speed=tribo.Schedule([[0.0, 0.0], [5.0, 0.5]]))
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"shape": (2, 1), "spacing": (3.0, 0.0)}, "it has 3 asperites"),
+        ({"shape": (20, 10), "spacing": (3.0, 3.0)}, "it has 201 asperites"),
         ({"langevin": tribo.Langevin(gamma=0.1)}, "it has langevin"),
-        ({"drive": tribo.Pulled(stiffness=1.0, speed=0.5)}, "it has pull"),
+        ({"bath": tribo.Bath(masses=[0.1], frequencies=[1.0])}, "it has bath"),
         ({"asperite": tribo.Asperite(kappa=np.inf)}, "it has rigid asperites"),
-        ({"initial": tribo.Initial(phi=0.1)}, "live pages have forced, free and driven bars"),
+        ({"drive": PULLED_LATER}, "it has schedule"),
     ],
 )
 def test_what_cannot_go_in(change, reason):

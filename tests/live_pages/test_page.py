@@ -46,9 +46,10 @@ def test_command(tmp_path, capsys, monkeypatch):
     assert data["controls"][0]["value"] == 0.4
     row = replace(tribo.paper.scene("A").surfaces[0], shape=(2, 1), spacing=(3.0, 0.0))
     scene = replace(tribo.paper.scene("A"), surfaces=(row, tribo.paper.scene("A").surfaces[1]))
-    scene.save("row.toml")
+    damped = replace(scene.surfaces[1], langevin=tribo.Langevin(gamma=0.1))
+    replace(scene, surfaces=(scene.surfaces[0], damped)).save("row.toml")
     assert main(["live", "row.toml"]) == 2
-    assert "one on one" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
+    assert "it has langevin" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
 
 
 LAWS = {"label": "law", "own": "strong", "values": {"weak": tribo.Coulomb(0.1)}}

@@ -1,6 +1,8 @@
 """Elastic bodies: Green's functions, energy, waves, and the contact of a sphere."""
 
 import math
+import os
+import subprocess
 import sys
 from dataclasses import replace
 from typing import NamedTuple
@@ -25,6 +27,7 @@ from tribo import (
     Scene,
     Surface,
 )
+from tribo.export import to_lammps
 from tribo.layout import elastic_body
 from tribo.model.free_edges import Grid, compliance, relaxed
 
@@ -453,3 +456,93 @@ def test_what_is_refused(settings, problem):
 def test_what_is_refused_at_edges(settings, periodic, problem):
     with pytest.raises(InputError, match=problem):
         Scene((body(**{"drive": Free()} | settings),), (), 1.0, periodic=periodic)
+
+
+# --- other uses of a scene with an elastic body --------------------------------------------------
+
+
+def test_a_run_on_a_body_continues_from_its_file(tmp_path):
+    """The first half has the bits of the whole run; the rest from its file agrees to round-off."""
+    given = sliding(DRIVES["block"])
+    whole = tribo.simulate(given, method="verlet", step=0.025)
+    half = replace(given, duration=1.0, output=Output(samples=5, series=("forces",)))
+    first = tribo.simulate(half, method="verlet", step=0.025)
+    first.save(tmp_path / "half.nc")
+    state = tribo.load_result(tmp_path / "half.nc").state()
+    rest = tribo.simulate(given, method="verlet", step=0.025, start=state)
+    for name in ("x_bar", "y_bar"):
+        assert np.array_equal(first["upper"][name], whole["upper"][name][:5])
+        assert np.max(np.abs(rest["upper"][name] - whole["upper"][name][-len(rest.t) :])) <= 1e-12
+
+
+def test_relax_finds_the_equilibrium_of_a_damped_run():
+    """Displacements of a loaded block, whose forces then balance on each bar."""
+    given = sliding(
+        Free(block=True, load=1.0),
+        velocity=(0.0, 0.0),
+        langevin=Langevin(1.0),
+        elastic=Elastic(2.0, 0.3),
+    )
+    state = tribo.relax(given)
+    still = replace(given, duration=0.5, output=Output(samples=3, series=("forces",)))
+    own = tribo.simulate(still, method="verlet", step=0.025, start=state)["upper"]
+    assert np.max(np.abs(own["y_bar"] - own["y_bar"][0])) <= 1e-8
+    assert np.sum(own["f1_y"][0]) == pytest.approx(1.0, abs=1e-8)
+    assert np.max(np.abs(own["f_spring_y"][0])) > 1e-4
+
+
+def test_sweeps_and_ensembles_are_runs_of_the_body():
+    given = replace(sliding(DRIVES["block"]), output=Output(samples=2), duration=0.5)
+    how = {"method": "verlet", "step": 0.025}
+    moduli = [1.0, 4.0]
+    keep = ["upper.x_bar"]
+    points = tribo.sweep(given, {"upper.elastic.modulus": moduli}, keep=keep, **how)
+    members = tribo.ensemble(given, 2, vary={"upper.elastic.modulus": moduli}, keep=keep, **how)
+    for k, modulus in enumerate(moduli):
+        body = Elastic(modulus, 0.3)
+        alone = tribo.simulate(sliding_for(given, body), **how)["upper"]["x_bar"][-1]
+        assert np.max(np.abs(points["upper.x_bar"].values[k] - alone)) <= 1e-12
+        assert np.max(np.abs(members["upper.x_bar"].values[k] - alone)) <= 1e-12
+
+
+def sliding_for(scene, elastic):
+    """The same scene with another elastic body."""
+    upper, table = scene.surfaces
+    return replace(scene, surfaces=(replace(upper, elastic=elastic), table))
+
+
+def test_files_of_lammps_cannot_have_a_body(tmp_path):
+    with pytest.raises(InputError, match=r"upper\.elastic: cannot be written to files of LAMMPS"):
+        to_lammps(sliding(DRIVES["each"]), tmp_path / "body")
+
+
+ALONE = """
+import numpy as np
+import tribo
+rigid = tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf)
+upper = tribo.Surface(
+    "upper", shape=(3, 2), spacing=(1.0, 1.0), elastic=tribo.Elastic(2.0, 0.3), asperite=rigid,
+    drive=tribo.Free(), initial=tribo.Initial(x=[0.1, 0.0, 0.02, 0.0, -0.1, 0.05]),
+)
+scene = tribo.Scene((upper,), (), 0.4, periodic=tribo.Periodic(x=3.0, z=2.0))
+result = tribo.simulate(scene, method="verlet", step=0.1)
+print(*(value.hex() for value in result["upper"].x_bar[-1].tolist()))
+"""
+
+
+@pytest.mark.parametrize(
+    "mode",
+    [{"NUMBA_DISABLE_JIT": "1"}, {"TRIBO_NUMBA": "plain"}],
+    ids=["uncompiled", "plain"],
+)
+def test_other_modes_give_the_same_motion(mode):
+    """Without compilation, and with documented functions of numba alone."""
+    ends = []
+    for settings in ({}, mode):
+        command = [sys.executable, "-c", ALONE]
+        found = subprocess.run(
+            command, env=os.environ | settings, capture_output=True, text=True, check=True
+        )
+        ends.append([float.fromhex(each) for each in found.stdout.split()])
+    assert len(ends[0]) == 6 and np.ptp(ends[0]) > 0.0
+    assert np.max(np.abs(np.subtract(*ends))) <= 1e-13

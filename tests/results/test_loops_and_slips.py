@@ -156,9 +156,48 @@ def test_a_held_bar_makes_no_loop_of_its_own(pulled, swung):
         pulled.slips("lower")
     with pytest.raises(InputError, match="must slip"):
         pulled.slips("upper", least=10.0)
-    quiet = tribo.simulate(replace(pulled.scene, output=Output(samples=11)), accuracy=1e-3)
+    quiet = tribo.simulate(replace(swung.scene, output=Output(samples=11)), accuracy=1e-3)
     with pytest.raises(InputError, match=r'output\.series: does not contain "forces"'):
-        quiet.loop("upper")
+        quiet.loop("upper", position=np.sin(quiet.t))
+
+
+TURNS = {"points": [[0, 0.2], [15, 0.2], [15, -0.2], [30, -0.2]]}
+BLOCK = {"stiffness": 3.0, "speed": TURNS, "load": 0.4, "block": True}
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"drive": Pulled(stiffness=STIFFNESS, speed=TURNS)},
+        {"drive": Pulled(**BLOCK), "asperite": Asperite(kappa=4.0)},
+        {"drive": Pulled(**BLOCK), "elastic": {"modulus": 2.0, "poisson": 0.3}},
+    ],
+    ids=["each bar", "block of pendulums", "block on a body with free edges"],
+)
+def test_a_loop_needs_no_forces(settings):
+    """A run that records what is recorded by default has the pull of one that records forces."""
+    grid = {"shape": (3, 2), "spacing": (1.2, 1.2), "asperite": Asperite(kappa=np.inf)}
+    upper = Surface("upper", bob=(0.3, 1.0), velocity=(0.1, 0.0), **grid | settings)
+    grid["shape"] = (9, 2)
+    lower = Surface("lower", facing="up", bob=(-3.0, 0.0), drive="bars", **grid)
+    contact = tribo.Hertz(2.0, 1.0)
+    runs = []
+    for series in (["forces"], []):
+        output = Output(samples=201, series=series)
+        scene = Scene((upper, lower), contact, 30.0, output=output)
+        runs.append(tribo.simulate(scene, method="dop853", accuracy=1e-6))
+    told, quiet = runs
+    found = [each.loop("upper") for each in runs]
+    assert np.max(np.abs(told["upper"]["pull_force"])) > 0.1
+    assert np.max(np.abs(found[1].force - told["upper"]["pull_force"])) < 1e-11
+    assert np.array_equal(found[0].position, found[1].position)
+    moved = tribo.Schedule(**TURNS).integral(quiet.t)
+    assert found[1].position == pytest.approx(1.5 + moved, abs=1e-12)
+    assert found[1].area.mean == pytest.approx(found[0].area.mean, abs=1e-9)
+    later = replace(quiet.scene, duration=40.0)
+    after = tribo.simulate(later, start=quiet.state(), method="dop853", accuracy=1e-6)
+    with pytest.raises(InputError, match="in a run that begins at t = 0"):
+        after.loop("upper")
 
 
 def test_turning_points():

@@ -230,7 +230,7 @@ def test_file_that_is_none(tmp_path, result):
     for path in (tmp_path / "no.nc", tmp_path / "text.nc", tmp_path):
         with pytest.raises(InputError, match="cannot be read"):
             tribo.load_result(path)
-    result.to_xarray().drop_attrs().to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    result.to_xarray().drop_attrs().to_netcdf(tmp_path / "other.nc")
     with pytest.raises(InputError):
         tribo.load_result(tmp_path / "other.nc")
     with pytest.raises(InputError, match="must be in a folder that exists"):

@@ -14,6 +14,8 @@ from tribo.pair.loop import COLUMNS
 
 # Bytes of a page of memory, of the stack, and of the clock record with room to spare.
 PAGE, STACK, CLOCK = 65536, 1 << 17, 1024
+# Functions that a table has room for.
+TABLE = 64
 FUNCTIONS = {
     **{name: (1, getattr(math, name)) for name in ("sin", "cos", "tan", "exp", "log", "sqrt")},
     "pow": (2, math.pow),
@@ -28,7 +30,7 @@ class Machine:
         self.store = wasmtime.Store(wasmtime.Engine())
         module = wasmtime.Module(self.store.engine, content)
         self.memory = wasmtime.Memory(self.store, wasmtime.MemoryType(wasmtime.Limits(256, None)))
-        imports = [self._import(each) for each in module.imports]
+        imports = [import_of(self.store, self.memory, each) for each in module.imports]
         self.run_code = wasmtime.Instance(self.store, module, imports).exports(self.store)["run"]
         self.top, self.samples = 2 * STACK, samples
         self.arguments = [self._room(16), self._room(16), *self._flat(potential)]
@@ -51,20 +53,6 @@ class Machine:
             place = self._room(CLOCK if shape is None else 8 * math.prod(shape))
             self.places[name] = place, shape
             self.arguments += self._array(place, (1,) if shape is None else shape, size)
-
-    def _import(self, wanted):
-        kind = wanted.type
-        if isinstance(kind, wasmtime.MemoryType):
-            return self.memory
-        if isinstance(kind, wasmtime.GlobalType):
-            return wasmtime.Global(self.store, kind, wasmtime.Val.i32(2 * STACK))
-        if isinstance(kind, wasmtime.TableType):
-            return wasmtime.Table(self.store, kind, None)
-        count, function = FUNCTIONS[wanted.name]
-        number = wasmtime.ValType.f64()
-        return wasmtime.Func(
-            self.store, wasmtime.FuncType([number] * count, [number]), _with_infinities(function)
-        )
 
     def _room(self, size):
         place = self.top
@@ -104,6 +92,23 @@ class Machine:
         assert raised == 0
         place = self.arguments[0]
         return struct.unpack("<i", bytes(self.memory.read(self.store, place, place + 4)))[0]
+
+
+def import_of(store, memory, wanted):
+    """What a module imports: the memory, a stack, a table of functions, or a function."""
+    kind = wanted.type
+    if isinstance(kind, wasmtime.MemoryType):
+        return memory
+    if isinstance(kind, wasmtime.GlobalType):
+        return wasmtime.Global(store, kind, wasmtime.Val.i32(2 * STACK))
+    if isinstance(kind, wasmtime.TableType):
+        limits = wasmtime.Limits(TABLE, None)
+        return wasmtime.Table(store, wasmtime.TableType(kind.element, limits), None)
+    count, function = FUNCTIONS[wanted.name]
+    number = wasmtime.ValType.f64()
+    return wasmtime.Func(
+        store, wasmtime.FuncType([number] * count, [number]), _with_infinities(function)
+    )
 
 
 def _with_infinities(function):

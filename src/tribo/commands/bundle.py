@@ -16,7 +16,14 @@ from typing import Any
 
 from tribo import seals
 from tribo.commands.doctor import versions
-from tribo.files import NETCDF, checked_target, read_file, replace_file, strict_json
+from tribo.files import (
+    NETCDF,
+    checked_target,
+    netcdf_attributes,
+    read_file,
+    replace_file,
+    strict_json,
+)
 from tribo.interrupts import COMPLETED
 from tribo.model.identity import name_in_folder, renamed
 from tribo.model.scene_writer import toml
@@ -106,11 +113,8 @@ def _attributes_and_scene(name: str, content: bytes) -> tuple[dict[str, Any], st
         return {}, content.decode("utf-8-sig")
     if not name.lower().endswith(NETCDF):
         return {}, None
-    import h5py
-
     try:
-        with h5py.File(io.BytesIO(content)) as file:
-            attributes = dict(file.attrs)
+        attributes = netcdf_attributes(name, content)
     except OSError as error:
         raise InputError(name, f"is no NetCDF file that tribo has written ({error})") from None
     scene = attributes.get("scene")

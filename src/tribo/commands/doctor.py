@@ -13,7 +13,7 @@ from tribo.interrupts import COMPLETED, STOPPED
 from tribo.system import available_cores
 
 # Libraries whose versions matter for results and speed.
-LIBRARIES = ("numpy", "numba", "llvmlite", "scipy", "xarray", "h5py", "matplotlib", "ase")
+LIBRARIES = ("numpy", "numba", "llvmlite", "scipy", "xarray", "netCDF4", "matplotlib", "ase")
 # Work on the upper asperite at the end of the paper's case A [energy].
 KNOWN_WORK = 0.519665
 # Accuracy of the run that is compared with it.

@@ -58,8 +58,8 @@ class Kept:
     def __init__(self, item: Any, kind: KeptType) -> None:
         self.item = item  # whose arrays must live as long
         self.kind = kind
-        self._words = np.array(words_of(item), np.int64)
-        self.address = self._words.ctypes.data
+        self.words = np.array(words_of(item), np.int64)
+        self.address = self.words.ctypes.data
 
 
 def keep(item: Any) -> Any:

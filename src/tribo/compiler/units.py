@@ -167,6 +167,14 @@ def address_of(
     return _units[key].address
 
 
+def unit_codes() -> dict[int, tuple[str, Any]]:
+    """Address -> what tells a unit apart in all processes, and the unit, of all that were made."""
+    return {
+        unit.address: (f"{function.__name__}({', '.join(map(str, kinds))})", unit)
+        for (function, kinds, _), unit in _units.items()
+    }
+
+
 def _compiled(function: FunctionType, sig: Any, stamp: str | None) -> Any:
     """The unit for a signature, from disk where `stamp` tells its version."""
     if not NATIVE:

@@ -11,13 +11,20 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import h5py
 import numpy as np
 
 from tribo import seals
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, completed, joined
 from tribo.ensembles.statistics import Moments
-from tribo.files import netcdf_image, netcdf_target, replace_file, replaced, write_netcdf
+from tribo.files import (
+    append_netcdf,
+    netcdf_attributes,
+    netcdf_image,
+    netcdf_target,
+    replace_file,
+    replaced,
+    write_netcdf,
+)
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.loops.frames import PART, Frames, as_bytes
@@ -222,17 +229,7 @@ def _append(path: Path, data: xarray.Dataset) -> None:
         encoding = {"status": bytes_of_text}
         write_netcdf(data, path, unlimited_dims=["member"], encoding=encoding)
         return
-    with h5py.File(path, "r+") as file:
-        for name, variable in data.variables.items():
-            if variable.dims[:1] == ("member",):
-                array = file[str(name)]
-                values = variable.values
-                letters = array.shape[1:]
-                if values.dtype.kind == "U":
-                    values = np.char.encode(values, "utf-8").astype(f"S{letters[0]}").view("S1")
-                    values = values.reshape(-1, *letters)
-                array.resize(first + len(variable), axis=0)
-                array[first:] = values
+    append_netcdf(path, data, "member", first)
 
 
 def in_file(
@@ -282,8 +279,7 @@ def opened(path: Path, identity: Identity) -> xarray.Dataset:
             "start again without resume",
         )
     refuse_other(path, before, json.loads(json.dumps(identity)))
-    # A file object, since HDF5 would not let this process write to a file that it has open.
-    return xarray.open_dataset(open(path, "rb"), engine="h5netcdf")
+    return xarray.open_dataset(path, engine="netcdf4")
 
 
 def _identity_in(path: Path) -> Identity | None:
@@ -294,6 +290,5 @@ def _identity_in(path: Path) -> Identity | None:
                 return None
     except (OSError, InputError):
         return None
-    with h5py.File(path) as file:
-        text = file.attrs.get(IDENTITY)
+    text = netcdf_attributes(path).get(IDENTITY)
     return None if text is None else json.loads(text)

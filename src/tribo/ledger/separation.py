@@ -336,6 +336,11 @@ def _least_energy(scene: Scene, interaction: Interaction) -> float:
     return IN_CONTACT * ((torsion if torsion < np.inf else 0.0) + max(0.0, *warm))
 
 
+def real(value: Any) -> float:
+    """A number as compiled code has it: NaN where Python goes on with a complex one."""
+    return math.nan if isinstance(value, complex) else float(value)
+
+
 @lru_cache(maxsize=64)
 def reach_of(potential: Any, one: float, other: float, least: float, repelling: bool) -> float:
     """The largest distance at which two charges act on each other, or repel each other [length].
@@ -350,8 +355,8 @@ def reach_of(potential: Any, one: float, other: float, least: float, repelling: 
     distances = potential.range() * WITHIN_RANGE if ends else weak_from * DISTANCES
 
     def look(r: float) -> tuple[float, float]:
-        energy = potential.energy_between(r, one, other)
-        return float(energy), float(potential.force_between(r, one, other)) if repelling else 0.0
+        energy = real(potential.energy_between(r, one, other))
+        return energy, real(potential.force_between(r, one, other)) if repelling else 0.0
 
     try:
         with np.errstate(all="ignore"):

@@ -9,8 +9,8 @@ import hashlib
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,25 +67,26 @@ def module_of(potential: Any) -> bytes:
 
     Raises InputError if it cannot be compiled, and OSError if no process can be started.
     """
-    place = _kept_at(potential)
-    if place is not None:
-        with suppress(OSError):
-            return place.read_bytes()
-    content = _compiled_apart(potential)
-    if place is not None:
-        with suppress(OSError):
-            replace_file(place, content)
-    return content
-
-
-def _kept_at(potential: Any) -> Path | None:
-    """The file of the module; None for a class whose sources are not known."""
     stamp = code_stamp_of([potential])
+    kind = None if stamp is None else f"{stamp} {_shape(potential)}"
+    place = "tribo.live_pages.compile.main"
+    key = "interaction.potential"
+    return kept_or_made(kind, SOURCES, lambda: compiled_apart(place, potential, key))
+
+
+def kept_or_made(stamp: str | None, sources: tuple[str, ...], make: Callable[[], bytes]) -> bytes:
+    """A module that is kept on disk by a stamp and by its sources; with None it is made anew."""
     folder = cache_folder(pair_collocation)
     if stamp is None or folder is None:
-        return None
-    kind = hashlib.blake2b(f"{stamp} {_shape(potential)}".encode(), digest_size=8).hexdigest()
-    return folder / f"live-{stamp_of(SOURCES)}-{kind}.wasm"
+        return make()
+    kind = hashlib.blake2b(stamp.encode(), digest_size=8).hexdigest()
+    place = folder / f"live-{stamp_of(sources)}-{kind}.wasm"
+    with suppress(OSError):
+        return place.read_bytes()
+    content = make()
+    with suppress(OSError):
+        replace_file(place, content)
+    return content
 
 
 def _shape(value: Any) -> str:
@@ -95,29 +96,39 @@ def _shape(value: Any) -> str:
     return type(value).__name__
 
 
-def _compiled_apart(potential: Any) -> bytes:
-    """The module, compiled by another process."""
+def compiled_apart(main: str, given: Any, key: str, folder: str | None = None) -> bytes:
+    """The module that `main`, "module.function", of another process makes of what is `given`.
+
+    Numba's machine code is in a `folder`, if it is given.  Raises InputError at `key`.
+    """
     if not NATIVE:
         raise InputError("numba", "must be a version that tribo was tested with, for live pages")
-    given = pickled((sys.path, potential))
-    command = [sys.executable, "-c", "from tribo.live_pages.compile import main; main()"]
+    module, _, function = main.rpartition(".")
+    command = [sys.executable, "-c", f"from {module} import {function}; {function}()"]
     paths = os.pathsep.join(str(each) for each in sys.path if each)
     environment = os.environ | GENERIC | {"PYTHONPATH": paths}
-    done = subprocess.run(command, input=given, capture_output=True, env=environment, check=False)
+    if folder is not None:
+        environment["NUMBA_CACHE_DIR"] = folder
+    content = pickled((sys.path, given))
+    done = subprocess.run(command, input=content, capture_output=True, env=environment, check=False)
     if done.returncode == 0:
         return done.stdout
     said = done.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
-    problem = f"does not compile for a page ({said[-1]}); {ELSEWHERE}"
-    raise InputError("interaction.potential", problem)
+    raise InputError(key, f"does not compile for a page ({said[-1]}); {ELSEWHERE}")
+
+
+def given_to_process() -> Any:
+    """What :func:`compiled_apart` gives to this process."""
+    import pickle
+
+    path, given = pickle.loads(sys.stdin.buffer.read())
+    sys.path[:] = path
+    return given
 
 
 def main() -> None:
     """Compile the potential that stands in the standard input, and write the module."""
-    import pickle
-
-    path, potential = pickle.loads(sys.stdin.buffer.read())
-    sys.path[:] = path
-    sys.stdout.buffer.write(compiled(potential))
+    sys.stdout.buffer.write(compiled(given_to_process()))
 
 
 def arguments_of(potential: Any, samples: int) -> tuple[Any, ...]:
@@ -140,4 +151,4 @@ def compiled(potential: Any) -> bytes:
     kinds = tuple(map(typeof, arguments_of(potential, 2)))
     loop.compile(kinds)
     name = loop.overloads[kinds].fndesc.llvm_func_name
-    return linked(object_of(loop.inspect_llvm(kinds), name), name, "run")
+    return linked(object_of({name: loop.inspect_llvm(kinds)}), {"run": name})

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tribo.live_pages.keys import Key, keys_of, numbers_at
+from tribo.live_pages.keys import Key, numbers_at
 from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.scene import Scene
 from tribo.validation import InputError, as_path, inside, is_list, known_keys, must_be, number
@@ -91,32 +91,35 @@ class Controls:
     laws: Laws | None = None
 
 
-def controls_of(scene: Scene, given: object = None) -> Controls:
+def controls_of(
+    scene: Scene, given: object, found: list[Key], has_choices: bool = True
+) -> Controls:
     """The controls of a scene: the usual ones, or those that a mapping or a TOML file gives.
 
-    Raises InputError for an unknown key or a range that is none.
+    The keys are those that were `found`; the drives of a pair are choices.  Raises InputError for
+    an unknown key or a range that is none.
     """
-    keys = tuple(keys_of(scene))
-    choices = tuple(_choices(scene))
+    keys = tuple(found)
+    choices = tuple(_choices(scene) if has_choices else ())
     table = _table(given)
     words = {name: str(table.pop(name)) for name in WORDS if name in table}
     if words.get("panel", PANELS[0]) not in PANELS:
         raise must_be("controls.panel", f"one of {', '.join(PANELS)}", words["panel"])
     laws = _laws(scene, table.pop(INTERACTION, None))
-    wanted = table or _usual(scene, keys)
+    wanted = table or _usual(scene, keys, choices)
     known = {key.key: key.value for key in keys} | {each.key: each.value for each in choices}
     shown = tuple(_control(scene, known, key, value) for key, value in wanted.items())
     return Controls(keys, choices, shown, words, laws)
 
 
-def of_other_law(scene: Scene, given: object) -> dict[str, Any]:
-    """The mapping of controls for the same page with the potential of another scene.
+def of_other_law(given: object, keys: list[Key]) -> dict[str, Any]:
+    """The mapping of controls for the same page with another potential, which has these keys.
 
     Parameters that the potential does not have are left out.
     """
     table = _table(given)
     table.pop(INTERACTION, None)
-    known = {key.key for key in keys_of(scene)}
+    known = {key.key for key in keys}
     return {
         key: value
         for key, value in table.items()
@@ -161,9 +164,9 @@ def _table(given: object) -> dict[str, Any]:
     return dict(given)
 
 
-def _usual(scene: Scene, keys: tuple[Key, ...]) -> dict[str, Any]:
+def _usual(scene: Scene, keys: tuple[Key, ...], choices: tuple[Choice, ...]) -> dict[str, Any]:
     """The keys of the usual controls, each with None."""
-    known = {key.key for key in keys}
+    known = {key.key for key in keys} | {choice.key for choice in choices}
     upper = scene.surfaces[0].name
     moving = next((s.name for s in scene.surfaces if s.velocity[0] != 0.0), upper)
     strength = next(
@@ -179,7 +182,7 @@ def _usual(scene: Scene, keys: tuple[Key, ...]) -> dict[str, Any]:
 
 
 def _known(known: set[str], key: str, upper: str) -> bool:
-    return key.endswith(".drive") or key.replace("*", upper, 1) in known
+    return key.replace("*", upper, 1) in known
 
 
 def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Control:

@@ -76,7 +76,7 @@ def keys_of(scene: Scene) -> list[Key]:
     before = numbers_of(layout)
     found = []
     for key in candidates(scene):
-        value = _present(scene, layout, key)
+        value = present_number(scene, layout, key)
         if value is None:
             continue
         tried = list(_tried(scene, key, value))
@@ -93,14 +93,14 @@ def numbers_at(scene: Scene) -> np.ndarray | None:
     return numbers_of(layout) if is_pair(layout) else None
 
 
-def _present(scene: Scene, layout: Layout, key: str) -> float | None:
+def present_number(scene: Scene, layout: Layout, key: str) -> float | None:
     """The number that a key has in the scene or in its start; None if it has none."""
     value = value_of(scene, key)
     name, _, rest = key.partition(".")
     if value is None and rest in ("swing", "theta", "omega"):  # not given
         index = next(k for k, surface in enumerate(scene.surfaces) if surface.name == name)
         surface: Surface = scene.surfaces[index]
-        place = index + layout.coordinates * (rest == "omega")
+        place = scene.parts[name].start + layout.coordinates * (rest == "omega")
         value = float(layout.start[place]) + surface.rest * (rest == "theta")
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return None

@@ -1,4 +1,4 @@
-"""The link step: a WebAssembly object with one function becomes a module that exports it.
+"""The link step: a WebAssembly object becomes a module that exports some of its functions.
 
 LLVM writes an object in the form of a module.  Function and memory addresses in it are those of a
 module that consists of it alone, so that nothing has to be relocated.  What it lacks is an export,
@@ -7,7 +7,7 @@ https://webassembly.github.io/spec/core/binary/modules.html; the section "linkin
 https://github.com/WebAssembly/tool-conventions/blob/main/Linking.md.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 HEADER = 8  # bytes: the magic number and the version
 # Identities of sections.
@@ -113,12 +113,14 @@ def symbol_table(parts: list[tuple[int, bytes]]) -> bytes:
     raise ValueError("the object has no symbols")
 
 
-def linked(content: bytes, function: str, name: str) -> bytes:
-    """The module of an object, which exports its `function` under a name."""
+def linked(content: bytes, functions: Mapping[str, str]) -> bytes:
+    """The module of an object, which exports `functions` under their names."""
     parts = list(sections(content))
-    index = functions_in(symbol_table(parts))[function]
-    label = name.encode()
-    export = number(1) + number(len(label)) + label + b"\0" + number(index)
+    known = functions_in(symbol_table(parts))
+    export = number(len(functions))
+    for name, function in functions.items():
+        label = name.encode()
+        export += number(len(label)) + label + b"\0" + number(known[function])
     kept = [(kind, body) for kind, body in parts if kind != CUSTOM]
     before = [part for part in kept if part[0] < EXPORTS]
     behind = [part for part in kept if part[0] > EXPORTS]

@@ -21,7 +21,7 @@ from tribo.viewer.html import part as viewer_part
 # those in WORKER alone.
 OF_VIEWER = ("symbols.js", "run.js", "drawing.js", "curves.js")
 SCRIPTS = (
-    *("machine.js", "state.js", "runs.js", "panels.js", "worker.js"),
+    *("machine.js", "lattice.js", "state.js", "runs.js", "panels.js", "worker.js"),
     *("end_panel.js", "starts_panel.js", "files_panel.js", "energy_panel.js", "numbers_panel.js"),
     *("body.js", "controls.js", "tabs.js", "curve_choices.js", "dragging.js", "status.js"),
     *("interface.js", "laws.js", "page.js"),
@@ -91,7 +91,9 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
     Parameters
     ----------
     scene : Scene
-        One asperite on one, forced, free or with driven bars, with any potential.
+        Up to 200 asperites, with any potential: one on one, or rows and grids with springs, fields,
+        loads, pulled, pushed or driven bars; without baths, reservoirs, schedules, rigid asperites,
+        blocks and elastic bodies.
     path : str or Path
         The file, which is replaced if it exists.
     controls : mapping or str or Path, optional

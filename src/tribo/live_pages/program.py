@@ -181,29 +181,30 @@ def estimate(pair, potential, given, level, rough, times, loop, arrays):
             steps = each, each
             add_run(pair, potential, given, own, NEAR_ROUGH[n], times, loop, (*arrays, steps))
     set_times(given.duration, times)
-    pool(series, count, SAFETY * OF_ROUGH if rough else SAFETY, other, errors)
+    factor = SAFETY * OF_ROUGH if rough else SAFETY
+    pool(series, count, factor, DIMENSION, other, errors)
 
 
 @kernel
-def pool(series, count, factor, scratch, errors):
+def pool(series, count, factor, dimension, scratch, errors):
     """From the largest differences of runs to bounds on errors.
 
     A difference may be small by chance: each bound includes POOLED of the largest in units of the
-    scales, which are the largest values of quantities of one dimension.
+    scales, which are the largest values of quantities of one `dimension` (rows,).
     """
-    for dimension in range(len(DIMENSIONS)):
-        scratch[dimension, 0] = 0.0
+    for each in range(len(DIMENSIONS)):
+        scratch[each, 0] = 0.0
     for name in range(series.shape[0]):
         top = largest(series[name], count)
-        scratch[DIMENSION[name], 0] = max(scratch[DIMENSION[name], 0], top)
+        scratch[dimension[name], 0] = max(scratch[dimension[name], 0], top)
     relative = 0.0
     for name in range(series.shape[0]):
-        scale = scratch[DIMENSION[name], 0]
+        scale = scratch[dimension[name], 0]
         if scale > 0.0:
             relative = max(relative, errors[name] / scale)
     for name in range(series.shape[0]):
         top = largest(series[name], count)
-        pooled = POOLED * relative * scratch[DIMENSION[name], 0] if top > 0.0 else 0.0
+        pooled = POOLED * relative * scratch[dimension[name], 0] if top > 0.0 else 0.0
         errors[name] = factor * (errors[name] + pooled) + ROUNDING * top
 
 

@@ -12,13 +12,13 @@ from tribo.kernels.records import CLOCK
 from tribo.kernels.status import MEANINGS, STATUS_OF_CODE
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.quantities import EVERY_QUANTITY
-from tribo.live_pages import inputs, program
+from tribo.live_pages import inputs, lattice_source, program
 from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
 from tribo.live_pages.controls import PANELS, Controls, controls_of, least, of_other_law
-from tribo.live_pages.keys import numbers_of
+from tribo.live_pages.keys import keys_of, numbers_of
+from tribo.live_pages.lattice_source import Lattice, kinds_and_meanings
 from tribo.live_pages.quantities import OfAsperite, OfSystem
-from tribo.loops.pair import KNOWN, is_pair
-from tribo.model.effects import reason_for
+from tribo.loops.pair import is_pair
 from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table
@@ -49,9 +49,15 @@ MEANINGS_HERE = {
 def check(scene: Scene) -> Layout:
     """The layout of a scene that can go into a page.  Raises InputError for others."""
     layout = lay_out(scene)
-    if is_pair(layout) and not _has_other_arrays(scene.interactions[0].potential):
+    reason = _why_not(scene, layout)
+    if reason is None:
         return layout
-    raise InputError("scene", f"cannot go into a live page: {_why_not(scene)}; {ELSEWHERE}")
+    raise InputError("scene", f"cannot go into a live page: {reason}; {ELSEWHERE}")
+
+
+def _is_small(layout: Layout) -> bool:
+    """Whether the loop of a pair runs the scene."""
+    return is_pair(layout) and not _has_other_arrays(layout.scene.interactions[0].potential)
 
 
 def _has_other_arrays(potential: Any) -> bool:
@@ -62,53 +68,49 @@ def _has_other_arrays(potential: Any) -> bool:
     return bool(others) or any(map(_has_other_arrays, parts))
 
 
-def _why_not(scene: Scene) -> str:
-    """Why a page cannot show the scene, as the rest of a sentence."""
-    if scene.count != 2 or len(scene.surfaces) != 2:
-        return f"it has {scene.count} asperites, and live pages have one on one"
-    for effect in sorted(scene.effects - KNOWN):
-        return f"it has {effect} ({reason_for(scene, effect)})"
-    if len(scene.interactions) != 1:
-        return f"it has {len(scene.interactions)} interactions between two bobs, not one"
-    if scene.output.ledger != "asperites":
-        return f'output.ledger is "{scene.output.ledger}", not "asperites"'
-    if _has_other_arrays(scene.interactions[0].potential):
-        return "its potential has an array that is no row of numbers of type float"
-    return (
-        "live pages have forced, free and driven bars without a load, whose bars are at an angle "
-        "of 0 and do not turn, and centres of mass that start at rest in their surface"
-    )
+def _why_not(scene: Scene, layout: Layout) -> str | None:
+    """Why a page cannot show the scene, as the rest of a sentence; None if it can."""
+    if _is_small(layout):
+        return None
+    return lattice_source.why_not(scene, layout)
 
 
 def source_of(scene: Scene, given: object = None) -> dict[str, Any]:
     """The page of a scene as JSON.  Raises InputError."""
-    check(scene)
-    controls = controls_of(scene, given)
-    source = _of_one_law(scene, controls)
+    source, controls = _of_one_law(scene, given, is_other=False)
     laws = controls.laws
     if laws is not None:
         others = {}
         for word, other in laws.scenes.items():
             with inside(f"controls.interaction.{word}"):
-                own = controls_of(other, of_other_law(other, given))
-                others[word] = _of_one_law(other, own)
+                others[word], _ = _of_one_law(other, given, is_other=True)
         source["laws"] = {"label": laws.label, "own": laws.own, "sources": others}
     return source
 
 
-def _of_one_law(scene: Scene, controls: Controls) -> dict[str, Any]:
-    """The page of a scene with its own potential alone."""
+def _of_one_law(scene: Scene, given: object, is_other: bool) -> tuple[dict[str, Any], Controls]:
+    """The page of a scene with its own potential alone, and its controls."""
     layout = check(scene)
-    potential = layout.model.contacts[0].potential
-    found = _program(scene, layout) | _values(scene, layout, controls)
-    return found | {
-        "module": _bytes(module_of(potential)),
+    lattice = None if _is_small(layout) else Lattice(scene, layout)
+    keys = keys_of(scene) if lattice is None else lattice.keys
+    given = of_other_law(given, keys) if is_other else given
+    controls = controls_of(scene, given, keys, has_choices=lattice is None)
+    if lattice is None:
+        found = _program(scene, layout) | _values(scene, layout, controls)
+        found["module"] = _bytes(module_of(layout.model.contacts[0].potential))
+    else:
+        found = lattice.source() | _of_controls(scene, controls) | kinds_and_meanings()
+        found["meanings"] |= MEANINGS_HERE
+    found["names"]["statuses"] = {k: str(v) for k, v in STATUS_OF_CODE.items()}
+    found |= {
+        "statuses": {code: MEANINGS[status] for code, status in STATUS_OF_CODE.items()},
         "title": controls.words.get("title") or scene.title or "A scene of tribo",
         "introduction": controls.words.get("introduction", ""),
         "questions": controls.words.get("questions", ""),
         "panel": controls.words.get("panel", PANELS[0]),
         "toml": scene.to_toml(),
     }
+    return found, controls
 
 
 def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
@@ -133,31 +135,41 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
         "most": MOST_STEPS,
         "rough": bool(np.isfinite(scene.smoothness)),
         "places": {name: getattr(program, name) for name in PLACES},
-        "names": names | {"statuses": {k: str(v) for k, v in STATUS_OF_CODE.items()}},
+        "names": names,
         "meanings": {name: each.long_name for name, each in known.items()} | MEANINGS_HERE,
         "kinds": {name: each.kind for name, each in known.items()},
-        "statuses": {code: MEANINGS[status] for code, status in STATUS_OF_CODE.items()},
+        "kind": "pair",
+        "method": METHOD,
     }
 
 
 def _values(scene: Scene, layout: Layout, controls: Controls) -> dict[str, Any]:
-    """The numbers, and the keys and controls that set them."""
+    """The numbers of a pair, and the keys and controls that set them."""
+    return {
+        "inputs": inputs.INPUTS,
+        "numbers": _floats(numbers_of(layout)),
+        "potential": _arguments(layout.model.contacts[0].potential, [inputs.INPUTS]),
+        "surfaces": [
+            {"name": s.name, "facing": s.facing, "count": 1, "bonds": []} for s in scene.surfaces
+        ],
+        "duration": inputs.DURATION,
+        "observer": inputs.OBSERVER_X,
+        **_of_controls(scene, controls),
+    }
+
+
+def _of_controls(scene: Scene, controls: Controls) -> dict[str, Any]:
+    """The keys and controls of a page."""
     keys = []
     for key in sorted(controls.keys, key=lambda each: -len(each.parts)):
         lowest, closed = least(scene, key)
         low = lowest if np.isfinite(lowest) else None
         keys.append(key._asdict() | {"least": low, "open": not closed})
     return {
-        "inputs": inputs.INPUTS,
-        "numbers": _floats(numbers_of(layout)),
-        "potential": _arguments(layout.model.contacts[0].potential, [inputs.INPUTS]),
         "keys": keys,
         "choices": [choice._asdict() for choice in controls.choices],
         "controls": [vars(control) for control in controls.shown],
-        "surfaces": [{"name": s.name, "facing": s.facing} for s in scene.surfaces],
         "subject": subject(scene),
-        "duration": inputs.DURATION,
-        "observer": inputs.OBSERVER_X,
     }
 
 

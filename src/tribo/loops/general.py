@@ -22,10 +22,10 @@ from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
-from tribo.loops.integrate import Columns, Memory, TimeLoop
 from tribo.loops.legs import LegsOfLoop
 from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
+from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
@@ -77,7 +77,8 @@ class GeneralLoop(TimeLoop):
         y[coordinates + places.q] = start[n:]
         self.state = initial_state(y, accounts, remembered(layout, method), method.splits)
         core = places.q[: layout.core]
-        self._recorded = np.concatenate([core, coordinates + core]), places.s
+        # Where the coordinates and accounts of samples stand in the state.
+        self.recorded = np.concatenate([core, coordinates + core]), places.s
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(self.model, self.state)
         set_loop_units(self.model)
@@ -125,10 +126,26 @@ class GeneralLoop(TimeLoop):
         with keeping(self._errors):
             self._assist(self._kept, self._lists, *self._held[:2])
 
+    def arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
+        """All arguments of the compiled loop."""
+        return self._kept, *self._arguments(times, columns, budget)
+
+    @property
+    def neighbours(self) -> Neighbours:
+        """The present lists of neighbours."""
+        return self._neighbours
+
+    def make_all_room(self) -> None:
+        """Give the list of neighbours room for all blocks in every row."""
+        blocks = self.model.each.shape[1] // LANES
+        size = (self._neighbours.start.size - 1) * blocks
+        if size > self._neighbours.index.size:
+            self._set_neighbours(self._neighbours._replace(index=np.zeros(size, np.int32)))
+
     def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model."""
         self._make_room()
-        record = keep(Record(*columns, *self._recorded))  # type: ignore[call-arg]
+        record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
         state, *scratch = self._held
         run = self.clocks, state, times, record, budget
         noise = map(as_argument, self._noise)

@@ -124,19 +124,25 @@ def pair_collocation(pairs, potential, memory, clocks, start, times, record, bud
     return status
 
 
-# The loop of a single run, for callers that are compiled.
+# The loop of one run, for callers that are compiled.
 integrate_pair = kernel(pair_collocation)
 
 
 def pair_members(potential, pairs, numbers, memory, clocks, starts, times, records, budget):
-    """Run members one after another with the steps of :func:`pair_collocation`.
+    """Run members one after another by :func:`pair_collocation`; a run is a member alone.
 
     `pairs` (members or 1,) of PAIR, and `numbers` (members or 1,), addresses of the potential's
     numbers, are those of each member, or of all.  `starts` are (members, 2 coordinates); `records`
-    (members, times + 1, COLUMNS) are as for one member.
+    (members x (times + 1), COLUMNS) are those of one member after another.  Only the first member
+    can have begun before.  Returns the code of the last one's status.
     """
+    rows = times.size + 1
+    status = codes.COMPLETED
     for m in range(starts.shape[0]):
-        clocks[0].evaluations = 0
+        if m > 0:
+            clocks[0].evaluations = 0
         own = min(m, pairs.size - 1)
         mine = with_numbers(potential, numbers[own])
-        integrate_pair(pairs[own:], mine, memory, clocks, starts[m], times, records[m], budget)
+        record = records[m * rows : (m + 1) * rows]
+        status = integrate_pair(pairs[own:], mine, memory, clocks, starts[m], times, record, budget)
+    return status

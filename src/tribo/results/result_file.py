@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo import seals
-from tribo.files import netcdf_image, read_file, replace_file
+from tribo.files import netcdf_image, netcdf_in, read_file, replace_file
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS, Table
@@ -165,14 +165,12 @@ def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
 
 def load(path: Path) -> xarray.Dataset:
     """The data set that `save` wrote, or another program again.  Raises InputError if damaged."""
-    import xarray
-
     image = read_file(path)
     whole = seals.is_sealed(io.BytesIO(image), str(path)) or _has_own_hash(image)
     if not whole:
         seals.check_readable(path)
     try:
-        data = xarray.load_dataset(io.BytesIO(image), engine="h5netcdf")
+        data = netcdf_in(image)
         changed = _changed(data)
     except Exception:  # bytes that are no file, or a damaged one, may raise anything
         changed = "it"

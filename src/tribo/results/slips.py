@@ -9,7 +9,15 @@ import numpy as np
 
 from tribo.results.averages import CONFIDENCE, SampleMean, sample_mean
 from tribo.results.run_result import RunResult, index_of
-from tribo.results.stage import Leg, legs_of, pull_of, stiffness_of, table_of, turning_points
+from tribo.results.stage import (
+    Leg,
+    legs_of,
+    places_of_bars,
+    pull_of,
+    stiffness_of,
+    table_of,
+    turning_points,
+)
 from tribo.validation import POSITIVE, InputError, integer, number, one_of
 
 if TYPE_CHECKING:
@@ -112,7 +120,8 @@ def slips(
     Parameters
     ----------
     surface : str
-        Name of the surface; the scene's output asks for the series "forces".
+        Name of the surface.  As for :func:`loop`, undamped springs need no further series, except
+        for an `asperite`.
     least : float, optional
         The smallest fall that counts [force]; by default a quarter of the range of the force.
     after : float, optional
@@ -176,12 +185,14 @@ def _pulled(result: RunResult, surface: str, asperite: int | None) -> _Pulled:
         integer("asperite", asperite, 0, part.count - 1)
         if part.drive.block:
             raise InputError("asperite", "cannot be given: one spring pulls the whole block")
+        if "f2_x" not in series:
+            raise InputError("output.series", 'does not contain "forces", which an asperite needs')
         force = series["f2_x"][:, asperite]
         energy = 0.5 * force**2 / stage.stiffness
-        return _Pulled(pull.position, force, series["x_bar"][:, asperite], energy)
+        return _Pulled(pull.position, force, places_of_bars(result, surface)[:, asperite], energy)
     if "e_pull" not in series:
         raise InputError("output.keep", f'leaves out "{surface}.e_pull", the energy of the springs')
-    places = series["x_bar"].mean(axis=1)
+    places = places_of_bars(result, surface).mean(axis=1)
     return _Pulled(pull.position, pull.force, places, np.asarray(series["e_pull"]))
 
 

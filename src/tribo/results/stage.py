@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from tribo.layout.elastic_body import shares_of_edges
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult, index_of
 from tribo.validation import InputError, vector
@@ -35,33 +36,98 @@ class Pull(NamedTuple):
 def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
     """The position and the force of the drive of a surface, or of a `position` that is given.
 
-    The stage is found from the force of its springs and the places of the bars, so that it may have
-    moved in any way.  Raises InputError.
+    The stage of a run from t = 0 is where its schedule has brought it, and the force that of its
+    springs where no forces were recorded.  Otherwise the stage is found from the force and the
+    places of the bars, so that it may have moved in any way.  Raises InputError.
     """
     index = index_of(result, name)
     surface = result.scene.surfaces[index]
-    series = result[name]
-    for needed, problem in (
-        ("pull_force", 'does not contain "forces", or the drive has no force of its own'),
-        ("x_bar", "leaves out the places of the bars"),
-    ):
-        if needed not in series or len(series[needed]) != result.t.size:
-            raise InputError("output.series", f'{problem}: the pull on "{name}" is not known')
-    force = np.asarray(series["pull_force"])
-    places = series["x_bar"].mean(axis=1)
     stiffness = stiffness_of(surface)
+    stage = _stage_from_start(result, index) if stiffness > 0.0 else None
+    force = _force(result, index, stage)
     if position is not None:
         given = vector("position", position, size=result.t.size, unit="length")
         return Pull(given, force, stiffness)
+    if stage is not None:
+        return Pull(stage, force, stiffness)
     if surface.drive.holds_bars:
-        return Pull(places, force, np.inf)
+        return Pull(places_of_bars(result, name).mean(axis=1), force, np.inf)
     if not 0.0 < stiffness < np.inf:
         raise InputError(
             "surface",
             f'must be one that springs to a stage pull, or whose bars are driven; "{name}" has '
             f'{surface.drive}: give the position of its stage as "position"',
         )
-    return Pull(places + force / stiffness, force, stiffness)
+    return Pull(places_of_bars(result, name).mean(axis=1) + force / stiffness, force, stiffness)
+
+
+def _force(result: RunResult, index: int, stage: np.ndarray | None) -> np.ndarray:
+    """(times,) the force of a drive along x.  Raises InputError where it is not known."""
+    surface = result.scene.surfaces[index]
+    if _is_recorded(result, surface.name, "pull_force"):
+        return np.asarray(result[surface.name]["pull_force"])
+    if stage is None or surface.drive.damps > 0.0:
+        raise InputError(
+            "output.series",
+            f'does not contain "forces", without which the pull on "{surface.name}" is known only '
+            "of undamped springs to a stage, in a run that begins at t = 0",
+        )
+    return stiffness_of(surface) * (stage - _place_of_spring(result, index))
+
+
+def places_of_bars(result: RunResult, name: str) -> np.ndarray:
+    """(times, n) places of the bars of a surface along x.  Raises InputError without them."""
+    if not _is_recorded(result, name, "x_bar"):
+        raise InputError(
+            "output",
+            f'leaves out the places of the bars of "{name}" between the first and the last time: '
+            "record fewer samples, or keep x_bar",
+        )
+    return np.asarray(result[name]["x_bar"])
+
+
+def _is_recorded(result: RunResult, name: str, quantity: str) -> bool:
+    """Whether a result has a quantity of a surface at all times."""
+    series = result[name]
+    return quantity in series and len(series[quantity]) == result.t.size
+
+
+def _stage_from_start(result: RunResult, index: int) -> np.ndarray | None:
+    """(times,) mean place of the springs' ends on the stage; None where it is not known.
+
+    A run that began at a state may have a stage that an earlier run moved.
+    """
+    surface = result.scene.surfaces[index]
+    stage = surface.drive.stage
+    if stage is None or result.settings.get("start") is not None:
+        return None
+    rest = np.mean(_resting_bobs(result, index)[:, 0])
+    return np.asarray(rest + stage.displacement(result.t))
+
+
+def _resting_bobs(result: RunResult, index: int) -> np.ndarray:
+    """(n, 3) places of the bobs of a surface at rest."""
+    scene = result.scene
+    return scene.surfaces[index].resting_bobs(seed=[scene.seed, index, 0])
+
+
+def _place_of_spring(result: RunResult, index: int) -> np.ndarray:
+    """(times,) where the spring of a surface acts along x: the mean of its bars.
+
+    That of a block on a body with free edges acts far away in the body, which the bars move by
+    unequal shares.
+    """
+    surface = result.scene.surfaces[index]
+    x_bar = places_of_bars(result, surface.name)
+    has_body = surface.elastic is not None and surface.drive.block
+    shares = shares_of_edges(result.scene, surface) if has_body else None
+    if shares is None:
+        return np.asarray(x_bar.mean(axis=1))
+    x, y, _ = _resting_bobs(result, index).T
+    above = y + surface.facing_sign * surface.each["length"]
+    moved = np.stack([x_bar - x, result[surface.name]["y_bar"] - above])
+    along = np.einsum("atn,an->t", moved, shares[:, :, 0]) / surface.count
+    return np.asarray(np.mean(x) + along)
 
 
 def stiffness_of(surface: Surface) -> float:

@@ -132,12 +132,9 @@ def quantities(data: xarray.Dataset) -> list[str]:
     return means or [name for name in names if "." in name and not name.endswith(tuple(BARS))]
 
 
-# Labels of the axes of friction laws.
-LAW_LABELS = {
-    "load": "load on each asperite",
-    "speed": "speed",
-    "temperature": "temperature",
-}
+def _label(axis: xarray.DataArray) -> str:
+    """The label of an axis of a friction law."""
+    return str(axis.attrs.get("long_name", axis.name))
 
 
 def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None = None) -> Axes:
@@ -165,12 +162,12 @@ def law_lines(data: xarray.Dataset, against: str | None = None, ax: Axes | None 
         for indices, colour in zip(lines, cycle(COLOURS), strict=False):
             at = dict(zip(others, indices, strict=True))
             own = data.isel(at)
-            labels = [f"{LAW_LABELS[k]} {data[k].values[at[k]]:g}" for k in others]
+            labels = [f"{_label(data[k])} {data[k].values[at[k]]:g}" for k in others]
             half_width = own["friction_half_width"].values
             style: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
             style |= {"color": colour, "label": ", ".join(labels)}
             ax.errorbar(places, own["friction"].values, half_width, **style)
-        ax.set(xlabel=LAW_LABELS[name], ylabel=f"friction on {data.attrs['surface']}")
+        ax.set(xlabel=_label(data[name]), ylabel=f"friction on {data.attrs['surface']}")
         if name == "speed" and np.ptp(np.log10(np.abs(places))) >= 1.0:
             ax.set_xscale("log")
         if others:

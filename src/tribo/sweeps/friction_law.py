@@ -159,6 +159,9 @@ def _law(
         shares = _mean(_samples(data, share, len(axes), samples))[0]
         variables["contact_share"] = names, shares, {"units": "1"}
     coordinates = {name: (name, axis.values, {"units": UNITS[name]}) for name, axis in axes.items()}
+    if "load" in coordinates:
+        of_whom = "the block" if part.drive.block else "each asperite"
+        coordinates["load"][2]["long_name"] = f"load on {of_whom}"
     attributes = {"surface": part.name, "notes": data.attrs["notes"]}
     attributes["intervals"] = "members and seeds" if samples else "average over time"
     return xarray.Dataset(variables, coordinates, attributes)

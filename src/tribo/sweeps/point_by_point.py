@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tribo.ensembles.stores import Target
-from tribo.files import netcdf_image
+from tribo.files import netcdf_image, netcdf_in
 from tribo.interrupts import answer
 from tribo.loops.frames import Arrays, as_bytes
 from tribo.model.parameters import with_values
@@ -26,8 +26,6 @@ def point_by_point(
     report: Callable[[int], None] | None,
 ) -> xarray.Dataset:
     """An ensemble at each point, side by side.  Raises KeyboardInterrupt if none is complete."""
-    import xarray
-
     # "data" of the data set, or a "note" on why there is none
     frames = target.frames
     points: list[Arrays] = [] if frames is None else [arrays for _, arrays in frames.read()]
@@ -50,7 +48,7 @@ def point_by_point(
     refused = {}
     for index, arrays in enumerate(points):
         if "data" in arrays:
-            found[index] = xarray.load_dataset(arrays["data"].tobytes(), engine="h5netcdf")
+            found[index] = netcdf_in(arrays["data"].tobytes())
         else:
             refused[index] = arrays["note"].tobytes().decode()
     return points_dataset(grid, target, found, refused, interrupted)

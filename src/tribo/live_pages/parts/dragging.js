@@ -27,8 +27,9 @@ function dragBodies(canvas, { state, change, run, time, seen }) {
       }
     });
     near.sort((a, b) => a.distance - b.distance);
-    if (near[0].distance > 30) return;
     const { name } = near[0].surface;
+    const key = near[0].point === "bar" ? `${name}.bob.0` : `${name}.swing`;
+    if (near[0].distance > 30 || !state.keys.has(key)) return;
     dragged = { ...near[0], from: [event.offsetX, event.offsetY], begin: { x: state.value(`${name}.bob.0`), y: state.value(`${name}.bob.1`), scale: view.scale } };
     canvas.setPointerCapture(event.pointerId);
   });

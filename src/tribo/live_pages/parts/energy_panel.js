@@ -3,12 +3,14 @@
 // Changes of all energies since the start, which add up to the work that was put in.
 function energyRows(run, k) {
   const change = (name) => run.tables.reduce((sum, table) => sum + table[name][k] - table[name][0], 0);
-  const system = tableOf(run.source, run.result, 2);
+  const system = tableOf(run.source, run.result, run.tables.length);
+  const potential = (name) => (name in system ? system[name][k] - system[name][0] : 0);
+  const all = (...names) => names.reduce((sum, name) => sum + (name in run.tables[0] ? change(name) : 0), 0);
   const rows = [
     { label: "translation", value: change("k_trans"), paint: "wT" },
-    { label: "rotation", value: change("k_swing"), paint: "wL" },
-    { label: "springs", value: change("e_torsion"), paint: "rod" },
-    { label: "contact", value: system.contact_energy[k] - system.contact_energy[0], paint: "w1" },
+    { label: "rotation", value: all("k_swing", "k_bar"), paint: "wL" },
+    { label: "springs", value: all("e_torsion", "e_springs"), paint: "rod" },
+    { label: "contact", value: potential("contact_energy") + potential("field_energy"), paint: "w1" },
   ];
   rows.push({ label: "sum", value: rows.reduce((sum, { value }) => sum + value, 0), paint: "ink", line: true });
   rows.push({ label: "work put in", value: system.applied_work[k], paint: "w2" });
@@ -23,7 +25,7 @@ function powerRows(run, surface, k) {
     { label: "… at centre of mass", value: table.p1_cm[k], paint: "cm" },
     { label: "drive, at the bar", value: table.p2[k], paint: "w2", line: true },
     { label: "… at centre of mass", value: table.p2_cm[k], paint: "cm" },
-  ];
+  ].filter(({ value }) => Number.isFinite(value));
 }
 
 function largestOf(run, rowsAt) {

@@ -5,7 +5,7 @@ function makeFilesPanel({ part, source, state, isOpen, run }) {
   function show(isNew) {
     if (!isNew || !isOpen("filesPanel")) return;
     const lines = Object.entries(state.changes()).map(([key, value]) => `    "${key}": ${JSON.stringify(value)},\n`).join("");
-    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="gauss-radau-15")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
+    part("python").textContent = `import tribo\nfrom tribo.model.parameters import with_values\n\nscene = tribo.load_scene("scene.toml")  # the file of this page\nscene = with_values(scene, {\n${lines}})\nresult = tribo.simulate(scene, method="${source.method}")\nprint(result["${source.surfaces[source.subject].name}"].w1[-1, 0])\n`;
     part("link").href = window.location.href;
   }
 
@@ -20,7 +20,7 @@ function makeFilesPanel({ part, source, state, isOpen, run }) {
   part("csv").addEventListener("click", () => {
     const columns = [["t", run().times]];
     run().groups.forEach(({ name }, index) => Object.entries(tableOf(source, run().result, index)).forEach(([quantity, values]) => {
-      columns.push([index < 2 ? `${name}.${quantity}` : quantity, values]);
+      columns.push([index < source.surfaces.length ? `${name}.${quantity}` : quantity, values]);
     }));
     const rows = Array.from(run().times, (_, k) => columns.map(([, values]) => values[k]).join(","));
     download("run.csv", "text/csv", `${[columns.map(([name]) => name).join(","), ...rows].join("\n")}\n`);

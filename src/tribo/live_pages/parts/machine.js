@@ -10,6 +10,12 @@ const MATH = {
 const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 const floatsOf = (text) => new Float64Array(bytesOf(text).buffer);
 
+// The bytes of a text that zlib has compressed.
+async function inflated(text) {
+  const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
 // Compiles the module; rejects where a site's policy forbids it.
 async function startMachine(source) {
   const memory = new WebAssembly.Memory({ initial: 16 });
@@ -17,10 +23,11 @@ async function startMachine(source) {
     ...MATH,
     __linear_memory: memory,
     __stack_pointer: new WebAssembly.Global({ value: "i32", mutable: true }, STACK),
-    __indirect_function_table: new WebAssembly.Table({ initial: 16, element: "anyfunc" }),
+    __indirect_function_table: new WebAssembly.Table({ initial: 64, element: "anyfunc" }),
   };
-  const { instance } = await WebAssembly.instantiate(bytesOf(source.module), { env });
-  return { memory, code: instance.exports.run, top: STACK };
+  const content = source.kind === "lattice" ? await inflated(source.module) : bytesOf(source.module);
+  const { instance } = await WebAssembly.instantiate(content, { env });
+  return { memory, exports: instance.exports, top: STACK };
 }
 
 function roomFor(machine, bytes) {
@@ -81,7 +88,7 @@ function makeProgram(machine, source, samples) {
     own[at.ROUGH] = source.rough ? 1 : 0; // a derivative of the force jumps
     own[at.ESTIMATE] = options.estimate ? 1 : 0;
     const flat = potential.flatMap((each, k) => (typeof source.potential[k] === "number" ? [numbers[each[0]]] : each));
-    machine.code(...results, ...flat, ...arrays);
+    machine.exports.run(...results, ...flat, ...arrays);
     const code = new DataView(machine.memory.buffer).getInt32(results[0], true);
     return {
       code,

@@ -6,13 +6,13 @@ const LISTED = ["w1", "w1_ps", "w2", "w2_ps", "wL", "wR", "w", "w_ps", "delta_k_
 function makeNumbersPanel({ part, source, isOpen, run, time, group }) {
   return function show() {
     if (!isOpen("numbersPanel")) return;
-    const index = Math.min(1, Math.max(0, source.surfaces.findIndex(({ name }) => name === group())));
+    const index = Math.max(0, source.surfaces.findIndex(({ name }) => name === group()));
     const { tables, times, result } = run();
     const table = tables[index];
     const errors = errorsOf(source, result, index);
     const [now, last] = [nearestTo(times, time()), times.length - 1];
     part("now").textContent = `t = ${shownShort(times[now])}`;
-    const rows = LISTED.map((name) => [name, table[name][now], table[name][last], errors[name]]);
+    const rows = LISTED.filter((name) => name in table).map((name) => [name, table[name][now], table[name][last], errors[name]]);
     rows.splice(2, 0, ["w1 − w1_ps", table.w1[now] - table.w1_ps[now], table.w1[last] - table.w1_ps[last], errors.w1 + errors.w1_ps]);
     const body = part("table");
     body.replaceChildren(...rows.map(([name, ...values]) => {

@@ -17,6 +17,7 @@ async function startPage(element, source, { values, signal, laws }) {
   let machine;
   try {
     machine = await startMachine(source);
+    if (source.kind === "lattice") await placeImage(machine, source);
   } catch (error) {
     element.classList.add("stopped");
     part("status").textContent = `This page cannot simulate here, and shows works of the run of its file. ${error.message}`;
@@ -24,8 +25,9 @@ async function startPage(element, source, { values, signal, laws }) {
     return null;
   }
   if (signal.aborted) return null;
-  const program = makeProgram(machine, source, source.samples);
-  const short = makeProgram(machine, source, 2);
+  const isLattice = source.kind === "lattice";
+  const program = isLattice ? makeLatticeProgram(machine, source, "full") : makeProgram(machine, source, source.samples);
+  const short = isLattice ? makeLatticeProgram(machine, source, "short") : makeProgram(machine, source, 2);
   const state = makeState(source);
   const force = { size: 0 }; // of all arrows in the page
   const speed = { size: 0 };
@@ -92,6 +94,13 @@ async function startPage(element, source, { values, signal, laws }) {
     requestAnimationFrame(show);
   }
 
+  // Of the first bob of a surface.
+  function movedBob(index, from, to) {
+    const { places, count } = run.surfaces[index];
+    const x = places[PLACES.indexOf("x_bob")];
+    return x[to * count] - x[from * count];
+  }
+
   function showMarked() {
     part("marked").hidden = marked === null;
     if (marked === null) return;
@@ -99,6 +108,7 @@ async function startPage(element, source, { values, signal, laws }) {
     const said = source.surfaces.map(({ name }, index) => {
       const table = run.tables[index];
       const moved = (x) => shownShort(table[x][to] - table[x][from]);
+      if (!("x_bar" in table)) return `${name}: first bob ${shownShort(movedBob(index, from, to))}`;
       return `${name}: bar ${moved("x_bar")}, centre of mass ${moved("x_cm")}, bob ${moved("x_bob")}`;
     });
     part("marked").textContent = `Displacement along x since t = ${shownShort(run.times[from])}: ${said.join("; ")}.`;
@@ -135,7 +145,11 @@ async function startPage(element, source, { values, signal, laws }) {
 
   const showControls = makeControls({ part, source, state, change });
   if (Object.keys(laws.sources).length > 0) addLaws({ part, state }, laws);
-  const isOpen = (name) => !part(name).hidden;
+  if (isLattice) {
+    part("startsPanel").remove(); // swings at random are those of a pair
+    part("lengthen").closest("label").hidden = true; // so is the time at which bobs have passed
+  }
+  const isOpen = (name) => part(name) !== null && !part(name).hidden;
   const panels = [];
   const showAll = () => panels.forEach((panel) => panel(true));
   const openTab = makeTabs(element, part, () => {
@@ -146,7 +160,7 @@ async function startPage(element, source, { values, signal, laws }) {
   const curveChoices = makeCurveChoices({ part, source, update });
   const present = { run: () => run, time: () => t, group: curveChoices.group, seen: () => view };
   const own = { part, source, state, isOpen, change, showAll, short, signal, observed: withObserver, ...present };
-  for (const make of [makeEndPanel, makeStartsPanel, makeFilesPanel, makeEnergyPanel, makeNumbersPanel]) panels.push(make(own));
+  for (const make of [makeEndPanel, ...(isLattice ? [] : [makeStartsPanel]), makeFilesPanel, makeEnergyPanel, makeNumbersPanel]) panels.push(make(own));
   part("observer").addEventListener("input", () => {
     observer = Number(part("observer").value);
     part("observerShown").textContent = shownShort(observer);

@@ -4,7 +4,7 @@ function showStatus({ part, source, state, change, laws }, run) {
   const isChanged = Object.keys(state.changes()).length > 0 || laws.present !== laws.own;
   part("title").textContent = source.title + (isChanged ? ", with other values" : "");
   const { code, passed, needed, reached, samples } = run.result;
-  const worst = Math.max(run.result.errors[source.names.asperite.indexOf("w1")], run.result.errors[source.names.asperite.length + source.names.asperite.indexOf("w1")]);
+  const worst = Math.max(...source.surfaces.map((_, index) => errorsOf(source, run.result, index).w1));
   const status = part("status");
   status.classList.toggle("bad", code !== 0 || !passed);
   if (code !== 0) {

@@ -1,0 +1,104 @@
+"""From the parameters of asperites in a row or grid to the tables that its time loop reads.
+
+The rules are those of :mod:`tribo.layout.tables`; ``tests/live_pages`` compares both.
+"""
+
+import math
+
+import numpy as np
+
+from tribo.compiler.jit import kernel
+from tribo.compiler.lanes import LANES
+from tribo.kernels import records as rows
+from tribo.layout.layout import Layout
+from tribo.layout.scene_records import resting_bobs
+from tribo.live_pages.setup import masses_and_arms
+
+# Rows of the table of parameters, one column an asperite.
+M1, M2, LENGTH, KAPPA, BAR_LENGTH, I2, BOB_Y = range(7)
+NAMES = ("m1", "m2", "length", "kappa", "bar_length", "i2")
+# Numbers of an asperite and rows of tables that follow from the parameters.
+OF_ASPERITE = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "y")
+OF_SURFACE = ("mass", "total_mass", "inverse_total_mass")
+CONSTANTS = (
+    *(rows.MASS, rows.INERTIA, rows.KAPPA, rows.L1, rows.L2, rows.I2, rows.BAR_LENGTH),
+    *(rows.FREQUENCY, rows.INVERSE_MASS, rows.INVERSE_INERTIA, rows.INVERSE_BAR_LENGTH),
+)
+
+
+def parameters_of(layout: Layout) -> np.ndarray:
+    """The parameters of all asperites of a scene, (7, asperites)."""
+    table = np.empty((len(NAMES) + 1, layout.scene.count))
+    for index, surface in enumerate(layout.scene.surfaces):
+        own = layout.scene.parts[surface.name]
+        for row, name in enumerate(NAMES):
+            table[row, own] = surface.each[name]
+        table[BOB_Y, own] = resting_bobs(layout.scene, index)[:, 1]
+    return table
+
+
+@kernel
+def set_constants(constants, i, mass, inertia, l1, l2, parameters, pivot, turns):
+    """Set a column of the table of constants; driven bars keep their infinite mass."""
+    if not math.isinf(constants[rows.MASS, i]):
+        constants[rows.MASS, i] = mass
+    about = inertia + mass * (pivot * pivot)
+    mobility = 1.0 / about
+    if turns:
+        mobility += 1.0 / parameters[I2]
+    constants[rows.INERTIA, i] = about
+    constants[rows.KAPPA, i] = parameters[KAPPA]
+    constants[rows.L1, i] = l1 + pivot
+    constants[rows.L2, i] = 0.0 if pivot > 0.0 else l2
+    constants[rows.I2, i] = parameters[I2]
+    constants[rows.BAR_LENGTH, i] = parameters[BAR_LENGTH]
+    constants[rows.FREQUENCY, i] = math.sqrt(parameters[KAPPA] * mobility)
+    constants[rows.INVERSE_MASS, i] = 1.0 / constants[rows.MASS, i]
+    constants[rows.INVERSE_INERTIA, i] = 1.0 / about
+    constants[rows.INVERSE_BAR_LENGTH, i] = 1.0 / parameters[BAR_LENGTH]
+
+
+@kernel
+def set_asperite(model, scene, table, i):
+    """Set what follows from the parameters of an asperite; returns its mass."""
+    a = scene.asperites[i]
+    s = model.surfaces[a.surface]
+    parameters = table[:, i]
+    mass, l1, l2, inertia = masses_and_arms(parameters[M1], parameters[M2], parameters[LENGTH])
+    pivot = l2 if a.pivot > 0.0 else 0.0
+    a.mass = mass
+    a.inertia = inertia
+    a.kappa = parameters[KAPPA]
+    a.l1 = l1
+    a.l2 = l2
+    a.i2 = parameters[I2]
+    a.bar_length = parameters[BAR_LENGTH]
+    a.pivot = pivot
+    a.y = parameters[BOB_Y] + a.facing * l1
+    column = scene.columns[i]
+    model.each[rows.Y_START, column] = a.y + a.facing * pivot
+    place = s.first_constants + ((column - s.start) & s.constants_mask)
+    others = LANES if s.constants_mask == 0 else 1  # that share a block of the first
+    for n in range(others):
+        turns = a.dof_phi >= 0
+        set_constants(model.constants, place + n, mass, inertia, l1, l2, parameters, pivot, turns)
+        if model.pivots.shape[1] > 0:
+            model.pivots[0, place + n] = pivot
+    return mass
+
+
+def live_setup(model, scene, table):
+    """Set all that follows from the table of parameters."""
+    i = 0
+    for n in range(scene.surfaces.shape[0]):
+        mass = 0.0
+        while i < scene.asperites.shape[0] and scene.asperites[i].surface == n:
+            mass += set_asperite(model, scene, table, i)
+            i += 1
+        own = scene.surfaces[n]
+        theirs = model.surfaces[n]
+        whole = mass + (own.total_mass - own.mass)
+        own.mass = theirs.mass = mass
+        own.total_mass = theirs.total_mass = whole
+        own.inverse_total_mass = theirs.inverse_total_mass = 1.0 / whole
+    return 0
