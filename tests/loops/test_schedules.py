@@ -330,11 +330,8 @@ def test_field_from_a_state():
     # With another velocity the factor goes on; that of another field begins.
     series = tribo.Output(samples=2, series=("forces",))
     for change, factor in (
-        ({"velocity": (0.1, 0.0)}, 1.0 + 0.5 * np.sin(2.0 * np.pi * 10 / 3)),
-        (
-            {"potential": tribo.Corrugation(0.3, 2.0)},
-            0.75,
-        ),
+        ({"velocity": (0.1, 0.0)}, 1.0 + 0.5 * np.sin(2.0 * np.pi * state.t / 3.0)),
+        ({"potential": tribo.Corrugation(0.3, 2.0)}, 0.75),
     ):
         other = replace(longer, output=series, fields=[replace(field, **change)])
         begins = tribo.simulate(other, start=state, method="rkn8")["tip"]

@@ -292,13 +292,12 @@ def power_at_time(potential, t, x, y):
 
 
 @inlined
-def write_field_power(model, potential, n, t, accounts, tau, methods):
+def write_field_power(model, potential, n, t, accounts, tau, force, energy, rate):
     """Write the power of the agent that moves the nth field, modulates or changes it.
 
-    `tau` is nan for powers, or the time in which they do work.  `methods` call those of the
-    potential: its force, its energy and the rate of that by time.
+    `tau` is nan for powers, or the time in which they do work.  `force`, `energy` and `rate`, that
+    of the energy by time, call the methods of the potential.
     """
-    force, energy, rate = methods
     potential = fetched(potential)
     fields = model.fields
     total = broadcast(0.0)
@@ -332,14 +331,14 @@ def write_field_power(model, potential, n, t, accounts, tau, methods):
 
 def field_power_unit(model, potential, n, t, accounts, tau):
     """Write the power of the agent that moves the nth field, or modulates it."""
-    methods = force_at, energy_at, no_power
-    return write_field_power(model, potential, n, t, accounts, tau, methods)
+    numbers = model, potential, n, t, accounts, tau
+    return write_field_power(*numbers, force_at, energy_at, no_power)
 
 
 def timed_power_unit(model, potential, n, t, accounts, tau):
     """The same of a field that depends on time, with the power of its change."""
-    methods = force_at_time, energy_at_time, power_at_time
-    return write_field_power(model, potential, n, t, accounts, tau, methods)
+    numbers = model, potential, n, t, accounts, tau
+    return write_field_power(*numbers, force_at_time, energy_at_time, power_at_time)
 
 
 @inlined
