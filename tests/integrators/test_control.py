@@ -22,8 +22,9 @@ def test_as_few_equal_steps_as_the_longest_allows(step):
 
 
 @pytest.mark.parametrize("name", [name for name, method in METHODS.items() if method.adaptive])
-def test_growth_of_a_step(name):
+def test_growth_of_a_step(name, monkeypatch):
     """An error that grows as h^order is SAFETY^order after the next step; bounds hold."""
+    monkeypatch.setattr(control, "within_bounds", control.within_bounds.py_func)
     method = METHODS[name].coefficients
     order = method.order
     most = method.most_growth
@@ -34,6 +35,16 @@ def test_growth_of_a_step(name):
     assert growth(0.0, order, most) == most == growth(1e-300, order, most)
     assert growth(1e300, order, most) == MIN_GROWTH == growth(math.nan, order, most)
     assert growth(math.inf, order, most) == 0.5
+
+
+def test_growth_by_roots(monkeypatch):
+    """As by powers, where an error grows as a power of h that is one of 2."""
+    monkeypatch.setattr(control, "within_bounds", control.within_bounds.py_func)
+    for roots in (3, 4):
+        for error in (1e-300, 0.01, 0.3, 1.0, 3.0, 1e300, math.nan):
+            by_powers = growth_factor.py_func(error, 2**roots, 4.0)
+            by_roots = control.growth_by_roots.py_func(error, roots, SAFETY, 4.0)
+            assert by_roots == pytest.approx(by_powers, rel=1e-14)
 
 
 def test_which_steps_are_taken(monkeypatch):

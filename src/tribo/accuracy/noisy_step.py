@@ -8,10 +8,12 @@ runs measure it.  The run itself goes on to measure it, and is repeated where it
 import numpy as np
 
 from tribo.kernels.status import COMPLETED, PAUSED
+from tribo.loops.driver import Chunks, drive
 from tribo.loops.resolution import longest_step
 from tribo.loops.select import Integrator
 from tribo.loops.setting import Setting
 from tribo.loops.stiffness import AIMED_TURN, FIRST_LOOK, Stiffness
+from tribo.loops.time_loop import TimeLoop
 
 # Steps of a short run, at most: a quarter of them suffices for an error of the stiffness of 20 %.
 TRIED_STEPS = 16 * FIRST_LOOK
@@ -55,6 +57,20 @@ def _resolving(longest: float, stiffness: Stiffness) -> float:
     return longest if longest * frequency <= AIMED_TURN else AIMED_TURN / frequency
 
 
+class _FirstSteps(Chunks):
+    """Chunks until a run has taken so many steps."""
+
+    def __init__(self, loop: TimeLoop, count: int) -> None:
+        self._loop = loop
+        self._count = count
+
+    def steps(self) -> int:
+        return self._count
+
+    def goes_on(self, code: int) -> bool:
+        return int(self._loop.clocks["steps"][0]) < self._count
+
+
 def _stiffness(
     integrator: Integrator, step: float, start: np.ndarray, steps: int
 ) -> Stiffness | None:
@@ -63,10 +79,7 @@ def _stiffness(
     loop = integrator.loop(layout, Setting(step=step), start)
     times = layout.times[[0, -1]]
     columns = loop.room(3)
-    budget = steps
-    code = PAUSED
-    while code == PAUSED and int(loop.clocks["steps"][0]) < steps:
-        code = loop.advance(times, columns, budget)
+    code = drive(lambda budget: loop.advance(times, columns, budget), _FirstSteps(loop, steps))
     failed = any(call.error is not None for call in loop.calls)
     if failed or code not in (PAUSED, COMPLETED):
         return None

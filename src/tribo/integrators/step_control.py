@@ -208,6 +208,12 @@ def underflow_status(clock):
     return codes.NOT_FINITE if clock.not_finite == 1 else codes.STEP_UNDERFLOW
 
 
+@inlined
+def within_bounds(growth, most):
+    """A factor on a step, or on those of all lanes, from MIN_GROWTH, of nan too, to `most`."""
+    return min(most, max(MIN_GROWTH, growth))
+
+
 @kernel
 def growth_factor(error, order, most):
     """The factor from a step to the next, at most `most`, from its error, which grows as h^order.
@@ -216,11 +222,20 @@ def growth_factor(error, order, most):
     """
     if error == math.inf:
         return NOT_SOLVED
-    if math.isnan(error):
-        return MIN_GROWTH
     if error == 0.0:
         return most
-    return min(most, max(MIN_GROWTH, SAFETY * error ** (-1.0 / order)))
+    return within_bounds(SAFETY * error ** (-1.0 / order), most)
+
+
+@inlined
+def growth_by_roots(error, roots, caution, most):
+    """The same of an error that grows as h^(2^roots), with `caution` in place of SAFETY.
+
+    Square roots are faster than powers, and errors may be those of the steps of all lanes.
+    """
+    for _ in range(roots):
+        error = math.sqrt(error)
+    return within_bounds(caution / error, most)
 
 
 @kernel

@@ -21,10 +21,11 @@ from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
+from tribo.loops.driver import Chunks, drive
 from tribo.loops.general import GeneralLoop, in_blocks, is_damped, unit_setting
-from tribo.loops.integrate import Columns
 from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
+from tribo.loops.time_loop import Columns, TimeLoop
 from tribo.threads.writable_memory import arrays_in, together
 
 T = TypeVar("T")
@@ -182,6 +183,29 @@ def has_batches(layout: Layout) -> bool:
     return compiled and not (alone or exceeds_memory(layout, layout.times.size))
 
 
+class MemberChunks(Chunks):
+    """Chunks of a member, whose progress is looked at where the first one does not end it."""
+
+    def __init__(self, loop: TimeLoop) -> None:
+        self._loop = loop
+        self._guard: integrate.ProgressGuard | None = None
+
+    def steps(self) -> int:
+        return MOST_STEPS if self._guard is None else self._guard.within(MOST_STEPS)
+
+    def goes_on(self, code: int) -> bool:
+        if code != PAUSED:  # nearly always
+            return False
+        loop = self._loop
+        if self._guard is None:
+            times = loop.layout.times
+            scene = loop.layout.scene
+            most = integrate.most_evaluations(scene)
+            guard = integrate.ProgressGuard(loop.clocks, times[0], times[-1], scene.count, most)
+            self._guard = guard
+        return not (loop.adaptive and self._guard.is_hopeless())
+
+
 class GeneralMembers(GeneralLoop, RecordingLoop):
     """A loop for members of a scene with `has_batches`; `first_step` [time] is the longest one."""
 
@@ -235,12 +259,4 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
     def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""
         times = self.layout.times
-        code = self.advance(times, columns, MOST_STEPS)
-        if code != PAUSED:  # nearly always
-            return code
-        scene = self.layout.scene
-        most = integrate.most_evaluations(self.layout.scene)
-        guard = integrate.ProgressGuard(self.clocks, times[0], times[-1], scene.count, most)
-        while code == PAUSED and not (self.adaptive and guard.is_hopeless()):
-            code = self.advance(times, columns, guard.within(MOST_STEPS))
-        return code
+        return drive(lambda steps: self.advance(times, columns, steps), MemberChunks(self))

@@ -34,7 +34,7 @@ class PairMembers:
         self._pair = pair
         self._times = pair.layout.times
         self._record = pair.record
-        self._numbers = np.array([pair.units.numbers])
+        self._numbers = pair.numbers
         self._rows = pair.rows()
         self._clocks = np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
@@ -55,9 +55,11 @@ class PairMembers:
             addresses = addresses.repeat(len(potential))
             if potential.shape[1] > 0:
                 addresses = potential.ctypes.data + potential.strides[0] * np.arange(len(potential))
+        self._clocks["evaluations"] = 0
         arguments = self._arguments(record, addresses, np.ascontiguousarray(starts.y))
         self._loop(*arguments)
-        records = arguments[-2].swapaxes(0, 1)  # (times + 1, members, COLUMNS)
+        records = arguments[-2].reshape(len(starts.y), -1, COLUMNS)
+        records = records.swapaxes(0, 1)  # (times + 1, members, COLUMNS)
         counts = records[-1, :, :COUNTS].astype(np.int64)
         counts[self._pair.lacks(starts.y), CODE] = PAUSED
         return _pair_runs(self._pair, self._times, records[:-1], counts, starts)
@@ -67,7 +69,7 @@ class PairMembers:
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the potential; records before the last."""
         times = self._times
-        records = np.empty((len(starts), times.size + 1, COLUMNS))
+        records = np.empty((len(starts) * (times.size + 1), COLUMNS))
         return record, addresses, self._rows, self._clocks, starts, times, records, MOST_STEPS
 
 

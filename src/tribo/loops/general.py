@@ -22,10 +22,10 @@ from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
-from tribo.loops.integrate import Columns, Memory, TimeLoop
 from tribo.loops.legs import LegsOfLoop
 from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
+from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units

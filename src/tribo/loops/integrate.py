@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from tribo import interrupts
 from tribo.integrators.step_control import Tolerance
 from tribo.kernels.status import COUNTS, EVALUATIONS, PAUSED, STATUS_OF_CODE, STEPS, Status
-from tribo.layout.elastic_body import ElasticBodies
-from tribo.layout.layout import Layout
 from tribo.ledger.motion import add_reactions
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger, portion_size
+from tribo.loops.driver import Chunks, OfSize, drive
 from tribo.loops.stiffness import FIRST_LOOK, Stiffness
+from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.scene import Scene
-from tribo.potentials.from_ase import Call
 
 # Most work of a run with adaptive steps [force evaluations x asperites], where the scene's numerics
 # give no bound: 6 to 13 s at the 0.03 to 0.06 us that benchmarks/calibrate.py measures for an
@@ -42,8 +40,6 @@ OF_A_TRIAL = 20
 # nine or more of them.
 LOOKS = 100
 Progress = Callable[[float], None]  # called with the time reached, a few times a second
-Columns = tuple[np.ndarray, ...]  # raw samples of a time loop; the first axis of each is time
-Memory = dict[str, np.ndarray]  # all that a time loop needs to continue bit for bit
 # Seconds between two checks for an interrupt: short for a person, long against a call.
 CHUNK_SECONDS = 0.1
 # Steps of the first chunk: a person does not notice the time they take, even with a million
@@ -143,42 +139,6 @@ class StiffnessGuard:
     @property
     def _steps(self) -> int:
         return int(self._loop.clocks["steps"][0])
-
-
-class TimeLoop(ABC):
-    """A compiled time loop, and the state of its run."""
-
-    layout: Layout
-    adaptive: bool  # whether it chooses its steps
-    calls: tuple[Call | ElasticBodies, ...] = ()  # ASE calculators and elastic bodies it calls
-    clocks: Any  # (1,) of CLOCK: how far the run has come
-
-    @abstractmethod
-    def room(self, samples: int) -> Columns:
-        """Arrays for so many samples."""
-
-    @abstractmethod
-    def advance(self, times: np.ndarray, columns: Columns, budget: int) -> int:
-        """Take at most `budget` steps, and record the samples at `times`; a code of a status."""
-
-    def forget_neighbours(self) -> None:  # noqa: B027 (a pair has none)
-        """Let the next call make its neighbour list, if it has one, from the bobs' places."""
-
-    @abstractmethod
-    def memory(self) -> Memory:
-        """All that another loop of this kind needs to continue, until this one goes on."""
-
-    @abstractmethod
-    def restore(self, memory: Memory) -> None:
-        """Continue where another loop of this kind was."""
-
-    def stiffness(self, step: float) -> Stiffness | None:
-        """What the run has met of the stiffness of forces; None without reservoirs."""
-        return None
-
-    @abstractmethod
-    def samples(self, times: np.ndarray, columns: Columns) -> Samples:
-        """The first samples in `columns`, which were recorded at `times`."""
 
 
 @dataclass(eq=False)
@@ -349,9 +309,70 @@ def _recorded(loop: TimeLoop, times: np.ndarray, columns: Columns, status: Statu
     loop.clocks["evaluations"] = 1
     loop.forget_neighbours()
     rest = tuple(column[done:] for column in columns)
-    while loop.advance(np.array([t]), rest, 1) == PAUSED:
-        pass
+    drive(lambda steps: loop.advance(np.array([t]), rest, steps), OfSize(1))
     return loop.samples(np.append(times[:done], t), columns)
+
+
+class RunChunks(Chunks):
+    """Chunks of a single run: between them it is looked at, and shows its progress.
+
+    The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
+    `resolved` ends a run whose steps are too long.
+    """
+
+    def __init__(
+        self,
+        loop: TimeLoop,
+        end: float,
+        progress: Progress | None,
+        most: float | None,
+        resolved: StiffnessGuard | None,
+    ) -> None:
+        """Begin with a chunk of a few steps."""
+        layout = loop.layout
+        most = most_evaluations(layout.scene) if most is None else most
+        self._loop = loop
+        self._guard = ProgressGuard(loop.clocks, layout.beginning, end, layout.scene.count, most)
+        self._resolved = resolved
+        self._progress = progress
+        self._budget = FIRST_CHUNK
+        self._began = 0.0
+        self.status: Status | None = None  # that ended a run which could go on
+
+    def steps(self) -> int:
+        """At most so many that an interrupt is answered soon, and that no look is missed."""
+        chunk = self._guard.within(self._budget)
+        if self._resolved is not None:
+            chunk = self._resolved.within(chunk)
+        self._began = time.perf_counter()
+        return chunk
+
+    def goes_on(self, code: int) -> bool:
+        """Find what ends the run, if anything; else choose the next chunk and show the progress."""
+        taken = max(time.perf_counter() - self._began, LEAST_SECONDS)
+        self.status = self._stopped(code)
+        if self.status is not None:
+            return False
+        wanted = self._budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
+        self._budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
+        if self._progress is not None:
+            self._progress(float(self._loop.clocks["t"][0]))
+        return True
+
+    def _stopped(self, code: int) -> Status | None:
+        loop = self._loop
+        for item in loop.calls:
+            if item.error is not None:
+                return Status.CALCULATOR_FAILED
+            if item.interrupted:
+                raise KeyboardInterrupt
+        if code != PAUSED:
+            return None
+        if loop.adaptive and self._guard.is_hopeless():
+            return Status.NO_PROGRESS
+        if self._resolved is not None and self._resolved.is_due_and_exceeded():
+            return Status.STEP_TOO_LONG
+        return None
 
 
 def run_in_chunks(
@@ -362,41 +383,14 @@ def run_in_chunks(
     most: float | None = None,
     resolved: StiffnessGuard | None = None,
 ) -> Status:
-    """Run through the times in chunks, and check for an interrupt and for progress between them.
-
-    The clock only decides how many steps a chunk has; loops give the same bits for any chunks.
-    `resolved` stops a run whose steps are too long.
-    """
-    budget = FIRST_CHUNK
-    code = PAUSED
-    layout = loop.layout
-    most = most_evaluations(layout.scene) if most is None else most
-    guard = ProgressGuard(loop.clocks, layout.beginning, float(times[-1]), layout.scene.count, most)
+    """Run through the times; see :class:`RunChunks`."""
     for item in loop.calls:
         item.error = None
         item.interrupted = False
+    chunks = RunChunks(loop, float(times[-1]), progress, most, resolved)
     try:
-        while code == PAUSED:
-            began = time.perf_counter()
-            chunk = guard.within(budget)
-            if resolved is not None:
-                chunk = resolved.within(chunk)
-            code = loop.advance(times, columns, chunk)
-            taken = max(time.perf_counter() - began, LEAST_SECONDS)
-            for item in loop.calls:
-                if item.error is not None:
-                    return Status.CALCULATOR_FAILED
-                if item.interrupted:
-                    raise KeyboardInterrupt
-            if loop.adaptive and code == PAUSED and guard.is_hopeless():
-                return Status.NO_PROGRESS
-            if resolved is not None and code == PAUSED and resolved.is_due_and_exceeded():
-                return Status.STEP_TOO_LONG
-            wanted = budget * min(CHUNK_SECONDS / taken, CHUNK_GROWTH)
-            budget = int(min(max(wanted, FIRST_CHUNK), LARGEST_CHUNK))
-            if progress is not None:
-                progress(float(loop.clocks["t"][0]))
+        code = drive(lambda steps: loop.advance(times, columns, steps), chunks)
     except KeyboardInterrupt:
         interrupts.answer()
         return Status.INTERRUPTED
-    return STATUS_OF_CODE[code]
+    return chunks.status or STATUS_OF_CODE[code]

@@ -24,11 +24,13 @@ from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import sample_columns
 from tribo.loops.batch import GeneralMembers, MemberStarts, Pool, RecordingLoop, padded
+from tribo.loops.driver import Chunks, OfSize, drive
 from tribo.loops.general import remembered, unit_setting
-from tribo.loops.integrate import Columns, first_step_at
+from tribo.loops.integrate import first_step_at
 from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.loops.legs import LegsOfLoop
 from tribo.loops.setting import Setting
+from tribo.loops.time_loop import Columns
 from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.writable_memory import shared_loop
 
@@ -166,7 +168,8 @@ class NystromLanes(LaneLoop):
         none = np.empty((0, layout.start.size)), np.empty((0, self.eight.numbers.shape[1]))
         columns = sample_columns(layout, 1)
         tolerance = setting.of_adaptive_steps()
-        examples = self._arguments(tolerance, queue_of(0, LANES), *none, columns, 0)
+        before, behind = self._arguments(tolerance, queue_of(0, LANES), *none, columns)
+        examples = *before, 0, *behind
         self._entry = EntryPoint(shared_loop(nystrom_members), self._kept, examples)
 
     def run_in_lanes(
@@ -183,9 +186,8 @@ class NystromLanes(LaneLoop):
         self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         queue = queue_of(len(starts.y), LANES)
         y = np.ascontiguousarray(starts.y)
-        arguments = self._arguments(tolerance, queue, y, numbers, columns, TRIALS)
-        while self._entry(*arguments) == PAUSED:
-            pass
+        before, behind = self._arguments(tolerance, queue, y, numbers, columns)
+        drive(lambda trials: self._entry(*before, trials, *behind), OfSize(TRIALS))
         return queue.counts
 
     def _arguments(
@@ -195,9 +197,11 @@ class NystromLanes(LaneLoop):
         starts: np.ndarray,
         numbers: np.ndarray,
         columns: Columns,
-        budget: int,
-    ) -> tuple[Any, ...]:
-        """The arguments of the loop, behind the model; tolerances of what fills blocks are 1."""
+    ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """The arguments of the loop between the model and the budget, and those behind it.
+
+        Tolerances of what fills blocks are 1.
+        """
         y = np.ones_like(self._state.y)
         s = np.ones_like(self._state.s)
         y[self._places] = tolerance.y
@@ -208,9 +212,23 @@ class NystromLanes(LaneLoop):
         state = keep(self._state)
         times = self.layout.times
         record = self.record(columns)
-        run = self._clocks, state, times, record, budget, keep(queue), keep(begin)
-        tolerance = keep(tolerance._replace(y=y, s=s))
-        return self.coefficients, tolerance, *run, *map(keep, self._scratch)
+        kept = keep(tolerance._replace(y=y, s=s))
+        before = self.coefficients, kept, self._clocks, state, times, record
+        return before, (keep(queue), keep(begin), *map(keep, self._scratch))
+
+
+class KnownSteps(Chunks):
+    """Chunks for a known number of steps: no more deviates are drawn than are used."""
+
+    def __init__(self, count: int, most: int) -> None:
+        self._left = count
+        self._most = most
+
+    def steps(self) -> int:
+        """All steps that are left, but at most so many."""
+        chunk = max(1, min(self._left, self._most))
+        self._left -= chunk
+        return chunk
 
 
 class SplittingLanes(LaneLoop):
@@ -265,6 +283,7 @@ class SplittingLanes(LaneLoop):
         """Run eight members; which of them need a loop of their own, (8,)."""
         self.forget()
         self._state.y[self._places] = starts
+        most = min(MOST_STEPS, MOST_DEVIATES // max(1, self._draws))
         generators = [np.random.default_rng([seed, 2]) for seed in seeds] if self._draws else []
         code = COMPLETED
         begin = self.layout.times[0]
@@ -273,14 +292,15 @@ class SplittingLanes(LaneLoop):
             ahead = np.append(begin, stops[stops > begin])
             begin = stops[-1]
             left = int(np.sum(count_of_steps(np.diff(ahead), step)))
-            code = PAUSED
-            while code == PAUSED:
-                budget = max(1, min(left, MOST_STEPS, MOST_DEVIATES // max(1, self._draws)))
-                deviates = np.empty((budget * self._draws, LANES))
+
+            def advance(steps: int, stops: np.ndarray = stops) -> int:
+                deviates = np.empty((steps * self._draws, LANES))
                 for lane, generator in enumerate(generators):
                     deviates[:, lane] = generator.standard_normal(len(deviates))
-                code = self._entry(*self._arguments(step, stops, columns, budget, deviates))
-                left -= budget
+                arguments = self._arguments(step, stops, columns, steps, deviates)
+                return int(self._entry(*arguments))
+
+            code = drive(advance, KnownSteps(left, most))
             if code != COMPLETED:
                 break
             if not is_sample:

@@ -31,20 +31,18 @@ from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.general import numbers_of_clock
 from tribo.loops.integrate import (
     Checkpoints,
-    Columns,
     Integration,
-    Memory,
     Progress,
-    TimeLoop,
     first_step_at,
     integrate,
 )
 from tribo.loops.setting import Setting
+from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.effects import Effect
 from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
-from tribo.pair.loop import COLUMNS, ENERGY, pair_collocation
+from tribo.pair.loop import COLUMNS, ENERGY, pair_members
 from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
 from tribo.pair.step import table
 from tribo.threads.kernel_model import Known
@@ -210,16 +208,14 @@ class Pair:
         self.layout = layout
         self.record = _record_of(layout)
         self.potential = layout.model.contacts[0].potential
-        memory, (numbers,) = memory_of((self.potential,))
-        self._potential_memory = memory
-        self._numbers = numbers
+        self._potential_memory, self.numbers = memory_of((self.potential,))
         known = Known(layout.scene, self.potential)
         distance = known.kind, types.float64, *CHARGES, types.int64
         self.units = PotentialUnits(
             force=known.unit(force_unit, (known.kind, lanes, *CHARGES), lanes),
             clearance=known.unit(clearance_unit, distance),
             energy=known.unit(energy_unit, distance),
-            numbers=self._numbers,
+            numbers=self.numbers[0],
         )
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
@@ -232,9 +228,9 @@ class Pair:
         self._rows = np.zeros((step_rows.ROWS, LANES))
         self._rows[: step_rows.LIMITS] = _table_of(method.name)
         own_memory = (self._rows, np.zeros(1, CLOCK))
-        examples = (*own_memory, layout.start, np.zeros(1), np.empty((2, COLUMNS)), 0)
-        loop = shared_loop(pair_collocation)
-        self.entry = EntryPoint(loop, (self.record, self.units), examples)
+        examples = (*own_memory, layout.start[None], np.zeros(1), np.empty((2, COLUMNS)), 0)
+        fixed = self.units, self.record, self.numbers
+        self.entry = EntryPoint(shared_loop(pair_members), fixed, examples)
         self._beginnings: tuple[Beginning, ...] = ()
         self._members: dict[Hashable, EntryPoint] = {}
         self.compile_seconds = time.perf_counter() - began
@@ -244,7 +240,7 @@ class Pair:
         pair = copy(self)
         pair.layout = layout
         pair.record = _record_of(layout)
-        pair.entry = self.entry.with_fixed(pair.record, self.units)
+        pair.entry = self.entry.with_fixed(self.units, pair.record, self.numbers)
         return pair
 
     def units_in_lanes(self, own_numbers: bool) -> PotentialUnits:
@@ -256,7 +252,7 @@ class Pair:
             force=known.unit(force_unit, (known.kind, lanes, *charges), lanes),
             clearance=known.unit(clearances_unit, (known.kind, lanes, *charges), lanes),
             energy=known.unit(energy_unit, (known.kind, types.float64, *CHARGES, types.int64)),
-            numbers=self._numbers,
+            numbers=self.numbers[0],
         )
 
     def entry_of_members(
@@ -350,10 +346,14 @@ class PairLoop(TimeLoop):
         self._pair = pair
         self._rows = before.rows.copy()
         self.clocks = np.frombuffer(bytearray(before.clock), CLOCK)
-        self._start = start
+        self._start = start[None]
 
     def undisturbed(self, times: np.ndarray, most: float | None) -> Integration:
-        """Integrate through `times` in one call, if it does not take too many steps."""
+        """Integrate through `times` in one call, if it does not take too many steps.
+
+        The driver with its guards would make 100 Python calls more, which take half of the loop's
+        time.
+        """
         began = time.perf_counter()
         record = np.empty((times.size + 1, COLUMNS))
         pair = self._pair

@@ -14,7 +14,8 @@ from tribo.layout.start import bath_slots
 from tribo.ledger.motion import about_pivots
 from tribo.ledger.quantity import Table
 from tribo.ledger.samples import Samples
-from tribo.loops.integrate import Integration, Memory
+from tribo.loops.integrate import Integration
+from tribo.loops.time_loop import Memory
 from tribo.model.identity import version
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface

@@ -29,6 +29,7 @@ from tribo.compiler.lanes_memory import address_at, load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
 from tribo.compiler.pointers import pointers
 from tribo.integrators.nystrom import Nystrom
+from tribo.integrators.step_control import growth_by_roots
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.lanes.refill import leave_member, next_member
 from tribo.pair.forces import PAIR_NUMBERS, accelerations_of, contact_of, energy_at
@@ -46,8 +47,7 @@ T, H, TRIALS, ACCEPTED, F = range(J + 1, J + 6)
 QUARTER_PI = 0.785
 # Largest swing of a member in a lane [rad]: up to a million quarter turns are reduced exactly.
 LARGEST_SWING = 1e6
-# Bounds on the ratio of a step to the one before it.
-LEAST_GROWTH = 0.2
+# Largest ratio of a step to the one before it.
 MOST_GROWTH = 4.0
 # Parts of the growth that an error allows: of those from 0.75 to 0.92 they take the fewest
 # evaluations on cases A and C of the paper.
@@ -184,10 +184,8 @@ def end_step(pair, potential, scenes, work, limits, table, at, stages):
     later = rate_of_encounters(pair, potential, r, q1, q2, rates)
     # An encounter that the step would jump counts as an error; NaN is less than nothing.
     error = where_less(h * later, LARGEST_APPROACH, error, 1e30)
-    root = sqrt(sqrt(sqrt(error + 1e-30)))
-    growth = CAUTION / root if stages < HIGH_ORDER else CAUTION_AT_HIGH_ORDER / sqrt(root)
-    growth = where_less(broadcast(LEAST_GROWTH), growth, growth, LEAST_GROWTH)  # of NaN too
-    growth = where_less(growth, MOST_GROWTH, growth, MOST_GROWTH)
+    roots, caution = (4, CAUTION_AT_HIGH_ORDER) if stages >= HIGH_ORDER else (3, CAUTION)
+    growth = growth_by_roots(error, roots, caution, MOST_GROWTH)
     longest = limits[NEAR] / later
     longest = where_less(longest, growth * h, longest, growth * h)
     store(work, H, where_less(error, 1.0, longest, growth * h))

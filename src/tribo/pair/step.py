@@ -21,7 +21,7 @@ from tribo.integrators.collocation import (
     SWEEP_TOLERANCE,
     Collocation,
 )
-from tribo.integrators.step_control import MAX_GROWTH, MIN_GROWTH
+from tribo.integrators.step_control import MAX_GROWTH, MIN_GROWTH, growth_by_roots
 from tribo.pair import step_rows as rows
 from tribo.pair.forces import accelerations_of, contact_at, encounter_rate_of
 from tribo.pair.step_rows import Q1, Q2, V1, K
@@ -40,6 +40,8 @@ from tribo.pair.triples import plus, set_three_in, store_three, three_in, times,
 # Part of the growth of a step that its error allows: a rejected step costs as much as an
 # accepted one.
 CAUTION = 0.65
+# Square roots of an error, which grows as h^8, that grow as h.
+ROOTS = 3
 
 # Part of the way to an encounter that a step may go, at the rate expected at its end.
 CLEAR = 0.75
@@ -172,14 +174,8 @@ def solve(pair, potential, clock, h, work):
 
 @inlined
 def growth_factor(error):
-    """Factor for the next step, of an error that grows as h^8.
-
-    As :func:`tribo.integrators.step_control.growth_factor`, by roots, which are faster than powers.
-    """
-    growth = CAUTION / math.sqrt(math.sqrt(math.sqrt(error)))
-    if not growth >= MIN_GROWTH:  # nan too
-        return MIN_GROWTH
-    return min(MAX_GROWTH, growth)
+    """Factor for the next step, of an error that grows as h^8."""
+    return growth_by_roots(error, ROOTS, CAUTION, MAX_GROWTH)
 
 
 @inlined
