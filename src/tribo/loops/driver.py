@@ -20,7 +20,7 @@ class Chunks(ABC):
         """Steps of the next call, at most."""
 
     def goes_on(self, code: int) -> bool:
-        """Look at the loop after a call that returned `code`; whether a paused one goes on."""
+        """Look at the loop after a call, which returned `code`; whether a paused one goes on."""
         return True
 
 

@@ -218,7 +218,7 @@ class NystromLanes(LaneLoop):
 
 
 class KnownSteps(Chunks):
-    """Chunks for a known number of steps, since no more deviates are drawn than are used."""
+    """Chunks for a known number of steps: no more deviates are drawn than are used."""
 
     def __init__(self, count: int, most: int) -> None:
         self._left = count
