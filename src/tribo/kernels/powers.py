@@ -331,14 +331,14 @@ def write_field_power(model, potential, n, t, accounts, tau, force, energy, rate
 
 def field_power_unit(model, potential, n, t, accounts, tau):
     """Write the power of the agent that moves the nth field, or modulates it."""
-    numbers = model, potential, n, t, accounts, tau
-    return write_field_power(*numbers, force_at, energy_at, no_power)
+    return write_field_power(model, potential, n, t, accounts, tau, force_at, energy_at, no_power)
 
 
 def timed_power_unit(model, potential, n, t, accounts, tau):
     """The same of a field that depends on time, with the power of its change."""
-    numbers = model, potential, n, t, accounts, tau
-    return write_field_power(*numbers, force_at_time, energy_at_time, power_at_time)
+    return write_field_power(
+        model, potential, n, t, accounts, tau, force_at_time, energy_at_time, power_at_time
+    )
 
 
 @inlined
