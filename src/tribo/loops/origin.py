@@ -253,14 +253,15 @@ def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any
         for column, mine in _timed(table).items():
             if mine == theirs[column]:
                 begun[k, BEGUN.index(column)] = state.begun[place, BEGUN.index(column)]
-    ones = old.get("field", [])
-    others = new.get("field", [])
-    mine, theirs = (len(tables["surface"]) for tables in (new, old))
-    column = BEGUN.index("field")
-    found = _known_fields(ones, others, state.phases[theirs:])
-    for k, (place, field) in enumerate(zip(found, others, strict=True)):
-        if place is not None and _is_same_but_for_velocity(ones[place], field):
-            begun[mine + k, column] = state.begun[theirs + place, column]
+    fields_before = old.get("field", [])
+    fields = new.get("field", [])
+    first_before = len(old["surface"])
+    first = len(new["surface"])
+    at = BEGUN.index("field")
+    found = _known_fields(fields_before, fields, state.phases[first_before:])
+    for k, (known, field) in enumerate(zip(found, fields, strict=True)):
+        if known is not None and _is_same_but_for_velocity(fields_before[known], field):
+            begun[first + k, at] = state.begun[first_before + known, at]
     return begun
 
 

@@ -13,7 +13,7 @@ by t, which is the field's own time: zero where it begins to act.  A class may a
 """
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -106,7 +106,7 @@ def _complex_step_in_time(self, t, x, y):  # type: ignore[no-untyped-def]
 
 
 # The derivatives that follow from the energies of a class, unless it defines them.
-FOLLOWING = {
+FOLLOWING: dict[str, dict[str, Callable[..., Any]]] = {
     "energy_at": {"force_at": _complex_step},
     "energy_at_time": {
         "force_at_time": _complex_step_at_time,
@@ -116,6 +116,7 @@ FOLLOWING = {
 
 
 def _following(own: Mapping[str, Any]) -> dict[str, Any]:
+    """The derivatives that a class with some methods of its own lacks, by name."""
     found: dict[str, Any] = {}
     for energy, derived in FOLLOWING.items():
         if energy in own:
