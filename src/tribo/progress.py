@@ -3,6 +3,7 @@
 import math
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -77,24 +78,37 @@ def reported(progress: Shown, total: float, unit: str) -> Iterator[Callable[[flo
             report.close()
 
 
+# When the last block ended whose text was printed, by text.
+_said: dict[str, float] = {}
+
+
 @contextmanager
 def announced(text: str, is_true: Callable[[], bool] = lambda: True) -> Iterator[None]:
-    """Print a text on a terminal after a second of the block, if it is true then."""
+    """Print a text on a terminal after a second of the block, if it is true then.
+
+    Blocks with the same text that follow one another within a second are one: it is printed once.
+    """
     if not (sys.stderr and sys.stderr.isatty()):
         yield
         return
+    goes_on = time.monotonic() - _said.get(text, -math.inf) < DELAY
 
     def say() -> None:
+        nonlocal goes_on
         if is_true():
             print(text, file=sys.stderr, flush=True)
+            goes_on = True
 
     timer = threading.Timer(DELAY, say)
     timer.daemon = True
-    timer.start()
+    if not goes_on:
+        timer.start()
     try:
         yield
     finally:
         timer.cancel()
+        if goes_on:
+            _said[text] = time.monotonic()
 
 
 def _is_watched() -> bool:
