@@ -260,6 +260,28 @@ def motions():
         "damped": {"langevin": tribo.Langevin(0.5, velocity=(0.3, 0.1)), "velocity": (0.6, 0.0)},
         "bars": {"drive": "bars", "velocity": (0.6, 0.0)},
     }
+    return pairs_of_rows(drives)
+
+
+def schedules():
+    """The same with speeds, positions, loads, pushes and a field that change with time."""
+    wave = tribo.Schedule.sine(0.4, 0.3, 0.7)
+    points = [[0, 0.5], [0.4, -0.8], [0.8, 0.6]]
+    steps = tribo.Schedule([[0.0, 0.5], [0.5, -0.8]], kind="steps")
+    place = [[0.0, 0.0], [0.5, 0.3], [1.0, -0.1]]
+    drives = {
+        "points": tribo.Pulled(stiffness=2.0, speed=points, load=wave),
+        "steps": tribo.Pulled(stiffness=2.0, speed=steps, load=0.4),
+        "sine": tribo.Pulled(stiffness=2.0, speed=wave),
+        "position": tribo.Pulled(stiffness=2.0, position=place, load=0.3),
+        "pushed": tribo.Pushed(force=([[0, 0.5], [0.5, -0.5]], wave)),
+        "jump": tribo.Free(load=[[0.0, 0.2], [0.3, 0.2], [0.3, 0.7]]),
+    }
+    return pairs_of_rows({name: {"drive": drive} for name, drive in drives.items()}, wave)
+
+
+def pairs_of_rows(drives, modulation=None):
+    """Rows of four, each with its settings above a row of nine of its own, in one field."""
     rigid = tribo.Asperite(kappa=math.inf)
     surfaces = []
     for k, (name, settings) in enumerate(drives.items()):
@@ -267,15 +289,22 @@ def motions():
         upper = row | {"bob": (2.2, 1.3), "shape": (4, 1), "spacing": (1.1, 0.0)} | settings
         lower = row | {"facing": "up", "shape": (9, 1), "spacing": (1.0, 0.0)}
         surfaces += [tribo.Surface(name, **upper), tribo.Surface(f"below_{name}", **lower)]
-    wave = tribo.Field(tribo.Corrugation(0.2, 1.3), list(drives), (0.1, 0.0), (0.2, 0.0))
+    how = {"modulation": modulation}
+    wave = tribo.Field(tribo.Corrugation(0.2, 1.3), list(drives), (0.1, 0.0), (0.2, 0.0), **how)
     return tribo.Scene(surfaces, LJ.with_cutoff(2.5), 1.0, fields=[wave])
+
+
+# Surfaces whose error is larger: LAMMPS takes the friction at half of a step, and a jump of a load
+# at the next one.
+LARGER_ERRORS = {"damped": 1e-4, "jump": 1e-4}
 
 
 @needs_lammps
 @pytest.mark.slow
-def test_motion_of_lammps(tmp_path):
+@pytest.mark.parametrize("scene_of", [motions, schedules])
+def test_motion_of_lammps(scene_of, tmp_path):
     """Positions after a thousand steps agree to the error of those."""
-    scene = motions()
+    scene = scene_of()
     stepped = replace(scene, numerics=tribo.Numerics(step=1e-3))
     files = to_lammps(stepped, tmp_path)
     assert files.omitted == ()
@@ -286,8 +315,7 @@ def test_motion_of_lammps(tmp_path):
         expected = np.array([series.x_bob[-1], series.y_bob[-1]]).T
         moved = np.max(np.abs(expected - surface.resting_bobs()[:, :2]))
         assert moved > 0.1 or surface.name.startswith("below")
-        # LAMMPS takes the friction at half of a step
-        error = 1e-4 if surface.name == "damped" else 2e-6
+        error = LARGER_ERRORS.get(surface.name, 2e-6)
         assert atoms[atoms[:, 0] > 13 * (k // 2) + 4 * (k % 2)][: surface.count, 2:4] == (
             pytest.approx(expected, abs=error)
         )
