@@ -396,7 +396,7 @@ def test_command(tmp_path, capsys):
     assert main(["explain", str(path)]) == 0
     *lines, after = capsys.readouterr().out.splitlines()
     assert after.startswith(f"Next:  tribo run {path} ")
-    assert len(lines) <= 42 and max(map(len, lines)) <= 100
+    assert len(lines) <= len(Effect) + 15 and max(map(len, lines)) <= 100
     assert "Degrees of freedom: 6 (6 swings)." in lines
     assert "Threads: 1, since a step is too short to be shared." in lines
 

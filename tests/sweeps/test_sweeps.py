@@ -104,7 +104,8 @@ def test_resumed(whole, tmp_path, small):
     xarray.testing.assert_identical(numbers(data), numbers(whole))
     again = sweep(SCENE, VALUES, out=out, resume=True, progress=told.append)
     assert told == [4, 6]
-    xarray.testing.assert_identical(numbers(again), numbers(whole))
+    with again:
+        xarray.testing.assert_identical(numbers(again), numbers(whole))
     with pytest.raises(InputError, match="accuracy was missing, is 1e-06"):
         sweep(SCENE, VALUES, accuracy=1e-6, out=out, resume=True)
     out.rename(part)
