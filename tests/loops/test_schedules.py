@@ -327,9 +327,20 @@ def test_field_from_a_state():
     rest = tribo.simulate(longer, start=state, method="rkn8")
     whole = tribo.simulate(longer, method="rkn8")
     assert rest["tip"]["x_cm"][-1, 0] == pytest.approx(whole["tip"]["x_cm"][-1, 0], abs=1e-7)
-    other = replace(longer, seed=3, fields=[replace(field, velocity=(0.1, 0.0))])
-    with pytest.raises(tribo.InputError, match="cannot continue from a state of another scene"):
-        tribo.simulate(other, start=state, method="rkn8")
+    # With another velocity the factor goes on; that of another field begins.
+    series = tribo.Output(samples=2, series=("forces",))
+    for change, factor in (
+        ({"velocity": (0.1, 0.0)}, 1.0 + 0.5 * np.sin(2.0 * np.pi * state.t / 3.0)),
+        (
+            {"potential": tribo.Corrugation(0.3, 2.0)},
+            0.75,
+        ),
+    ):
+        other = replace(longer, output=series, fields=[replace(field, **change)])
+        begins = tribo.simulate(other, start=state, method="rkn8")["tip"]
+        x = begins["x_bob"][0, 0]
+        wanted = -0.4 * np.pi * np.sin(np.pi * x) * factor
+        assert begins["f_field_x"][0, 0] == pytest.approx(wanted, rel=1e-9)
 
 
 MORSE = tribo.Morse(D=0.3, alpha=2.0, r0=1.2)
@@ -412,8 +423,8 @@ def test_given_motion_of_springs_and_members():
     ("settings", "message"),
     [
         ({"drive": tribo.Moved(speed=[0.1, 0.0])}, "velocity: must be .*0.1, 0.0.*at t = 0"),
-        ({"asperite": tribo.Asperite()}, "asperite.kappa: must be inf"),
-        ({"langevin": {"gamma": 1.0}}, "langevin: cannot go"),
+        ({"bars": "free", "asperite": tribo.Asperite()}, 'bars: must be "clamped"'),
+        ({"langevin": {"gamma": 1.0}}, "langevin.on: must be"),
         ({"initial": {"vx": 0.1}}, "gives their motion"),
         ({"initial": {"temperature": 0.1}}, "initial.temperature: cannot go"),
     ],

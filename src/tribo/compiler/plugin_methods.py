@@ -58,6 +58,10 @@ METHOD_ARGUMENTS = {
     # Fields: at x, y.
     "energy_at": 2,
     "force_at": 2,
+    # Fields that depend on time: at t, x, y.
+    "energy_at_time": 3,
+    "force_at_time": 3,
+    "power_at_time": 3,
     # Drives: at t, x, y, vx, vy, fx, fy.
     "force_on_bar": 7,
     # Ends of bars: at t, phi, nu, twist.

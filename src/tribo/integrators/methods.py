@@ -27,11 +27,18 @@ _NEGATIVE_SUBSTEPS = dict.fromkeys(
     _RESERVOIRS, "uses negative substeps, which are unstable with damping and undefined with noise"
 )
 _BLOCK_VELOCITIES = {
+    "moved pendulums": (
+        "has no velocities for the force that moves bars against the pull of their pendulums"
+    ),
     "block of pendulums": _POSITIONS_ONLY + "pendulums pull at their block by the squares of rates",
     "tilting block": _POSITIONS_ONLY + "bars pull at a block that turns by the square of its rate",
     "damped block": _POSITIONS_ONLY + "the dampers of a block depend on velocities",
 }
 _BLOCK_IN_DRIFTS = {
+    "moved pendulums": (
+        "lets pendulums swing about bars that keep their velocity in its drifts: "
+        '"gauss-radau-15" and "dop853" integrate a given motion of bars'
+    ),
     "block of pendulums": (
         "lets pendulums swing one by one in its drifts; those of a block are coupled by it: "
         '"gauss-radau-15" and "dop853" integrate them, and any method does with kappa = inf'

@@ -52,7 +52,7 @@ from tribo.kernels.records import (
     RIGID,
     RIGID_ASPERITES,
 )
-from tribo.kernels.schedule import number_or_scheduled, rate_of_schedule, scheduled
+from tribo.kernels.schedule import given_acceleration, number_or_scheduled, scheduled
 from tribo.kernels.springs import spring_forces
 from tribo.kernels.user_forces import custom_forces, has_customs
 
@@ -173,16 +173,14 @@ def bob_forces(model, i):
 
 @apart
 def moving_force(model, s, i, t):
-    """f2 that gives a block of rigid asperites the acceleration of a motion, forces in place."""
+    """f2 that gives a block of rigid asperites the acceleration of a motion, forces in place.
+
+    That of pendulums has another part, see `kernels.rigid_block`.
+    """
     x, y = bob_forces(model, i)
     bar_x, bar_y = vectors_if_any(model.internal, i)
     mass = constant(model, rows.MASS, s, i)
-    ax = broadcast(0.0)
-    ay = broadcast(0.0)
-    if s.push_schedule > 0:
-        ax = rate_of_schedule(model.schedules, s.push_schedule, t)
-    if s.load_schedule > 0:
-        ay = rate_of_schedule(model.schedules, s.load_schedule, t)
+    ax, ay = given_acceleration(model, s, t)
     present = block(model.each[rows.PRESENT], i)
     return present * (mass * ax - x - bar_x), present * (mass * ay - y - bar_y)
 

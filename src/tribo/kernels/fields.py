@@ -23,8 +23,29 @@ def field_shift(fields, n, t):
     return x, y
 
 
-def field_forces_unit(model, potential, n, t):
-    """Add the forces of the nth field on the bobs."""
+@inlined
+def force_at(potential, t, x, y):
+    return potential.force_at(x, y)
+
+
+@inlined
+def energy_at(potential, t, x, y):
+    return potential.energy_at(x, y)
+
+
+@inlined
+def force_at_time(potential, t, x, y):
+    return potential.force_at_time(t, x, y)
+
+
+@inlined
+def energy_at_time(potential, t, x, y):
+    return potential.energy_at_time(t, x, y)
+
+
+@inlined
+def add_field_forces(model, potential, n, t, force):
+    """Add the forces of the nth field on the bobs; `force` calls the method of the potential."""
     potential = fetched(potential)
     fields = model.fields
     shift_x, shift_y = field_shift(fields, n, t)
@@ -34,7 +55,7 @@ def field_forces_unit(model, potential, n, t):
         for i in range(s.start, s.end):
             x = model.bobs[X, i] + lane_of(shift_x, i)
             y = model.bobs[Y, i] + lane_of(shift_y, i)
-            fx, fy = potential.force_at(x, y)
+            fx, fy = force(potential, lane_of(t, i) - fields.begun[n], x, y)
             if fields.modulation[n] > 0:
                 now = lane_of(factor, i)
                 fx = now * fx
@@ -44,9 +65,20 @@ def field_forces_unit(model, potential, n, t):
     return 0.0
 
 
-@kernel
-def energy_in_field(model, potential, n, t, lane):
+def field_forces_unit(model, potential, n, t):
+    """Add the forces of the nth field on the bobs."""
+    return add_field_forces(model, potential, n, t, force_at)
+
+
+def timed_forces_unit(model, potential, n, t):
+    """The same of a field that depends on time."""
+    return add_field_forces(model, potential, n, t, force_at_time)
+
+
+@inlined
+def energy_in_field(model, potential, n, t, lane, energy_of):
     """Energy of the bobs of one member, or of all where `lane` is None, in the nth field."""
+    potential = fetched(potential)
     energy = 0.0
     shift_x, shift_y = field_shift(model.fields, n, t)
     for k in range(model.fields.first[n], model.fields.first[n + 1]):
@@ -54,7 +86,7 @@ def energy_in_field(model, potential, n, t, lane):
         for i in range(*column_range(s, lane)):
             x = model.bobs[X, i] + shift_x
             y = model.bobs[Y, i] + shift_y
-            energy += potential.energy_at(x, y)
+            energy += energy_of(potential, t - model.fields.begun[n], x, y)
     if model.fields.modulation[n] > 0:
         energy = lane_of(factor_of_field(model, n, t), 0) * energy
     return energy
@@ -62,8 +94,12 @@ def energy_in_field(model, potential, n, t, lane):
 
 def field_energy_unit(model, potential, n, t, lane):
     """Energy of the bobs in the nth field, for `lane` of one member."""
-    potential = fetched(potential)
-    return energy_in_field(model, potential, n, t, lane)
+    return energy_in_field(model, potential, n, t, lane, energy_at)
+
+
+def timed_energy_unit(model, potential, n, t, lane):
+    """The same of a field that depends on time."""
+    return energy_in_field(model, potential, n, t, lane, energy_at_time)
 
 
 @apart

@@ -52,7 +52,14 @@ from tribo.kernels.blocks import (
     vectors,
     vectors_if_any,
 )
-from tribo.kernels.fields import factor_of_field, field_shift
+from tribo.kernels.fields import (
+    energy_at,
+    energy_at_time,
+    factor_of_field,
+    field_shift,
+    force_at,
+    force_at_time,
+)
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import lever_mass, levers, velocities_of_centres
 from tribo.kernels.records import BARS, PENDULUMS
@@ -274,10 +281,22 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
             custom_end_powers(model, s, i, t, q, velocities, power)
 
 
-def field_power_unit(model, potential, n, t, accounts, tau):
-    """Write the power of the agent that moves the nth field, or modulates it.
+@inlined
+def no_power(potential, t, x, y):
+    return 0.0
 
-    `tau` is nan for powers, or the time in which they do work.
+
+@inlined
+def power_at_time(potential, t, x, y):
+    return potential.power_at_time(t, x, y)
+
+
+@inlined
+def write_field_power(model, potential, n, t, accounts, tau, force, energy, rate):
+    """Write the power of the agent that moves the nth field, modulates or changes it.
+
+    `tau` is nan for powers, or the time in which they do work.  The last three call the methods of
+    the potential: its force, its energy and the rate of that by time.
     """
     potential = fetched(potential)
     fields = model.fields
@@ -292,12 +311,14 @@ def field_power_unit(model, potential, n, t, accounts, tau):
         for i in range(s.start, s.end):
             x = model.bobs[rows.X, i] + lane_of(shift_x, i)
             y = model.bobs[rows.Y, i] + lane_of(shift_y, i)
-            fx, fy = potential.force_at(x, y)
+            now = lane_of(t, i) - fields.begun[n]
+            fx, fy = force(potential, now, x, y)
             place = i % LANES
             moved = fx * fields.drift[n, rows.X] + fy * fields.drift[n, rows.Y]
+            moved += rate(potential, now, x, y)
             if fields.modulation[n] > 0:
                 moved = lane_of(factor, i) * moved
-                moved += lane_of(growth, i) * potential.energy_at(x, y)
+                moved += lane_of(growth, i) * energy(potential, now, x, y)
             done = lane(total, place) + moved
             total = with_lane(total, place, done)
     x = totals(model.members, total)
@@ -308,9 +329,21 @@ def field_power_unit(model, potential, n, t, accounts, tau):
     return 0.0
 
 
+def field_power_unit(model, potential, n, t, accounts, tau):
+    """Write the power of the agent that moves the nth field, or modulates it."""
+    return write_field_power(model, potential, n, t, accounts, tau, force_at, energy_at, no_power)
+
+
+def timed_power_unit(model, potential, n, t, accounts, tau):
+    """The same of a field that depends on time, with the power of its change."""
+    return write_field_power(
+        model, potential, n, t, accounts, tau, force_at_time, energy_at_time, power_at_time
+    )
+
+
 @inlined
 def number_of_time(tau):
-    """The time of works as :func:`field_power_unit` takes it."""
+    """The time of works as :func:`write_field_power` takes it."""
     if tau is None:
         return math.nan
     return tau

@@ -71,7 +71,8 @@ SCHEDULED = ("stage", "load", "push", "heat", "swing_heat")
 
 FORCED, FREE, RIGID, PULLED, CUSTOM, BARS, PUSHED, MOVED = range(8)
 
-# What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.
+# What a surface whose bars are one rigid body consists of, see `kernels.rigid_block`; else 0.  Bars
+# that follow a given motion are such a body where pendulums swing on them.
 RIGID_ASPERITES, PENDULUMS = 1, 2
 
 # How the forces of an elastic body are found, see `kernels.elastic`; else 0.
@@ -261,6 +262,7 @@ class FieldOn(NamedTuple):
     anchor: np.ndarray  # (2,) displacement of the field at t = 0, included in `origin`
     account: int  # of the work done by moving or modulating it; -1 where it stands
     modulation: int = 0  # row of the schedule of its factor; 0 where that is 1
+    begun: float = 0.0  # when its own time was zero
 
 
 class Fields(NamedTuple):
@@ -278,6 +280,7 @@ class Fields(NamedTuple):
     drift: np.ndarray  # (n, 2)
     account: np.ndarray  # (n,)
     modulation: np.ndarray  # (n,)
+    begun: np.ndarray  # (n,)
 
 
 class Custom(NamedTuple):

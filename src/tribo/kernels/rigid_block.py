@@ -13,13 +13,13 @@ turn too are in `kernels.tilting_block`.
 """
 
 from tribo.compiler.jit import apart, inlined
-from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
+from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
 from tribo.compiler.lanes_memory import block
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
 from tribo.kernels.levers import lever_mass
-from tribo.kernels.schedule import rate_of_schedule
+from tribo.kernels.schedule import given_acceleration, rate_of_schedule
 from tribo.kernels.tilting_block import accelerate_tilting, add_constraints_of_tilting
 
 
@@ -74,7 +74,11 @@ def accelerate_blocks(model, t, q, v):
     """Set R'' of all rigid bodies, all forces on their asperites in place."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        if s.tilting > 0:
+        if s.block > 0 and s.drive == rows.MOVED:
+            ax, ay = given_acceleration(model, s, t)
+            s.ax = lane(ax, 0)
+            s.ay = lane(ay, 0)
+        elif s.tilting > 0:
             accelerate_tilting(model, s, t, q, v)
         elif s.block > 0:
             total, matrix = sum_of_forces(model, s, t, q, v)
@@ -113,7 +117,9 @@ def add_constraints(model, t, q, v):
                     back_x, back_y = pull_back(model, s, i, v)
                     fx = fx + along * tx + present * back_x
                     fy = fy + along * ty + present * back_y
-                add_vectors(model.internal, i, fx, fy)
+                # The agent that moves bars exerts what a constraint does on a body's.
+                table = model.drive if s.drive == rows.MOVED else model.internal
+                add_vectors(table, i, fx, fy)
 
 
 @apart

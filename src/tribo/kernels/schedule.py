@@ -38,6 +38,18 @@ def rate_of_schedule(table, row, t):
 
 
 @inlined
+def given_acceleration(model, s, t):
+    """The acceleration of a motion whose velocities follow schedules, x and y, as Lanes."""
+    ax = broadcast(0.0)
+    ay = broadcast(0.0)
+    if s.push_schedule > 0:
+        ax = rate_of_schedule(model.schedules, s.push_schedule, t)
+    if s.load_schedule > 0:
+        ay = rate_of_schedule(model.schedules, s.load_schedule, t)
+    return ax, ay
+
+
+@inlined
 def number_or_scheduled(table, row, number, t):
     """A number of a surface as Lanes, or the value of its schedule if it has one."""
     if row > 0:

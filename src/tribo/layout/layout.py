@@ -73,7 +73,7 @@ class Layout:
     calculator_calls: tuple[Call, ...]
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
-    # (surfaces, BEGUN) when the own times of each drive and of the others there were zero.
+    # (surfaces + fields, BEGUN) when the own times of each drive and of the others were zero.
     begun: np.ndarray
     beginning: float = 0.0  # time at which the run starts
     numbers: MemberNumbers | None = None
@@ -165,7 +165,7 @@ class Layout:
         count = len(self.scene.surfaces)
         surfaces = model.surfaces.copy()
         surfaces.anchor = anchors[:count, 0]
-        since = begun[:, BEGUN.index("drive")]
+        since = begun[:count, BEGUN.index("drive")]
         surfaces.push -= surfaces.push_rate * since
         surfaces.load -= surfaces.load_rate * since
         own = model.own
@@ -175,9 +175,15 @@ class Layout:
                 own[records.OWN_LOAD, surface.start : surface.end] = surface.load
         drives = _begun_at(model.drives, since)
         ends = _begun_at(model.ends, begun[:, BEGUN.index("ends")])
+        fields = zip(
+            model.fields or (),
+            anchors[count:],
+            begun[count:, BEGUN.index("field")].tolist(),
+            strict=True,
+        )
         moved = tuple(
-            field._replace(origin=field.origin - anchor, anchor=anchor)
-            for field, anchor in zip(model.fields or (), anchors[count:], strict=True)
+            field._replace(origin=field.origin - anchor, anchor=anchor, begun=own)
+            for field, anchor, own in fields
         )
         model = model._replace(
             surfaces=surfaces,
@@ -386,7 +392,7 @@ def lay_out(scene: Scene) -> Layout:
         calculator_calls=calls,
         rows=rows,
         skin=skin,
-        begun=np.zeros((len(scene.surfaces), len(BEGUN))),
+        begun=np.zeros((len(scene.surfaces) + len(scene.fields), len(BEGUN))),
     )
     layout = replace(layout, model=model._replace(schedules=layout.legs.tables[0]))
     for plugin in layout.plugins:

@@ -20,14 +20,15 @@ from tribo.model.surface import Surface
 # Times that differ by less than this fraction of the duration are one.
 SAME = 1e-12
 # What has a time of its own, in the columns of `Layout.begun`: drives, a user's forces on ends,
-# stages, loads, and the reservoirs on bars and swings.
-BEGUN = ("drive", "ends", "stage", "load", "heat", "swing_heat")
+# stages, loads, and the reservoirs on bars and swings.  Rows are those of surfaces, then of fields,
+# which have the last column.
+BEGUN = ("drive", "ends", "stage", "load", "heat", "swing_heat", "field")
 
 
 class Scheduled(NamedTuple):
     """A number of a surface that follows a schedule."""
 
-    surface: int
+    surface: int  # or row of a field in `Layout.begun`
     name: str  # one of `kernels.records.SCHEDULED`
     schedule: Schedule  # of the number, or of the velocity of a stage
     clock: str  # one of BEGUN
@@ -69,7 +70,8 @@ def scheduled_numbers(scene: Scene) -> tuple[Scheduled, ...]:
     numbers = [each for own in found for each in own]
     for k, item in enumerate(scene.fields):
         if item.modulation is not None:
-            numbers.append(Scheduled(-1, "modulation", item.modulation, "", field=k))
+            row = len(scene.surfaces) + k
+            numbers.append(Scheduled(row, "modulation", item.modulation, "field", field=k))
     return tuple(numbers)
 
 
@@ -95,14 +97,12 @@ def _of_surface(index: int, surface: Surface) -> Iterator[Scheduled]:
 
 
 def begun_of(number: Scheduled, begun: np.ndarray) -> float:
-    """When the schedule of a number began, of `Layout.begun`; that of a field with the run."""
-    if number.field >= 0:
-        return 0.0
+    """When the schedule of a number began, of `Layout.begun`."""
     return float(begun[number.surface, BEGUN.index(number.clock)])
 
 
 def legs_of(scene: Scene, begun: np.ndarray) -> Legs:
-    """The legs of a scene whose drives and reservoirs began at some times, (surfaces, BEGUN)."""
+    """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`."""
     numbers = scheduled_numbers(scene)
     same = SAME * scene.duration
     starts = [begun_of(each, begun) for each in numbers]

@@ -114,6 +114,8 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
         record["load"] = -constant(drive.load) * surface.facing_sign / bars
     if drive.block and surface.elastic is not None:
         record["elastic_block"] = 1
+    elif surface.has_moved_pendulums:
+        record["block"] = records.PENDULUMS
     elif drive.block:
         rigid = surface.asperite.is_rigid
         record["block"] = records.RIGID_ASPERITES if rigid else records.PENDULUMS
@@ -143,7 +145,7 @@ def fields_on_surfaces(
     for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
         on = np.array([names.index(name) for name in item.on])
-        changes = bool(np.any(drift != 0.0)) or item.modulation is not None
+        changes = bool(np.any(drift != 0.0)) or item.changes
         moves = accounts is not None and changes
         field = FieldOn(
             potential=item.potential,

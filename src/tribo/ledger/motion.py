@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.kernels.records import BARS
+from tribo.kernels.records import BARS, MOVED
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.span import Asperites, Span, columns
 from tribo.ledger.accounts import FORCES, Accounts
@@ -159,7 +159,9 @@ class Motion:
     def swinging(self) -> np.ndarray:
         """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
         a = self.span.asperites
-        driven = np.where(a.dof_x < 0, a.pivot, 0.0)  # on a block, centres of mass have slots
+        held = a.dof_x < 0  # on a block, centres of mass have slots
+        held = held | (self._layout.surfaces.drive[a.surface] == MOVED)
+        driven = np.where(held, a.pivot, 0.0)
         return np.asarray(self.energy + 0.5 * a.mass * (driven * self.omega) ** 2)
 
     @lazy_property

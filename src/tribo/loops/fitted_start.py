@@ -41,7 +41,7 @@ def fitted_start(layout: Layout, state: State) -> np.ndarray:
             if size > HELD * float(np.max(own.l1 + own.l2)) or speed > HELD * fastest:
                 moved = f"are displaced by {size:.3g} and move" if size else "move"
                 raise InputError("start", f"{problem}, but they {moved} at {speed:.3g}")
-        if surface.is_rigid_block:
+        if surface.is_rigid_block or surface.refers_to_bars:
             _join_bars(table, own, surface.facing_sign)
         slots = {"swing": np.arange(part.start, part.stop)}
         slots |= {name: own[f"dof_{name}"] for name in ("phi", "x", "y")}

@@ -95,12 +95,6 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
     anchors = state.anchors
     begun = state.begun
     if not same_scene:
-        for k, item in enumerate(scene.fields):
-            if item.modulation is not None:
-                raise InputError(
-                    f"field[{k}].modulation",
-                    "cannot continue from a state of another scene; simulate the scene from t = 0",
-                )
         for surface in scene.surfaces:
             if surface.drive.gives_motion:
                 raise InputError(
@@ -152,7 +146,7 @@ def _check_arrays(layout: Layout, state: State, same_scene: bool) -> None:
     surfaces = layout.scene.surfaces
     moved = len(surfaces) + len(state.scene.fields)
     wanted: dict[str, tuple[int, ...]] = dict.fromkeys(("anchors", "phases"), (moved, 2))
-    wanted["begun"] = len(surfaces), len(BEGUN)
+    wanted["begun"] = moved, len(BEGUN)
     for surface in surfaces:
         for name in (*MOTIONS, *MOTIONS.values()):
             wanted[f"surface_{name}_{surface.name}"] = (surface.count,)
@@ -247,11 +241,11 @@ def _is_of_same_kind(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any]) -> np.ndarray:
-    """When the own times of drives, forces on ends and schedules were zero, (surfaces, BEGUN).
+    """When the own times of drives, forces on ends, schedules and fields were zero.
 
     Those that are the same as in the state's scene go on; others begin with the run.
     """
-    begun = np.full((len(layout.scene.surfaces), len(BEGUN)), state.t)
+    begun = np.full(layout.begun.shape, state.t)
     before = {table["name"]: (k, table) for k, table in enumerate(old["surface"])}
     for k, table in enumerate(new["surface"]):
         place, other = before[table["name"]]
@@ -259,6 +253,14 @@ def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any
         for column, mine in _timed(table).items():
             if mine == theirs[column]:
                 begun[k, BEGUN.index(column)] = state.begun[place, BEGUN.index(column)]
+    ones = old.get("field", [])
+    others = new.get("field", [])
+    mine, theirs = (len(tables["surface"]) for tables in (new, old))
+    column = BEGUN.index("field")
+    found = _known_fields(ones, others, state.phases[theirs:])
+    for k, (place, field) in enumerate(zip(found, others, strict=True)):
+        if place is not None and _is_same_but_for_velocity(ones[place], field):
+            begun[mine + k, column] = state.begun[theirs + place, column]
     return begun
 
 

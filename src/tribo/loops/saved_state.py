@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tribo.layout.layout import Layout
+from tribo.layout.legs import BEGUN
 from tribo.layout.span import columns
 from tribo.layout.start import bath_slots
 from tribo.ledger.motion import about_mean, about_pivots
@@ -53,9 +54,10 @@ class State:
         present velocities all the time; zero unless a velocity was changed between two runs.
     phases : ndarray, (surfaces + fields, 2)
         Displacement of each pulling stage and of each field at `t`.
-    begun : ndarray, (surfaces, 2)
-        When the own time of each surface's drive was zero, and that of a user's forces on the ends
-        of its bars; zero unless a run from a state began with others.
+    begun : ndarray, (surfaces + fields, 7)
+        When the own times were zero of each surface's drive, of a user's forces on the ends of its
+        bars, of its stage, its load and its reservoirs on bars and swings, and in the last column
+        of each field; zero unless a run from a state began with others.
     memory : dict
         Data that the method needs to continue bit for bit, and the random generator.
     method : str
@@ -123,8 +125,7 @@ class State:
             cut=bool(arrays["cut"]),
             surfaces=_tables("surface_", arrays),
             baths=_tables("bath_", arrays),
-            # Of earlier versions too, from whose states no run continues.
-            begun=arrays.get("begun", np.zeros((len(scene.surfaces), 2))),
+            begun=_begun(arrays, scene),
             first=Samples(**{"baths": np.empty((1, 0, 0))} | below("first_", arrays)),
             memory=below("memory_", arrays),
             method=method,
@@ -206,6 +207,14 @@ def _surface(layout: Layout, part: slice, t: float, y: np.ndarray) -> Table:
         for name, values, more in zip(("x", "y", "vx", "vy"), about, tilted, strict=True):
             table[name] = table[name] + values + more
     return {name: np.array(values) for name, values in table.items()}
+
+
+def _begun(arrays: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray:
+    """When own times were zero; earlier versions, from whose states no run continues, had fewer."""
+    begun = np.zeros((len(scene.surfaces) + len(scene.fields), len(BEGUN)))
+    known = arrays.get("begun", np.zeros((0, 0)))
+    begun[: len(known), : known.shape[1]] = known
+    return begun
 
 
 def _bath(layout: Layout, surface: Surface, y: np.ndarray) -> Table:

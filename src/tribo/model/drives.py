@@ -313,11 +313,12 @@ class DrivenBars(Drive):
 
 @dataclass(frozen=True, kw_only=True)
 class Moved(Drive):
-    """Rigid asperites follow a given motion along x and y, whatever forces act on them.
+    """Bars follow a given motion along x and y, whatever forces act on them.
 
-    f2 = M a - (all other forces), with a the acceleration of the motion.  Its work is that of the
-    agent that moves the surface: of indentation and retraction, for example.  The motion begins
-    with the surface's velocity.  Takes keywords only.
+    f2 = M a_cm - (all other forces), with a_cm the acceleration of the centre of mass: that of the
+    motion, a, and of the swing about the bar.  Its work is that of the agent that moves the
+    surface: of indentation and retraction, for example.  Pendulums feel -m1 a at their bobs, as
+    Kapitza's.  The motion begins with the surface's velocity.  Takes keywords only.
 
     Attributes
     ----------

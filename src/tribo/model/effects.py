@@ -30,6 +30,7 @@ class Effect(StrEnum):
         "block of pendulums",
         "pendulums that swing on the bars of one rigid body, and accelerate it",
     )
+    MOVED_PENDULUMS = "moved pendulums", "pendulums that swing on bars with a given motion"
     TILTING_BLOCK = "tilting block", "a block that turns about z"
     DAMPED_BLOCK = "damped block", "dampers between a block and its stage"
     DRIVEN_BARS = "driven bars", "bars that a constraint moves uniformly, or holds"
@@ -231,6 +232,10 @@ EFFECTS: dict[Effect, tuple[str, Finder]] = {
     Effect.BLOCK_OF_PENDULUMS: (
         "no pendulums swing on a block",
         _surfaces("asperite.kappa", lambda s: "finite" if s.is_block_of_pendulums else None),
+    ),
+    Effect.MOVED_PENDULUMS: (
+        'no drive with pendulums is "moved"',
+        _surfaces("asperite.kappa", lambda s: "finite" if s.has_moved_pendulums else None),
     ),
     Effect.TILTING_BLOCK: (
         'no drive has tilt = "free"',

@@ -3,8 +3,13 @@
 A field is a NamedTuple of numbers with ``energy_at(self, x, y)`` and, optionally,
 ``force_at(self, x, y) -> (fx, fy)``, the negative gradient; without it, or where a subclass defines
 another energy, a complex step computes the gradient to round-off.  x and y are the position of a
-bob in the field's own frame.  A class may also have ``period_along_x(self)`` [length], of a field
-that repeats along x, and ``largest_curvature(self)`` [energy / length^2].
+bob in the field's own frame.
+
+A field that depends on time has ``energy_at_time(self, t, x, y)`` instead and, optionally,
+``force_at_time(self, t, x, y)`` and ``power_at_time(self, t, x, y)``, the derivative of the energy
+by t, which is the field's own time: zero where it begins to act.  A class may also have
+``period_along_x(self)`` [length], of a field that repeats along x, and
+``largest_curvature(self)`` [energy / length^2].
 """
 
 import functools
@@ -24,6 +29,7 @@ from tribo.validation import InputError, is_list, must_be
 
 # Signature of the method that a plug-in needs, as messages quote it.
 ENERGY_AT = "energy_at(self, x, y)"
+ENERGY_AT_TIME = "energy_at_time(self, t, x, y)"
 
 
 class Corrugation(NamedTuple):
@@ -89,8 +95,47 @@ def _complex_step(self, x, y):  # type: ignore[no-untyped-def]
     return fx, fy
 
 
+def _complex_step_at_time(self, t, x, y):  # type: ignore[no-untyped-def]
+    fx = -self.energy_at_time(t + 0j, x + 1e-100j, y + 0j).imag / 1e-100
+    fy = -self.energy_at_time(t + 0j, x + 0j, y + 1e-100j).imag / 1e-100
+    return fx, fy
+
+
+def _complex_step_in_time(self, t, x, y):  # type: ignore[no-untyped-def]
+    return self.energy_at_time(t + 1e-100j, x + 0j, y + 0j).imag / 1e-100
+
+
+# The derivatives that follow from the energies of a class, unless it defines them.
+FOLLOWING = {
+    "energy_at": {"force_at": _complex_step},
+    "energy_at_time": {
+        "force_at_time": _complex_step_at_time,
+        "power_at_time": _complex_step_in_time,
+    },
+}
+
+
 def _following(own: Mapping[str, Any]) -> dict[str, Any]:
-    return {"force_at": _complex_step} if "energy_at" in own and "force_at" not in own else {}
+    found: dict[str, Any] = {}
+    for energy, derived in FOLLOWING.items():
+        if energy in own:
+            found |= {name: step for name, step in derived.items() if name not in own}
+    return found
+
+
+def depends_on_time(potential: Any) -> bool:
+    """Whether a field has an energy that depends on its own time."""
+    return hasattr(potential, "energy_at_time")
+
+
+def _energy_of(cls: Any) -> str:
+    """The method that a class of fields needs.  Raises InputError if it has two energies."""
+    if not hasattr(cls, "energy_at_time"):
+        return ENERGY_AT
+    if hasattr(cls, "energy_at"):
+        problem = f"{cls.__name__} must have one of {ENERGY_AT} and {ENERGY_AT_TIME}, not both"
+        raise InputError("kind", problem)
+    return ENERGY_AT_TIME
 
 
 @functools.cache
@@ -114,7 +159,8 @@ class Field:
     Attributes
     ----------
     potential : Corrugation or NamedTuple
-        The field's potential: built in, or a user's own with ``energy_at(self, x, y)``.
+        The field's potential: built in, or a user's own with ``energy_at(self, x, y)``, or
+        ``energy_at_time(self, t, x, y)`` of one that depends on time.
     on : list of str
         Names of the surfaces, each once.
     origin : (float, float)
@@ -136,6 +182,11 @@ class Field:
     velocity: tuple[float, float] = (0.0, 0.0)
     modulation: Schedule | None = None
 
+    @property
+    def changes(self) -> bool:
+        """Whether its potential changes with time, in its own frame."""
+        return self.modulation is not None or depends_on_time(self.potential)
+
     def __post_init__(self) -> None:
         """Check what acts on which surfaces, and how its strength changes.  Raises InputError."""
         object.__setattr__(self, "potential", as_field_potential(self.potential))
@@ -156,7 +207,7 @@ class Field:
 
 def as_field_potential(value: Any) -> Any:
     """A potential that has energy_at and force_at and whose fields are finite numbers."""
-    plugins.check_class(type(value), "kind", ENERGY_AT)
+    plugins.check_class(type(value), "kind", _energy_of(type(value)))
     if isinstance(value, Unloaded):
         return value
     value = plugins.as_built_in(value)
@@ -174,7 +225,7 @@ def from_table(table: Any, folder: Path) -> Field:
     settings = {k: parameters.pop(k) for k in SETTINGS if k in parameters}
     kind = parameters.pop("kind")
     if plugins.is_named(kind):
-        return Field(plugins.from_file("kind", kind, parameters, folder, ENERGY_AT), **settings)
+        return Field(plugins.from_file("kind", kind, parameters, folder, _energy_of), **settings)
     cls = BUILT_IN[check.choice("kind", kind, BUILT_IN)]
     return Field(plugins.instance(cls, parameters), **settings)
 

@@ -182,15 +182,18 @@ class Surface(ComparedByValue):
             raise InputError("langevin.on", 'must be "swing" where drive = "bars", got "bar"')
 
     def _check_given_motion(self) -> None:
-        """Refuse what a given motion of rigid asperites has no use for."""
+        """Refuse what bars that follow a given motion have no use for."""
         if not isinstance(self.drive, Moved):
             return
-        if not self.asperite.is_rigid:
-            raise InputError("asperite.kappa", 'must be inf where drive = "moved"')
+        if self.bars != "clamped":
+            raise InputError("bars", 'must be "clamped" where drive = "moved"')
         if self.bath:
             raise InputError("bath", 'cannot go with drive = "moved"')
-        if self.reservoirs:
-            raise InputError("langevin", 'cannot go with drive = "moved"')
+        if self.reservoir("bar"):
+            raise InputError("langevin.on", 'must be "swing" where drive = "moved", got "bar"')
+        if any(reservoir.warmest > 0.0 for reservoir in self.reservoirs):
+            problem = 'must be 0 where drive = "moved": no method here integrates noise on it'
+            raise InputError("langevin.temperature", problem)
         first = self.drive.first_velocity
         if self.velocity != first:
             raise must_be("velocity", f"{list(first)}, that of the drive at t = 0", self.velocity)
@@ -239,7 +242,12 @@ class Surface(ComparedByValue):
     @property
     def refers_to_bars(self) -> bool:
         """Whether the coordinates x and y are those of the bars, or of the body that they form."""
-        return self.is_block_of_pendulums or self.tilts
+        return self.is_block_of_pendulums or self.tilts or self.has_moved_pendulums
+
+    @property
+    def has_moved_pendulums(self) -> bool:
+        """Whether its pendulums swing on bars that follow a given motion."""
+        return self.drive.gives_motion and not self.asperite.is_rigid
 
     @property
     def turns_bars(self) -> bool:

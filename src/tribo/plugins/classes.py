@@ -20,7 +20,10 @@ from tribo.plugins.unloaded import Unloaded, left, refuse_code
 from tribo.validation import InputError, inside, known_keys, number, short_repr
 
 # How many numbers a method returns; 1 if it is not listed.
-RETURN_COUNTS = {"feature": 2, "domain": 2, "force_at": 2, "force_on_bar": 2, "end_forces": 4}
+RETURN_COUNTS = {
+    **dict.fromkeys(("feature", "domain", "force_at", "force_at_time", "force_on_bar"), 2),
+    "end_forces": 4,
+}
 
 
 def completed(
@@ -113,13 +116,22 @@ def class_named(field: str, name: str, folder: Path) -> type:
     return getattr(module, class_name)
 
 
-def from_file(field: str, name: str, parameters: dict[str, Any], folder: Path, method: str) -> Any:
-    """The plug-in with `method` that a table names, or an Unloaded for it.  Raises InputError."""
+def from_file(
+    field: str,
+    name: str,
+    parameters: dict[str, Any],
+    folder: Path,
+    method: str | Callable[[Any], str],
+) -> Any:
+    """The plug-in with `method` that a table names, or an Unloaded for it.  Raises InputError.
+
+    The method may depend on the class.
+    """
     stand_in = left(name, parameters)
     if stand_in is not None:
         return stand_in
     cls = class_named(field, name, folder)
-    check_class(cls, field, method)
+    check_class(cls, field, method(cls) if callable(method) else method)
     return instance(cls, parameters)
 
 

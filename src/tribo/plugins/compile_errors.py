@@ -31,7 +31,7 @@ def compiling(loop: Any, placed: Sequence[tuple[str, NamedTuple]]) -> Iterator[N
     try:
         if not is_compiled(loop):
             for _, plugin in _foreign(placed):
-                for method in METHOD_ARGUMENTS:
+                for method in _methods_of(plugin):
                     _check_method(plugin, method)
         yield
     except COMPILE_ERRORS as error:
@@ -53,10 +53,20 @@ def _foreign(placed: Iterable[tuple[str, NamedTuple]]) -> list[tuple[str, NamedT
     return [(field, plugin) for field, plugin in parts if not is_own(type(plugin))]
 
 
+def _methods_of(plugin: NamedTuple) -> list[str]:
+    """The names of methods that a plug-in may have: its numbers may be called as others are."""
+    return [method for method in METHOD_ARGUMENTS if method not in plugin._fields]
+
+
+def _is_complex_step(function: Any) -> bool:
+    """Whether a method is a derivative that follows from another by a complex step."""
+    return bool(function.__name__.startswith("_complex_step"))
+
+
 def _check_method(plugin: NamedTuple, method: str) -> None:
     """Compile a method that the user wrote, or that is made from one.  Raises numba's errors."""
     function = getattr(type(plugin), method, None)
-    if function is None or (is_own(function) and function.__name__ != "_complex_step"):
+    if function is None or (is_own(function) and not _is_complex_step(function)):
         return
     compiled = _compiled(plugin, method, types.float64)
     (returned,) = (signature.return_type for signature in compiled.nopython_signatures)
@@ -75,13 +85,17 @@ def compile_error(placed: Iterable[tuple[str, NamedTuple]], error: Exception) ->
     """
     foreign = _foreign(placed)
     for field, plugin in foreign:
-        for method in METHOD_ARGUMENTS:
+        for method in _methods_of(plugin):
             try:
                 _try(plugin, field, method)
             except InputError as found:
                 return found
     names = ", ".join(type(plugin).__name__ for _, plugin in foreign)
     return InputError("plug-in", f"{names or 'the scene'} does not compile: {_reason(error)}")
+
+
+# Methods that follow from others by a complex step.
+DERIVED = {"energy": "force", "energy_at": "force_at", "energy_at_time": "force_at_time"}
 
 
 def _try(plugin: NamedTuple, field: str, method: str) -> None:
@@ -92,8 +106,8 @@ def _try(plugin: NamedTuple, field: str, method: str) -> None:
     count = METHOD_ARGUMENTS[method]
     plugins.returned_numbers(plugin, field, method, *(1.0,) * count)
     _compile(plugin, field, method, types.float64)
-    derived = {"energy": "force", "energy_at": "force_at"}.get(method)
-    if derived and getattr(type(plugin), derived).__name__ == "_complex_step":
+    derived = DERIVED.get(method)
+    if derived and _is_complex_step(getattr(type(plugin), derived)):
         try:
             plugins.call_method(plugin, field, method, *(1.0 + 1e-100j,) * count)
             _compile(plugin, field, method, types.complex128)

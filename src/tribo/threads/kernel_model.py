@@ -34,6 +34,7 @@ from tribo.kernels.records import Box, Contacts, Customs, Fields, Model, Tables
 from tribo.kernels.samples import State
 from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.elastic_body import NO_BODIES
+from tribo.model.fields import depends_on_time
 from tribo.model.identity import plugins_of
 from tribo.model.scene import Scene
 from tribo.plugins.compile_errors import compiling_units
@@ -187,11 +188,15 @@ class Units:
     def set_field(self, found: Fields, n: int, potential: Any) -> None:
         known = Known(self._scene, potential)
         at = self._model, known.kind, types.int64
-        found.forces[n] = known.unit(fields.field_forces_unit, (*at, self._time))
-        found.energy[n] = known.unit(fields.field_energy_unit, (*at, types.float64, types.int64))
+        units = fields.field_forces_unit, fields.field_energy_unit, powers.field_power_unit
+        if depends_on_time(potential):
+            units = fields.timed_forces_unit, fields.timed_energy_unit, powers.timed_power_unit
+        forces, energy, power = units
+        found.forces[n] = known.unit(forces, (*at, self._time))
+        found.energy[n] = known.unit(energy, (*at, types.float64, types.int64))
         if found.account[n] >= 0:
             kinds = *at, self._time, VECTOR, types.float64
-            found.power[n] = known.unit(powers.field_power_unit, kinds)
+            found.power[n] = known.unit(power, kinds)
 
     def set_custom(self, customs: Customs, n: int, unit: Any, plugin: Any) -> None:
         known = Known(self._scene, plugin)
@@ -370,6 +375,7 @@ def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
         drift=np.array([each.drift for each in found]).reshape(-1, 2),
         account=np.array([each.account for each in found], np.int64),
         modulation=np.array([each.modulation for each in found], np.int64),
+        begun=np.array([each.begun for each in found], float),
     )
 
 
