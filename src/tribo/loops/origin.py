@@ -255,12 +255,12 @@ def _begun(layout: Layout, state: State, old: dict[str, Any], new: dict[str, Any
                 begun[k, BEGUN.index(column)] = state.begun[place, BEGUN.index(column)]
     ones = old.get("field", [])
     others = new.get("field", [])
-    mine, theirs = (len(tables["surface"]) for tables in (new, old))
-    column = BEGUN.index("field")
-    found = _known_fields(ones, others, state.phases[theirs:])
-    for k, (place, field) in enumerate(zip(found, others, strict=True)):
-        if place is not None and _is_same_but_for_velocity(ones[place], field):
-            begun[mine + k, column] = state.begun[theirs + place, column]
+    surfaces = len(before)
+    own_time = BEGUN.index("field")
+    found = _known_fields(ones, others, state.phases[surfaces:])
+    for k, (known, field) in enumerate(zip(found, others, strict=True)):
+        if known is not None and _is_same_but_for_velocity(ones[known], field):
+            begun[surfaces + k, own_time] = state.begun[surfaces + known, own_time]
     return begun
 
 

@@ -106,7 +106,7 @@ def _complex_step_in_time(self, t, x, y):  # type: ignore[no-untyped-def]
 
 
 # The derivatives that follow from the energies of a class, unless it defines them.
-FOLLOWING = {
+FOLLOWING: dict[str, dict[str, Any]] = {
     "energy_at": {"force_at": _complex_step},
     "energy_at_time": {
         "force_at_time": _complex_step_at_time,
