@@ -75,7 +75,7 @@ def module_of(potential: Any) -> bytes:
 
 
 def kept_or_made(stamp: str | None, sources: tuple[str, ...], make: Callable[[], bytes]) -> bytes:
-    """A module that is kept on disk by a stamp and by its sources; with None it is made anew."""
+    """A module that is kept on disk by a stamp and by its sources; with None it is made again."""
     folder = cache_folder(pair_collocation)
     if stamp is None or folder is None:
         return make()

@@ -1,7 +1,7 @@
 """The memory of a time loop as one block that can stand at any place of another memory.
 
 Kernels find arrays by addresses, which stand in words of eight bytes.  An image has the arrays one
-after another, and the places of those words: whoever copies the block adds to each of them the
+after another, and the places of those words: a page that copies the block adds to each of them the
 place where the block begins, and sets those of units to the places of the units.
 """
 

@@ -164,6 +164,7 @@ def account(s, k, a, slot, place):
 
 @kernel
 def motion_of(scene, samples, i, k):
+    """Swing, turn, place and velocity of the ith asperite at the kth sample."""
     a = scene.asperites[i]
     y = samples.y
     core = scene.core
@@ -203,6 +204,7 @@ def point(s, k, a, slot):
 
 @kernel
 def contact_entry(s, k, a):
+    """Of the contact force at the bob."""
     swept = account(s, k, a, a.acc_contact, 2) + account(s, k, a, a.acc_contact, 3)
     slide = account(s, k, a, a.acc_slide, 0) + account(s, k, a, a.acc_slide, 1)
     about_bar = a.pivot if a.acc_slide < 0 else 0.0

@@ -194,6 +194,7 @@ class MemberChunks(Chunks):
         return MOST_STEPS if self._guard is None else self._guard.within(MOST_STEPS)
 
     def goes_on(self, code: int) -> bool:
+        """Whether a paused member makes progress; from its second chunk on, this is looked at."""
         if code != PAUSED:  # nearly always
             return False
         loop = self._loop

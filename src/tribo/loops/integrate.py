@@ -360,6 +360,7 @@ class RunChunks(Chunks):
         return True
 
     def _stopped(self, code: int) -> Status | None:
+        """What ends a run that could go on.  Raises KeyboardInterrupt from a user's own calls."""
         loop = self._loop
         for item in loop.calls:
             if item.error is not None:

@@ -408,6 +408,7 @@ def as_drive(value: Any, folder: Path = Path()) -> Drive:
 
 
 def as_table(drive: Drive) -> dict[str, Any]:
+    """The keys of a drive in a scene file, without those that have no effect."""
     if isinstance(drive, Custom):
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         table |= {"block": True} if drive.block else {}

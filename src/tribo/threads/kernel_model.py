@@ -186,6 +186,7 @@ class Units:
             contacts.pieces[n] = known.unit(pieces, (*at, number))
 
     def set_field(self, found: Fields, n: int, potential: Any) -> None:
+        """Those of the nth field, which may depend on time."""
         known = Known(self._scene, potential)
         at = self._model, known.kind, types.int64
         units = fields.field_forces_unit, fields.field_energy_unit, powers.field_power_unit
