@@ -16,12 +16,16 @@ between neighbours and with an elastic body in their place, in turn; medians cou
 """
 
 import argparse
+import sys
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 import tribo
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 # Young's modulus [force / length^2]; Poisson's ratio of 1/2 does not couple shear and pressure.
 MODULUS = 1.0
@@ -43,18 +47,6 @@ ROUNDS = 5
 FEW = 10
 STEPS = 100
 STEP = 0.01
-
-
-class Wall(NamedTuple):
-    """A flat wall below y = 0 of tips that are springs."""
-
-    stiffness: float
-
-    def energy_at(self, x, y):
-        return 0.5 * self.stiffness * max(-y, 0.0) ** 2
-
-    def force_at(self, x, y):
-        return 0.0, self.stiffness * max(-y, 0.0)
 
 
 class Contact(NamedTuple):
@@ -92,21 +84,10 @@ def rough(side):
 
 def by_tribo(gap, load, stiffness):
     """The contact of bars on an elastic body with a wall."""
-    side = len(gap)
-    body = tribo.Surface(
-        "body",
-        shape=(side, side),
-        spacing=(1.0, 1.0),
-        heights=gap.ravel(),
-        asperite=tribo.Asperite(m1=0.5, m2=0.5, kappa=np.inf),
-        elastic=tribo.Elastic(MODULUS, POISSON),
-        drive=tribo.Free(block=True, load=load),
-        langevin=tribo.Langevin(0.3),
-    )
-    wall = tribo.Field(Wall(stiffness), on=("body",))
-    output = tribo.Output(samples=2, series=("forces",), ledger="none")
-    periodic = tribo.Periodic(x=side, z=side)
-    scene = tribo.Scene((body,), (), 400.0, fields=(wall,), periodic=periodic, output=output)
+    from support.pressed_body import pressed_body
+
+    elastic = tribo.Elastic(MODULUS, POISSON)
+    scene = pressed_body(gap, elastic, load, stiffness, friction=0.3, duration=400.0)
     step = 0.5 / np.sqrt(stiffness)
     own = tribo.simulate(scene, method="verlet", step=400.0 / np.ceil(400.0 / step))["body"]
     pressure = own["f_field_y"][-1]

@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tribo
-from support.laws import identities, tables
+from support.laws import largest_gaps, tables
+from support.rough_block import COUNT, PENDULUMS, RIGID, rough_block
 from support.transformations import boosted, reflected, translated
 from tribo import (
     Asperite,
@@ -36,41 +37,13 @@ from tribo import (
 )
 from tribo.export import to_lammps
 
-# Masses, rods and stiffnesses that differ, and ten of them: one block of eight, and a part of one.
-COUNT = 10
-DRAWN = np.random.default_rng(3)
-UNLIKE = {
-    "m1": DRAWN.uniform(0.5, 1.5, COUNT),
-    "m2": DRAWN.uniform(0.5, 1.5, COUNT),
-    "length": DRAWN.uniform(0.7, 1.2, COUNT),
-}
-PENDULUMS = Asperite(kappa=DRAWN.uniform(0.5, 3.0, COUNT), **UNLIKE)
-RIGID = Asperite(kappa=math.inf, **UNLIKE)
-HEIGHTS = tuple(DRAWN.uniform(0.0, 0.4, COUNT))
 PULL = {"stiffness": 0.8, "speed": 0.5, "load": 1.5, "block": True}
-SWINGING = Initial(theta=tuple(DRAWN.uniform(-0.4, 0.4, COUNT)), omega=0.3)
+SWINGING = Initial(theta=tuple(np.random.default_rng(3).uniform(-0.4, 0.4, COUNT)), omega=0.3)
 
 
-def scene(asperite=PENDULUMS, drive=None, duration=6.0, below=None, **upper):
-    """A rough block on a row that stands on driven bars."""
-    block = Surface(
-        "block",
-        **{
-            "bob": (0.1, 1.2),
-            "velocity": (0.4, 0.0),
-            "shape": (COUNT, 1),
-            "spacing": (0.9, 0.0),
-            "heights": HEIGHTS,
-            "asperite": asperite,
-            "drive": drive or Pulled(**PULL),
-        }
-        | upper,
-    )
-    row = {"shape": (COUNT, 1), "spacing": (1.0, 0.0), "drive": DrivenBars()}
-    table = Surface("table", facing="up", **row | (below or {}))
-    return Scene(
-        (block, table), Coulomb(0.1), duration, output=Output(samples=13, series=("forces",))
-    )
+def scene(asperite=PENDULUMS, drive=None, **settings):
+    """The rough block without tilt, pulled unless it has another drive."""
+    return rough_block(asperite, drive or Pulled(**PULL), **settings)
 
 
 def bars(result, name="block"):
@@ -82,15 +55,6 @@ def bars(result, name="block"):
     vy = table["vy_cm"] - arm * table["omega"] * ty
     x, y = table["x_bar"], table["y_bar"]
     return np.array([x - x[0], y - y[0], vx, vy])
-
-
-def largest_gaps(result):
-    """The largest residual of each identity of the ledger, in units of the largest work."""
-    found = {}
-    for _, table in tables(result):
-        for law, _, one, other in identities([table]):
-            found[law] = max(found.get(law, 0.0), float(np.max(np.abs(one - other))))
-    return found
 
 
 # --- equations -----------------------------------------------------------------------------------

@@ -5,17 +5,16 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import tribo
 from support.laws import identities, tables
+from support.pressed_body import pressed_body
 from tribo import (
     Asperite,
     Elastic,
-    Field,
     Free,
     Initial,
     InputError,
@@ -347,38 +346,13 @@ def test_ledger_closes_at_edges(name):
 # --- the contact of a sphere ---------------------------------------------------------------------
 
 
-class Wall(NamedTuple):
-    """A flat wall below y = 0 of stiff tips."""
-
-    stiffness: float
-
-    def energy_at(self, x, y):
-        return 0.5 * self.stiffness * max(-y, 0.0) ** 2
-
-    def force_at(self, x, y):
-        return 0.0, self.stiffness * max(-y, 0.0)
-
-
 def sphere(load, n=48, radius=60.0, modulus=1.0, poisson=0.3):
     """Approach, load on the tips, and area of contact of a sphere on a flat wall."""
     across = np.arange(n) - n // 2
     x, z = np.meshgrid(across, across)
-    heights = ((x**2 + z**2) / (2.0 * radius)).ravel()
-    block = Surface(
-        "sphere",
-        shape=(n, n),
-        spacing=(1.0, 1.0),
-        heights=heights,
-        asperite=RIGID,
-        elastic=Elastic(modulus, poisson),
-        drive=Free(block=True, load=load),
-        langevin=Langevin(0.1),
-    )
-    wall = Field(Wall(20.0), on=("sphere",))
-    output = Output(samples=2, series=("forces",), ledger="none")
-    scene = Scene((block,), (), 300.0, fields=(wall,), periodic=Periodic(x=n, z=n), output=output)
-    result = tribo.simulate(scene, method="verlet", step=0.1)
-    own = result["sphere"]
+    gaps = (x**2 + z**2) / (2.0 * radius)
+    scene = pressed_body(gaps, Elastic(modulus, poisson), load, 20.0, friction=0.1, duration=300.0)
+    own = tribo.simulate(scene, method="verlet", step=0.1)["body"]
     force = own["f_field_y"][-1]
     down = own["y_bar"][0] - own["y_bar"][-1]
     # The wall's tips yield by their own compliance, which is no part of the sphere's approach.

@@ -10,14 +10,14 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
 import tribo
-from support.laws import identities, tables
+from support.laws import largest_gaps, tables
+from support.rough_block import COUNT, PENDULUMS, RIGID, rough_block
 from support.transformations import translated
 from tribo import (
     Asperite,
     Corrugation,
     Coulomb,
     Custom,
-    DrivenBars,
     Field,
     Free,
     Initial,
@@ -31,50 +31,14 @@ from tribo import (
     Surface,
 )
 
-COUNT = 10
-DRAWN = np.random.default_rng(5)
-UNLIKE = {
-    "m1": DRAWN.uniform(0.5, 1.5, COUNT),
-    "m2": DRAWN.uniform(0.5, 1.5, COUNT),
-    "i2": DRAWN.uniform(0.5, 1.5, COUNT),
-    "length": DRAWN.uniform(0.7, 1.2, COUNT),
-}
-PENDULUMS = Asperite(kappa=DRAWN.uniform(0.5, 3.0, COUNT), **UNLIKE)
-RIGID = Asperite(kappa=math.inf, **UNLIKE)
-HEIGHTS = tuple(DRAWN.uniform(0.0, 0.4, COUNT))
 FREE = {"block": True, "tilt": "free"}
 PULL = {"stiffness": 0.8, "speed": 0.5, "load": 1.5} | FREE
 
 
-def scene(asperite=PENDULUMS, drive=None, duration=6.0, below=None, fields=(), **upper):
-    """A rough block that tilts, on a row that stands on driven bars."""
-    block = Surface(
-        "block",
-        **{
-            "bob": (0.1, 1.2),
-            "velocity": (0.4, 0.0),
-            "shape": (COUNT, 1),
-            "spacing": (0.9, 0.0),
-            "heights": HEIGHTS,
-            "asperite": asperite,
-            "drive": drive or Pulled(**PULL),
-            "initial": Initial(nu=0.05),
-        }
-        | upper,
-    )
-    row = {"shape": (COUNT, 1), "spacing": (1.0, 0.0), "drive": DrivenBars()}
-    table = Surface("table", facing="up", **row | (below or {}))
-    output = Output(samples=13, series=("forces",))
-    return Scene((block, table), Coulomb(0.1), duration, fields=fields, output=output)
-
-
-def largest_gaps(result):
-    """The largest residual of each identity of the ledger."""
-    found = {}
-    for _, table in tables(result):
-        for law, _, one, other in identities([table]):
-            found[law] = max(found.get(law, 0.0), float(np.max(np.abs(one - other))))
-    return found
+def scene(asperite=PENDULUMS, drive=None, **settings):
+    """The rough block with tilt, which it begins to turn; pulled unless it has another drive."""
+    turning = {"initial": Initial(nu=0.05)}
+    return rough_block(asperite, drive or Pulled(**PULL), **turning | settings)
 
 
 # --- equations -----------------------------------------------------------------------------------

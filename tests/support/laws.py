@@ -1,5 +1,7 @@
 """The laws of the ledger: what kind every reported quantity is of, and how they hang together."""
 
+import numpy as np
+
 EXTERNAL = ("w1", "w2", "wL", "wR", "w_field", "w_T")  # all but the work within the surface
 FORCES = ("w1", "w2", "w_int", "w_field", "w_T")  # works whose pseudowork is reported as well
 
@@ -43,6 +45,15 @@ def identities(tables):
             if whole in table:
                 present = [name for name in parts if name in table]
                 yield law, (whole, *present), table[whole], sum(table[name] for name in present)
+
+
+def largest_gaps(result):
+    """The largest residual of each identity of a result's ledger."""
+    found = {}
+    for _, table in tables(result):
+        for law, _, one, other in identities([table]):
+            found[law] = max(found.get(law, 0.0), float(np.max(np.abs(one - other))))
+    return found
 
 
 def raw_samples(ledger):
