@@ -19,7 +19,7 @@ from tribo.layout import contacts, slots
 from tribo.layout.legs import BEGUN, SAME, Legs, Scheduled, begun_of, legs_of, scheduled_numbers
 from tribo.layout.scene_records import (
     MemberNumbers,
-    fields_on_surfaces,
+    number_shared_accounts,
     plugin_forces,
     resting_bobs,
     scene_records,
@@ -339,13 +339,7 @@ def lay_out(scene: Scene) -> Layout:
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
     asperites, physics = scene_records(scene, bobs)
     origin = np.array(scene.surfaces[0].first_bob[:2])
-    kept = scene.output.ledger != "none"
-    sliding = slots.slide(scene) & kept
-    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
-    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
-    staged = (physics["stage_schedule"] > 0) & kept
-    physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
-    shared += int(np.sum(staged))
+    fields, shared = number_shared_accounts(scene, physics, origin)
     mine = slots.number(scene, physics, shared, width=1)
     theirs = slots.number(scene, physics, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
@@ -356,13 +350,7 @@ def lay_out(scene: Scene) -> Layout:
     depths = [own[:, 2] for own in bobs]
     calculators, calls = contacts.calculators(scene, depths, theirs.surfaces["start"])
     found, rows, skin = contacts.lay_out_contacts(scene)
-    # Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
-    # are faster where the bars of a row follow one another.
-    compact = rows > 0 and not calls
-    orders = [
-        slots.spatial_order(own) if compact and not surface.springs else np.arange(len(own))
-        for surface, own in zip(scene.surfaces, bobs, strict=True)
-    ]
+    orders = slots.orders_of_bobs(scene, bobs, compact=rows > 0 and not calls)
     places = slots.places(mine, theirs, np.arange(shared), orders)
     ends = plugin_forces(scene, origin, lambda surface: surface.plugin_at_ends)
     model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(

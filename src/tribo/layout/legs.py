@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.kernels.schedule import COLUMNS
+from tribo.model.number import changes
 from tribo.model.scene import Scene
-from tribo.model.schedule import Piece, Schedule, changes
+from tribo.model.schedule import Piece, Schedule
 from tribo.model.surface import Surface
 
 # Times that differ by less than this fraction of the duration are one.

@@ -13,9 +13,10 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
+from tribo.layout.slots import slide
 from tribo.model.fields import Field, period_of
+from tribo.model.number import constant
 from tribo.model.scene import Scene
-from tribo.model.schedule import constant
 from tribo.model.surface import Surface
 
 Records = np.recarray[Any, Any]  # whose fields are read as attributes
@@ -160,6 +161,23 @@ def fields_on_surfaces(
         fields.append(field)
         count += moves
     return tuple(fields) or None, count
+
+
+def number_shared_accounts(
+    scene: Scene, physics: np.ndarray, origin: np.ndarray
+) -> tuple[tuple[FieldOn, ...] | None, int]:
+    """Give slots to accounts that are of no asperite, which come first; the fields, and how many.
+
+    They are those of blocks that slide, of fields that move or change, and of stages that follow a
+    schedule, in this order.  `physics` are the records of the surfaces.
+    """
+    kept = scene.output.ledger != "none"
+    sliding = slide(scene) & kept
+    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
+    staged = (physics["stage_schedule"] > 0) & kept
+    physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
+    return fields, shared + int(np.sum(staged))
 
 
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:

@@ -182,6 +182,18 @@ def spatial_order(bobs: np.ndarray) -> np.ndarray:
     return np.argsort(np.lexsort((z, np.where(strip % 2 == 0, x, -x), strip)))
 
 
+def orders_of_bobs(scene: Scene, bobs: list[np.ndarray], compact: bool) -> list[np.ndarray]:
+    """The order of each surface's bobs in the tables; where it is `compact`, blocks are.
+
+    Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
+    are faster where the bars of a row follow one another.
+    """
+    return [
+        spatial_order(own) if compact and not surface.springs else np.arange(len(own))
+        for surface, own in zip(scene.surfaces, bobs, strict=True)
+    ]
+
+
 def places(
     samples: Numbering, kernels: Numbering, shared: np.ndarray, orders: list[np.ndarray]
 ) -> Places:
