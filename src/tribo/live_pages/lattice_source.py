@@ -61,6 +61,7 @@ class Lattice:
     """
 
     def __init__(self, scene: Scene, layout: Layout) -> None:
+        """Choose the cheapest method that takes the scene, plan its step, and find the keys."""
         self.scene = scene
         self.layout = layout
         reason = why_not(scene, layout)

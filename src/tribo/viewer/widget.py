@@ -36,6 +36,7 @@ class Player(anywidget.AnyWidget):  # type: ignore[misc]
         run: Callable[[object], dict[str, Any]] | None = None,
         live: Callable[[], Any] | None = None,
     ) -> None:
+        """Show the first run, and answer the page when its sliders ask for another one."""
         super().__init__(source=source)
         self._run = run
         self._live = live
