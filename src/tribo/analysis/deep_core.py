@@ -11,7 +11,7 @@ from tribo.kernels.records import CHARGE, Contact
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts
-from tribo.model.schedule import largest
+from tribo.model.number import largest
 
 # Energy of two bobs, in units of the other energies of their asperites, from which they are deep in
 # a core: those of Lennard-Jones are from 0.75 sigma on.

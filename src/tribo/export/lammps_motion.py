@@ -10,8 +10,9 @@ import numpy as np
 from tribo.export.lammps_atoms import Atoms
 from tribo.model.drive import Stage
 from tribo.model.fields import Corrugation
+from tribo.model.number import changes, constant
 from tribo.model.scene import Scene
-from tribo.model.schedule import Schedule, changes, constant
+from tribo.model.schedule import Schedule
 from tribo.model.surface import Surface
 
 

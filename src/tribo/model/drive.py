@@ -13,7 +13,8 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.kernels import records
-from tribo.model.schedule import Number, Schedule, number_or_schedule
+from tribo.model.number import Number, number_or_schedule
+from tribo.model.schedule import Schedule
 from tribo.model.tables import field_names
 from tribo.validation import InputError
 
@@ -165,6 +166,10 @@ class Drive:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
+        """Refuse a load that is no number, and a tilt without the force that a tilting body needs.
+
+        A class of drives extends this for its own fields.
+        """
         check.fields(self, load=number_or_schedule(unit="force"))
         check.boolean("block", self.block)
         check.choice("tilt", self.tilt, ["fixed", "free"])

@@ -7,7 +7,7 @@ import numpy as np
 
 from tribo import validation as check
 from tribo.model.asperite import broadcast
-from tribo.model.schedule import Number, highest, number_or_schedule
+from tribo.model.number import Number, highest, number_or_schedule
 from tribo.model.tables import ComparedByValue, from_table
 from tribo.validation import InputError, inside, is_list
 

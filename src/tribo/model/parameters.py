@@ -29,8 +29,8 @@ from tribo.model.asperite import Asperite
 from tribo.model.bath import Bath, as_bath
 from tribo.model.bath import as_table as bath_table
 from tribo.model.binding import bound
-from tribo.model.drives import as_drive
-from tribo.model.drives import as_table as drive_table
+from tribo.model.drive_tables import as_drive
+from tribo.model.drive_tables import as_table as drive_table
 from tribo.model.elastic import as_elastic
 from tribo.model.fields import SETTINGS, Field
 from tribo.model.initial import Initial

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tribo.files import read_file
-from tribo.model import bars, drives
+from tribo.model import bars, drive_tables
 from tribo.model.drawn import column, is_column, with_columns
 from tribo.model.fields import from_table as field_of
 from tribo.model.initial import Initial
@@ -82,7 +82,7 @@ def _surface(table: object, folder: Path) -> Surface:
         # Surfaces draw from distributions, and check the rest.
         "asperite": partial(with_columns, folder=folder),
         "initial": partial(from_table, Initial),
-        "drive": partial(drives.as_drive, folder=folder),
+        "drive": partial(drive_tables.as_drive, folder=folder),
         "bars": partial(bars.as_bars, folder=folder),
     }
     if is_topography(table.get("heights")):

@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from tribo.model import bars, bath, drives
+from tribo.model import bars, bath, drive_tables
 from tribo.model.settings import Numerics, Output
 from tribo.model.surface import Surface
 from tribo.model.tables import table_of
@@ -34,7 +34,7 @@ def output_table(output: Output) -> dict[str, Any]:
 def surface_table(surface: Surface) -> dict[str, Any]:
     """The table of a surface, with the heights of topographies as numbers."""
     table = table_of(surface)
-    table["drive"] = drives.as_table(surface.drive)
+    table["drive"] = drive_tables.as_table(surface.drive)
     table["bars"] = bars.bars_as_table(surface.bars)
     table["bath"] = bath.as_table(surface.bath)
     if isinstance(surface.heights, Topography):

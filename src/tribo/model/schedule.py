@@ -1,4 +1,4 @@
-"""Numbers that follow a schedule: functions of time by points, in steps, or as a sine.
+"""Schedules that numbers follow: functions of time by points, in steps, or as a sine.
 
 Between two points a schedule is linear, or it keeps the value of the earlier one; outside of them
 it is constant.  Where its value or its slope changes it has a kink, at which steps of runs end.
@@ -15,12 +15,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tribo import validation as check
-from tribo.validation import Check, Condition, InputError, is_list, known_keys, must_be
+from tribo.validation import InputError, is_list, known_keys, must_be
 
 KINDS = ("linear", "steps")
 SINE = "sine"
@@ -308,9 +308,6 @@ def _before(t: float) -> float:
     return t - max(1.0, abs(t))
 
 
-Number = float | Schedule  # a number, or one that changes with time
-
-
 def as_schedule(value: Any) -> Schedule:
     """A schedule from points, from its table in a scene file, or one that was made before."""
     if isinstance(value, Schedule):
@@ -325,51 +322,6 @@ def as_schedule(value: Any) -> Schedule:
         check.choice("kind", table.get("kind", "linear"), KINDS)
         return Schedule(**table)
     return Schedule(value)
-
-
-def number_or_schedule(condition: Condition = check.ANY, unit: str = "") -> Check:
-    """The check of a field that is a number, or a schedule of numbers that meet the condition."""
-
-    def checked(field: str, value: Any) -> Number:
-        """The number, or the schedule that a table or a list of points describes."""
-        if not (isinstance(value, (Schedule, Mapping)) or is_list(value)):
-            return check.number(field, value, condition, unit)
-        with check.inside(field):
-            schedule = as_schedule(value)
-            if schedule.is_sine and not condition[1](schedule.low):
-                raise InputError("", f"{condition[0]}, got {schedule.low:g} at its lowest")
-            for i, (_, each) in enumerate(schedule.points):
-                check.number(f"[{i}][1]", each, condition, unit)
-        return schedule
-
-    return checked
-
-
-def changes(number: Any) -> TypeGuard[Schedule]:
-    """Whether a number changes with time by a schedule."""
-    return isinstance(number, Schedule)
-
-
-def constant(number: Number) -> float:
-    """A number that does not change; 0 in place of a schedule."""
-    return 0.0 if isinstance(number, Schedule) else number
-
-
-def largest(number: Number | None) -> float:
-    """The largest magnitude of a number at any time; 0 of None."""
-    if isinstance(number, Schedule):
-        return number.largest
-    return abs(number or 0.0)
-
-
-def highest(number: Number) -> float:
-    """The largest value of a number at any time."""
-    return number.high if isinstance(number, Schedule) else number
-
-
-def at_time(number: Number, t: Any) -> Any:
-    """The value of a number at times t."""
-    return number.at(t) if isinstance(number, Schedule) else number
 
 
 def with_component(number: Any, keys: list[str], value: Any) -> Schedule:

@@ -17,7 +17,8 @@ from tribo.model.bath import Bath, as_bath
 from tribo.model.block import check_block
 from tribo.model.drawn import column, is_column, with_draws
 from tribo.model.drive import Drive
-from tribo.model.drives import Forced, Moved, as_drive
+from tribo.model.drive_tables import as_drive
+from tribo.model.drives import Forced, Moved
 from tribo.model.elastic import Elastic, as_elastic, check_elastic
 from tribo.model.initial import Initial
 from tribo.model.langevin import Langevin, as_langevin

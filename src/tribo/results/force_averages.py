@@ -6,8 +6,8 @@ from tribo.kernels.status import Status
 from tribo.layout.legs import begun_of, scheduled_numbers
 from tribo.ledger.ledger import Series
 from tribo.ledger.quantities import AVERAGED
+from tribo.model.number import changes, largest
 from tribo.model.scene import Scene
-from tribo.model.schedule import changes, largest
 from tribo.model.surface import Surface
 from tribo.results.averages import Average, average_from
 from tribo.results.run_result import RunResult

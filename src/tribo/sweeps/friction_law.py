@@ -9,8 +9,8 @@ import numpy as np
 
 from tribo.kernels.status import Status
 from tribo.ledger.separation import has_contact_distance
+from tribo.model.number import changes, constant
 from tribo.model.scene import Scene
-from tribo.model.schedule import changes, constant
 from tribo.model.surface import Surface
 from tribo.results.averages import interval
 from tribo.sweeps import sweep
