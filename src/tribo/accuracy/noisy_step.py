@@ -83,5 +83,5 @@ def _stiffness(
     failed = any(call.error is not None for call in loop.calls)
     if failed or code not in (PAUSED, COMPLETED):
         return None
-    found = loop.stiffness(step)
+    found = loop.stiffness()
     return found if found is not None and np.isfinite(found.frequency) else None

@@ -65,6 +65,7 @@ class GeneralLoop(TimeLoop):
         self._lists = keep(self._neighbours)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
+        self.step = setting.step
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
         self.clocks.h = first_step if method.adaptive else 0.0
         if setting.tolerance is not None:
@@ -179,10 +180,11 @@ class GeneralLoop(TimeLoop):
         own = tuple(vars(self).values()), self.layout.asperites, self.layout.surfaces
         return sum({id(array): array.nbytes for array in arrays_in(own)}.values())
 
-    def stiffness(self, step: float) -> Stiffness | None:
-        if not (self._noise and noisy(self.layout.scene)):
+    def stiffness(self) -> Stiffness | None:
+        if self.step is None or not (self._noise and noisy(self.layout.scene)):
             return None
-        return stiffness_of(self.layout, self.stiffness_sums, int(self.clocks["steps"][0]), step)
+        steps = int(self.clocks["steps"][0])
+        return stiffness_of(self.layout, self.stiffness_sums, steps, self.step)
 
     @property
     def stiffness_sums(self) -> np.ndarray:

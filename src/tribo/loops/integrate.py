@@ -133,7 +133,7 @@ class StiffnessGuard:
         return rest == 0 and looks.bit_count() == 1 and self.is_exceeded()
 
     def is_exceeded(self) -> bool:
-        stiffness = self._loop.stiffness(self._step)
+        stiffness = self._loop.stiffness()
         return stiffness is not None and bool(stiffness.exceeds(self._step))
 
     @property
@@ -217,19 +217,17 @@ def integrate(
     streamed: StreamedLedger | None = None,
     checkpoints: Checkpoints | None = None,
     columns: Columns | None = None,
-    before: Samples | None = None,
     most: float | None = None,
-    step: float | None = None,
     resolved: bool = False,
 ) -> Integration:
     """Integrate through `times`; where something stops it, the state reached is the last sample.
 
     `streamed` takes in the samples, of which only the first and the last two are kept then.
-    `columns` are those of a loop that has begun, `before` is the first sample of a run that is
-    continued, and adaptive steps may take `most` force evaluations, those of the scene without it.
-    Equal steps have the length `step`; if they have to be `resolved`, the run stops where they do
-    not resolve the stiffest motion.
+    `columns` are those of a loop that has begun, and adaptive steps may take `most` force
+    evaluations, those of the scene without it.  If equal steps have to be `resolved`, the run stops
+    where they do not resolve the stiffest motion.
     """
+    step = loop.step
     guard = StiffnessGuard(loop, step) if resolved and step is not None else None
     began = time.perf_counter()
     rows = times.size if streamed is None else portion_size(loop.layout)
@@ -254,8 +252,8 @@ def integrate(
             checkpoints.keep(loop, columns, streamed, reached)
         memory, counts, passages = _reached(loop, status)
         new = _recorded(loop, portion, columns, status)
-        if before is not None and first == 0:
-            new = before.then(new)
+        if loop.before is not None and first == 0:
+            new = loop.before.then(new)
         if loop.layout.model.pivots is not None:
             start = (new if held is None else held).y[:1]
             add_reactions(loop.layout, new.y, new.s, start)
@@ -279,9 +277,8 @@ def integrate(
     assert held is not None
     seconds = time.perf_counter() - began
     failures = tuple(call.failure for call in loop.calls if call.error is not None)
-    stiffness = None if step is None else loop.stiffness(step)
     return Integration(
-        held, status, counts, seconds, lambda: memory, passages, failures, cut, stiffness
+        held, status, counts, seconds, lambda: memory, passages, failures, cut, loop.stiffness()
     )
 
 

@@ -46,6 +46,7 @@ class Origin:
     def place(self, loop: GeneralLoop, method: str, exactly: bool) -> None:
         """Let a loop begin from the state; `exactly` if its coordinates were not changed."""
         state = self.state
+        loop.before = self.first
         if exactly and self.same_scene and method == state.method and "y" in state.memory:
             wanted = {name: array.shape for name, array in loop.memory().items()}
             _check_shapes("memory.", state.memory, wanted)

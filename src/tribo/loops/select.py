@@ -130,14 +130,9 @@ class Integrator:
         if pair is not None and not (pair.zeros.size and pair.lacks(start[None])[0]):
             return pair.integrate(setting, start, times, self._progress, entry, most)
         loop = self.loop(layout, setting, start)
-        before = None
         if self.origin is not None:
-            before = self.origin.first
             times = times[times >= self.layout.beginning]
-        step = setting.step
-        run = integrate(
-            loop, times, self._progress, streamed, entry, None, before, most, step, resolved
-        )
+        run = integrate(loop, times, self._progress, streamed, entry, most=most, resolved=resolved)
         # A streamed run is guarded while its samples arrive, and adaptive steps keep the energy.
         if streamed is not None or self.method.adaptive:
             return run

@@ -20,7 +20,9 @@ class TimeLoop(ABC):
 
     layout: Layout
     adaptive: bool  # whether it chooses its steps
+    step: float | None = None  # the length of its steps, if they are equal [time]
     calls: tuple[Call | ElasticBodies, ...] = ()  # ASE calculators and elastic bodies it calls
+    before: Samples | None = None  # the first sample of the run that it goes on with
     clocks: Any  # (1,) of CLOCK: how far the run has come
 
     @abstractmethod
@@ -42,8 +44,8 @@ class TimeLoop(ABC):
     def restore(self, memory: Memory) -> None:
         """Continue where another loop of this kind was."""
 
-    def stiffness(self, step: float) -> Stiffness | None:
-        """What the run has met of the stiffness of forces; None without reservoirs."""
+    def stiffness(self) -> Stiffness | None:
+        """What equal steps have met of the stiffness of forces; None without reservoirs."""
         return None
 
     @abstractmethod
