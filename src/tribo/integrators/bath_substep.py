@@ -14,7 +14,7 @@ from tribo.integrators.jumps import acts, add_bath_works_of_jumps
 from tribo.integrators.reservoirs import damp_bars, damp_swings
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.baths import oscillators_of
-from tribo.kernels.blocks import absent, column_of_constants, set_vectors, vectors
+from tribo.kernels.blocks import absent, column_of_constants, halves, set_vectors, vectors
 from tribo.kernels.powers import place_of
 from tribo.kernels.records import I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, X, Y
 
@@ -96,8 +96,10 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
 
 
 @kernel
-def bath_substep(model, t, tau, q, v, accounts, reservoirs, rotations, noise):
+def bath_substep(model, t, tau, state, reservoirs, rotations, noise):
     """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
+    q, v = halves(state.y)
+    accounts = state.s
     turns, torsional_turns = rotations
     damped = acts(reservoirs)
     part = 0.5 * tau if damped else tau

@@ -85,8 +85,9 @@ class Collocation(NamedTuple):
         complete_step(self, model, neighbours, clock, h, end, state, work)
         return COMPLETED
 
-    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+    def trial(self, model, neighbours, clock, attempt, state, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`.  The first node is its start."""
+        h = attempt.h
         n = state.acceleration.size
         for m in range(n, 2 * n):  # not less than the round-off of each velocity
             work.unit[m - n] = tolerance.y[m] + 2.0 * EPSILON * abs(state.y[m])
@@ -98,8 +99,8 @@ class Collocation(NamedTuple):
         evaluate_powers(self, model, neighbours, clock, h, state, work)
         error = estimate_error(self, h, state, work, tolerance)
         if error <= 1.0:
-            copy_state(state, new)
-            complete_step(self, model, neighbours, clock, h, end, new, work)
+            copy_state(state, attempt.new)
+            complete_step(self, model, neighbours, clock, h, attempt.end, attempt.new, work)
         return error, math.isfinite(error)
 
 

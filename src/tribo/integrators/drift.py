@@ -14,7 +14,7 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import constant, coordinates, keeps_velocity
+from tribo.kernels.blocks import constant, coordinates, halves, keeps_velocity
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
@@ -161,8 +161,9 @@ def move(slot, s, i, tau, q, v):
 
 
 @inlined
-def drift_block(model, s, i, now, tau, q, v, accounts, turn):
+def drift_block(model, s, i, now, tau, state, turn):
     """Drift of a block for tau, which ends now, and the bobs' places then."""
+    q, v = halves(state.y)
     zero = broadcast(0.0)
     twists = zero, zero, zero
     if s.dof_phi >= 0:
@@ -177,4 +178,4 @@ def drift_block(model, s, i, now, tau, q, v, accounts, turn):
     place_block(model, s, i, now, swing, zero, x, y)
     # Works come last, since the next forces do not wait for them.
     if s.acc_ends >= 0 and s.fixed == 0:
-        add_end_works(model, s, i, twists, now - tau, tau, v, accounts)
+        add_end_works(model, s, i, twists, now - tau, tau, v, state.s)

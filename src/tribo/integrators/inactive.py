@@ -17,7 +17,7 @@ from tribo.compiler.lanes_memory import block
 from tribo.compiler.units import call_unit
 from tribo.integrators.drift import drift_block
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import constant
+from tribo.kernels.blocks import constant, halves
 from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places
@@ -25,28 +25,28 @@ from tribo.kernels.records import ADVANCE_INACTIVE, FREQUENCY, L1, MAKE_LISTS, R
 
 
 @apart
-def update_lists(model, neighbours, active, t, q, v, accounts):
+def update_lists(model, neighbours, active, t, state):
     """Rebuild the list of neighbours after a drift in which bobs have moved too far."""
     if neighbours.reach.size > 0:
         age = t - neighbours.listed[0]
         crossed = neighbours.crossed[0] == 1
         if crossed or inactive_have_crossed(model, active, neighbours.skin, age):
-            make_lists(model, neighbours, t, q, v, accounts)
+            make_lists(model, neighbours, t, state)
 
 
 @inlined
-def make_lists(model, neighbours, t, q, v, accounts):
+def make_lists(model, neighbours, t, state):
     """Build the list of neighbours for the bobs where they are."""
-    call_unit(model.units[MAKE_LISTS], (model, neighbours, t, q, v, accounts))
+    call_unit(model.units[MAKE_LISTS], (model, neighbours, t, state))
 
 
-def make_lists_unit(model, neighbours, t, q, v, accounts):
+def make_lists_unit(model, neighbours, t, state):
     """The same; active blocks are selected again if bobs have moved too far for the last ones."""
     active = neighbours.active
     if active.blocks.size > 0:
         if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
-            advance_inactive(model, neighbours, t, q, v, accounts)
-            set_active(model, neighbours, active, t, q, v)
+            advance_inactive(model, neighbours, t, state)
+            set_active(model, neighbours, active, t, *halves(state.y))
             keep_places(model, active.place)
             active.selected[0] = t
     call_unit(model.units[REBUILD], (model, neighbours))
@@ -55,13 +55,13 @@ def make_lists_unit(model, neighbours, t, q, v, accounts):
 
 
 @inlined
-def advance_inactive(model, neighbours, t, q, v, accounts):
+def advance_inactive(model, neighbours, t, state):
     """Let all inactive blocks, if there are any, drift to the time t."""
     if neighbours.active.blocks.size > 0:
-        call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, q, v, accounts))
+        call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, state))
 
 
-def advance_inactive_unit(model, neighbours, t, q, v, accounts):
+def advance_inactive_unit(model, neighbours, t, state):
     """The same."""
     active = neighbours.active
     for k in range(model.surfaces.shape[0]):
@@ -71,7 +71,7 @@ def advance_inactive_unit(model, neighbours, t, q, v, accounts):
                 tau = t - active.since[i // LANES]
                 if abs(tau) > 0.0:  # nan for active blocks
                     turn = rotation(constant(model, FREQUENCY, s, i), tau)
-                    drift_block(model, s, i, t, tau, q, v, accounts, turn)
+                    drift_block(model, s, i, t, tau, state, turn)
                     active.since[i // LANES] = t
     return 0.0
 

@@ -117,13 +117,14 @@ def add_half_shared_works(model, t, tau, state):
 
 
 @inlined
-def kick_part(model, part, active, s, begin, end, t, tau, state, work):
-    """Kick some active blocks of a surface; works are added unless the forces act again."""
+def kick_piece(model, part, active, piece, t, tau, state, work):
+    """Kick a piece of a surface; works are added unless the forces act again."""
     if part == FIRST_HALF:
-        kick_first_half(model, active, s, begin, end, t, tau, state, work)
+        kick_first_half(model, active, piece, t, tau, state, work)
         return
+    s = model.surfaces[piece.surface]
     q = blocks.halves(state.y)[0]
-    for n in range(begin, end):
+    for n in range(piece.begin, piece.end):
         i = blocks.column_of(active, n)
         drive = drive_in_kick(model, s, i, t, q)
         acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)
@@ -131,11 +132,12 @@ def kick_part(model, part, active, s, begin, end, t, tau, state, work):
 
 
 @apart
-def kick_first_half(model, active, s, begin, end, t, tau, state, work):
+def kick_first_half(model, active, piece, t, tau, state, work):
     """The same where the forces act again after a substep, which then adds the works."""
+    s = model.surfaces[piece.surface]
     q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
-    for n in range(begin, end):
+    for n in range(piece.begin, piece.end):
         i = blocks.column_of(active, n)
         drive = drive_in_kick(model, s, i, t, q)
         acceleration = equations.accelerations(model, s, i, 0.0, t, q, drive)

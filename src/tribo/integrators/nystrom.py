@@ -68,9 +68,9 @@ class Nystrom(NamedTuple):
             room((n,)),
         )
 
-    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+    def trial(self, model, neighbours, clock, attempt, state, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`."""
-        error = try_step(self, model, neighbours, clock.t, h, end, state, new, tolerance, work)
+        error = try_step(self, model, neighbours, attempt, state, tolerance, work)
         clock.evaluations += self.c.size
         return error, math.isfinite(error)
 
@@ -102,24 +102,25 @@ def exchange_forces(model, work, i, restore):
 
 
 @expanded
-def try_step(method, model, neighbours, t, h, end, state, new, tolerance, work):
-    """Set `new` to the state at `end`; returns the error in units of the tolerance.
-
-    Where the lanes of blocks are members of an ensemble, t, h, end and the error are Lanes.
-    """
+def try_step(method, model, neighbours, attempt, state, tolerance, work):
+    """Set the new state; returns the error in units of the tolerance, Lanes of members."""
+    new = attempt.new
     copy(state.acceleration, work.accelerations[0])
     copy(state.power, work.powers[0])
     copy_state(state, new)
-    evaluate_stages(method, model, neighbours, t, h, end, state, new, work)
-    evaluate_powers(method, model, t, h, state, work)
-    error = estimate_error(method, h, state, work, tolerance)
-    add(new.s, new.s_low, h, method.v, work.powers)
+    evaluate_stages(method, model, neighbours, attempt, state, work)
+    evaluate_powers(method, model, attempt.t, attempt.h, state, work)
+    error = estimate_error(method, attempt.h, state, work, tolerance)
+    add(new.s, new.s_low, attempt.h, method.v, work.powers)
     return error
 
 
 @expanded
-def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
+def evaluate_stages(method, model, neighbours, attempt, state, work):
     """Forces at all stages; coordinates, velocities and their rates of change at the end."""
+    t = attempt.t
+    h = attempt.h
+    new = attempt.new
     n = state.acceleration.size
     last = method.c.size
     q, v = halves(state.y)
@@ -131,7 +132,7 @@ def evaluate_stages(method, model, neighbours, t, h, end, state, new, work):
         exchange_forces(model, work, i, False)
     add_twice(new.y[:n], new.y_low[:n], h, v, new.y_low[n:], method.b, f)
     add(new.y[n:], new.y_low[n:], h, method.v, f)
-    evaluate_rates(model, neighbours, end, new.y, f[last], work.powers[last])
+    evaluate_rates(model, neighbours, attempt.end, new.y, f[last], work.powers[last])
     exchange_forces(model, work, 0, False)
     copy(f[last], new.acceleration)
     copy(work.powers[last], new.power)

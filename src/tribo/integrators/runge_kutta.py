@@ -55,11 +55,12 @@ class RungeKutta(NamedTuple):
         complete_step(self, model, neighbours, clock, h, end, state, work)
         return COMPLETED
 
-    def trial(self, model, neighbours, clock, h, end, state, new, tolerance, work):
+    def trial(self, model, neighbours, clock, attempt, state, tolerance, work):
         """Try a step; see :mod:`tribo.integrators.time_loops`.
 
         The error is that of order 5, damped where the one of order 3 is larger.
         """
+        h = attempt.h
         evaluate_stages(self, model, neighbours, clock, h, state, work)
         fifth = largest_error(self.e5, h, state, work, tolerance)
         third = largest_error(self.e3, h, state, work, tolerance)
@@ -67,8 +68,8 @@ class RungeKutta(NamedTuple):
         if fifth > 0.0:
             error = fifth * (fifth / math.hypot(fifth, 0.1 * third))
         if error <= 1.0:
-            copy_state(state, new)
-            complete_step(self, model, neighbours, clock, h, end, new, work)
+            copy_state(state, attempt.new)
+            complete_step(self, model, neighbours, clock, h, attempt.end, attempt.new, work)
         return error, math.isfinite(error)
 
 

@@ -36,7 +36,7 @@ from tribo.integrators.kicks import (
     FIRST_HALF,
     WHOLE,
     add_half_shared_works,
-    kick_part,
+    kick_piece,
     repeat_kick,
     reservoirs_of,
 )
@@ -129,9 +129,8 @@ def drift_unit(model, neighbours, now, tau, state, work):
     set_active_rotations(model, active, tau, work.rotations[0])
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            begin, end = blocks.active_range(active, s, k)
-            drift_part(model, neighbours, s, begin, end, now, tau, state, work)
+            piece = blocks.active_piece(model, active, k)
+            drift_piece(model, neighbours, piece, now, tau, state, work)
     else:
         phase = teams.DRIFT, now, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
@@ -139,16 +138,16 @@ def drift_unit(model, neighbours, now, tau, state, work):
 
 
 @inlined
-def drift_part(model, neighbours, s, begin, end, now, tau, state, work):
-    """Drift some blocks of a surface; set `crossed` where the lists of neighbours are outdated."""
-    q, v = blocks.halves(state.y)
+def drift_piece(model, neighbours, piece, now, tau, state, work):
+    """Drift a piece of a surface; set `crossed` where the lists of neighbours are outdated."""
+    s = model.surfaces[piece.surface]
     rotations = work.rotations[0]
     active = blocks.active_of(neighbours)
     crossed = broadcast(0.0)
-    for n in range(begin, end):
+    for n in range(piece.begin, piece.end):
         i = blocks.column_of(active, n)
         turn = rotation_of(rotations, blocks.column_of_constants(s, i))
-        drift_block(model, s, i, now, tau, q, v, state.s, turn)
+        drift_block(model, s, i, now, tau, state, turn)
         if has_lists(neighbours):
             crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
     if sum_of_lanes(crossed) > 0.0:
@@ -176,9 +175,8 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
         join_blocks(model, t, q, v)
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            begin, end = blocks.active_range(active, s, k)
-            kick_part(model, part, active, s, begin, end, t, tau, state, work)
+            piece = blocks.active_piece(model, active, k)
+            kick_piece(model, part, active, piece, t, tau, state, work)
     else:
         phase = teams.KICK, t, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
@@ -189,16 +187,6 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
     return 0.0
 
 
-@inlined
-def kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise):
-    """The mth kick of a step, in halves before and after a substep where there is one."""
-    if not work.substep:
-        kick(model, neighbours, WHOLE, t, tau, state, work)
-    else:
-        step = clock.steps, t, tau, state, work, m, noise
-        call_unit(model.units[rows.KICK_AROUND], (model, neighbours, *step))
-
-
 def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise):
     """The mth kick in halves, before and after a substep."""
     noise = generator_at(noise)
@@ -207,7 +195,7 @@ def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise)
     keep_velocities(reservoirs, v)
     kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
     rotations = work.bath[m], work.torsional[m]
-    bath_substep(model, t, tau, q, v, state.s, reservoirs, rotations, noise)
+    bath_substep(model, t, tau, state, reservoirs, rotations, noise)
     kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
     if acts(reservoirs):
         if m == 0:
@@ -229,21 +217,20 @@ def share_step(model, neighbours, phase, t, tau, state, work):
 
 
 @apart
-def step_piece(model, neighbours, team, piece, state, work):
-    """A thread's piece of a drift or a kick, by the phase that the team is in."""
-    k = team.tiles[piece, 0]
-    s = model.surfaces[k]
+def step_piece(model, neighbours, team, number, state, work):
+    """A thread's piece of a drift or a kick, by its number and the phase that the team is in."""
     active = blocks.active_of(neighbours)
-    first, last = blocks.active_range(active, s, k)
-    begin, end = teams.part_of(first, last, team.tiles[piece, 1], team.tiles[piece, 2])
+    whole = blocks.active_piece(model, active, team.tiles[number, 0])
+    part, parts = team.tiles[number, 1], team.tiles[number, 2]
+    piece = blocks.Piece(whole.surface, *teams.part_of(whole.begin, whole.end, part, parts))
     phase = team.counters[teams.PHASE]
     t = team.numbers[0]
     tau = team.numbers[1]
     if phase == teams.DRIFT:
-        drift_part(model, neighbours, s, begin, end, t, tau, state, work)
+        drift_piece(model, neighbours, piece, t, tau, state, work)
     else:
         part = FIRST_HALF if work.twice else WHOLE
-        kick_part(model, part, active, s, begin, end, t, tau, state, work)
+        kick_piece(model, part, active, piece, t, tau, state, work)
 
 
 def assist(model, neighbours, state, work):
@@ -265,10 +252,10 @@ def assist(model, neighbours, state, work):
 @apart
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
-    q, v = blocks.halves(state.y)
+    q = blocks.halves(state.y)[0]
     place_bobs(model, clock.t, q)
     if is_empty(neighbours):
-        make_lists(model, neighbours, clock.t, q, v, state.s)
+        make_lists(model, neighbours, clock.t, state)
     if crowded(neighbours):
         return PAUSED
     rate, closest = control.current_encounter(model, neighbours, clock.t, state.y, work.speeds)
@@ -282,20 +269,20 @@ def begin(model, neighbours, clock, state, work):
 @apart
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
-    q, v = blocks.halves(state.y)
     active = blocks.active_of(neighbours)
     drift(model, neighbours, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
-    advance_inactive(model, neighbours, clock.t, q, v, state.s)
-    settle_end_works(model, q, state.s, state.memory[0])
-    update_lists(model, neighbours, active, clock.t, q, v, state.s)
+    advance_inactive(model, neighbours, clock.t, state)
+    settle_end_works(model, blocks.halves(state.y)[0], state.s, state.memory[0])
+    update_lists(model, neighbours, active, clock.t, state)
 
 
 @inlined
 def take_step(model, neighbours, splitting, clock, h, state, work, noise):
-    """The drifts and kicks of a step, but for its last drift, which is left."""
-    q, v = blocks.halves(state.y)
-    s = state.s
+    """The drifts and kicks of a step, but for its last drift, which is left.
+
+    A kick is made in halves before and after a substep, where there is one.
+    """
     t = clock.t
     active = blocks.active_of(neighbours)
     for m in range(splitting.kicks.size):
@@ -305,10 +292,14 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         drift(model, neighbours, t, clock.drift_lag + ahead, state, work)
         clock.drift_lag = 0.0
         if has_lists(neighbours):
-            update_lists(model, neighbours, active, t, q, v, s)
+            update_lists(model, neighbours, active, t, state)
         forces(model, neighbours, t)
         clock.evaluations += 1
-        kick_and_substep(model, neighbours, clock, t, tau, state, work, m, noise)
+        if work.substep:
+            step = clock.steps, t, tau, state, work, m, noise
+            call_unit(model.units[rows.KICK_AROUND], (model, neighbours, *step))
+        else:
+            kick(model, neighbours, WHOLE, t, tau, state, work)
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 

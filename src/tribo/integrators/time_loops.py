@@ -6,9 +6,9 @@ are compiled, as kernels find those of a plug-in:
     workspace(model, state)   for Python: the arrays that a step needs
     step(...)                 for :func:`equal_steps`: advance the state in place to the time `end`;
                               returns COMPLETED, or the status with which the run stops
-    trial(...)                for :func:`adaptive_steps`: try a step; returns its error in units of
-                              the tolerance, and whether all is finite.  If the error is at most 1,
-                              `new` is then the state at the time `end`.
+    trial(...)                for :func:`adaptive_steps`: try a step, an `Attempt`; returns its
+                              error in units of the tolerance, and whether all is finite.  If the
+                              error is at most 1, the new state is then that at its end.
     order, most_growth        with these, :func:`growth_factor` finds the next step from the error
 
 Both functions complete a state: coordinates, accounts, their rates of change at `end`, and what
@@ -18,7 +18,7 @@ the method keeps for the next step.
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
 from tribo.kernels.neighbours import crowded
-from tribo.kernels.samples import copy_state
+from tribo.kernels.samples import Attempt, copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 
@@ -83,7 +83,8 @@ def adaptive_steps(
         if control.step_underflows(h, landing, last):
             return control.underflow_status(clock)
         end = control.end_of_step(clock, times[clock.sample], h, landing)
-        error, finite = method.trial(model, neighbours, clock, h, end, state, new, tolerance, work)
+        attempt = Attempt(clock.t, h, end, new)
+        error, finite = method.trial(model, neighbours, clock, attempt, state, tolerance, work)
         clock.not_finite = 0 if finite else 1
         growth = control.growth_factor(error, method.order, method.most_growth)
         if not control.check_error(clock, h, error, growth):

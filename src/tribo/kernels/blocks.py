@@ -7,6 +7,8 @@ Members of an ensemble can be computed side by side instead: then the lanes of e
 asperite of eight members, and nothing acts between lanes.  `lane` is ONE_RUN where there is one.
 """
 
+from typing import NamedTuple
+
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import block, set_block
@@ -37,6 +39,21 @@ def active_range(active, s, k):
     if active.blocks.size == 0:
         return s.start // LANES, s.stop // LANES
     return active.first[k], active.first[k + 1]
+
+
+class Piece(NamedTuple):
+    """Some of the active blocks of a surface, from the first one up to another."""
+
+    surface: int  # its index
+    begin: int
+    end: int
+
+
+@inlined
+def active_piece(model, active, k):
+    """All active blocks of surface k."""
+    begin, end = active_range(active, model.surfaces[k], k)
+    return Piece(k, begin, end)
 
 
 @inlined

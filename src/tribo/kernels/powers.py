@@ -292,11 +292,11 @@ def power_at_time(potential, t, x, y):
 
 
 @inlined
-def write_field_power(model, potential, n, t, accounts, tau, force, energy, rate):
+def write_field_power(model, potential, n, t, power, force, energy, rate):
     """Write the power of the agent that moves the nth field, modulates or changes it.
 
-    `tau` is nan for powers, or the time in which they do work.  `force`, `energy` and `rate`, that
-    of the energy by time, call the methods of the potential.
+    The time of works is nan for powers.  `force`, `energy` and `rate`, that of the energy by time,
+    call the methods of the potential.
     """
     potential = fetched(potential)
     fields = model.fields
@@ -322,22 +322,24 @@ def write_field_power(model, potential, n, t, accounts, tau, force, energy, rate
             done = lane(total, place) + moved
             total = with_lane(total, place, done)
     x = totals(model.members, total)
-    if math.isnan(tau):
-        write_total(model.members, accounts, None, fields.account[n], x)
+    if math.isnan(power.tau):
+        write_total(model.members, power.accounts, None, fields.account[n], x)
     else:
-        write_total(model.members, accounts, tau, fields.account[n], x)
+        write_total(model.members, power.accounts, power.tau, fields.account[n], x)
     return 0.0
 
 
 def field_power_unit(model, potential, n, t, accounts, tau):
     """Write the power of the agent that moves the nth field, or modulates it."""
-    return write_field_power(model, potential, n, t, accounts, tau, force_at, energy_at, no_power)
+    power = Powers(accounts, model.sums, tau)
+    return write_field_power(model, potential, n, t, power, force_at, energy_at, no_power)
 
 
 def timed_power_unit(model, potential, n, t, accounts, tau):
     """The same of a field that depends on time, with the power of its change."""
+    power = Powers(accounts, model.sums, tau)
     return write_field_power(
-        model, potential, n, t, accounts, tau, force_at_time, energy_at_time, power_at_time
+        model, potential, n, t, power, force_at_time, energy_at_time, power_at_time
     )
 
 

@@ -1,5 +1,9 @@
 """All forces, contacts and accelerations at given positions: nothing moves."""
 
+from typing import NamedTuple
+
+import numpy as np
+
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_functions import sine_cosine
@@ -67,32 +71,50 @@ def note_forces(model, s, i, t, q, acceleration, found):
         set_vectors(found[BLOCK], i, x - spring_x - bath_x, y - spring_y - bath_y)
 
 
-def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceleration, found):
-    """Find the forces in one sample after another, from `begin` on.
+class Sampled(NamedTuple):
+    """Samples in which forces are found."""
+
+    times: np.ndarray  # (times,)
+    y: np.ndarray  # (times, 2 coordinates), as in `kernels.samples.Record`
+    baths: np.ndarray  # likewise
+    places: np.ndarray  # (coordinates,) where kernels have them
+
+
+class Motion(NamedTuple):
+    """Scratch for the motion in one sample."""
+
+    q: np.ndarray  # (coordinates of kernels,)
+    v: np.ndarray
+    acceleration: np.ndarray
+
+
+def force_probe(model, neighbours, begin, samples, motion, found):
+    """Find the forces in one sample after another, from `begin` on, (times, TABLES, 2, n).
 
     Returns the number of the samples that are done: fewer than all where the neighbour list needs
-    more room.  `places` of the sampled coordinates in q, y (times, 2 places), baths as in
-    :class:`tribo.kernels.samples.Record`, found (times, TABLES, 2, n), scratch q, v, acceleration.
+    more room.
     """
-    for k in range(begin, times.size):
-        t = times[k]
+    places = samples.places
+    q, v, acceleration = motion
+    for k in range(begin, samples.times.size):
+        t = samples.times[k]
         for m in range(places.size):
-            q[places[m]] = y[k, m]
-            v[places[m]] = y[k, places.size + m]
+            q[places[m]] = samples.y[k, m]
+            v[places[m]] = samples.y[k, places.size + m]
         if not equations.update_neighbours(model, neighbours, t, q):
             return k
         equations.all_forces(model, neighbours, t, q, v)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
-                add_bath(model.internal, found[k], baths[k], i)
+                add_bath(model.internal, found[k], samples.baths[k], i)
         equations.join_blocks(model, t, q, v)
         equations.accelerate(model, 1.0, t, q, acceleration)
         for j in range(model.surfaces.shape[0]):
             s = model.surfaces[j]
             for i in range(s.start, s.stop, LANES):
                 note_forces(model, s, i, t, q, acceleration, found[k])
-    return times.size
+    return samples.times.size
 
 
 def contact_probe(model, neighbours, begin, columns, positions, charges, energies, found):

@@ -1,6 +1,6 @@
 """Samples of a state: the asperites' coordinates, the accounts, and stored energies."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,18 @@ class State(NamedTuple):
     acceleration: np.ndarray  # (coordinates,) q''
     power: np.ndarray  # (accounts,) s'
     memory: np.ndarray  # (k, coordinates) what a method keeps of its last step
+
+
+class Attempt(NamedTuple):
+    """A step that is tried.
+
+    Where the lanes of blocks are members of an ensemble, the times are Lanes.
+    """
+
+    t: Any  # where it begins [time]
+    h: Any  # its length [time]
+    end: Any  # where it ends [time]
+    new: State  # room for the state there
 
 
 def initial_state(y: np.ndarray, accounts: int, remembers: int, splits: bool) -> State:

@@ -1,6 +1,6 @@
 """Members that wait for a lane, and how a lane whose member has ended takes the next one."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators import step_control as control
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import top_speeds
-from tribo.kernels.samples import write_row
+from tribo.kernels.samples import State, write_row
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 
 # Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1
@@ -51,6 +51,16 @@ def leave_member(queue, lane, code, steps, evaluations):
     queue.counts[m, CODE] = code
     queue.counts[m, STEPS] = steps
     queue.counts[m, EVALUATIONS] = evaluations
+
+
+class MemberLanes(NamedTuple):
+    """What lanes have of the members in them."""
+
+    clocks: Any  # (lanes,) of CLOCK
+    state: State
+    new: State  # at the ends of the steps that are tried
+    tried: np.ndarray  # (TRIED, lanes)
+    speeds: np.ndarray  # (3, asperites) of the bobs
 
 
 class Starts(NamedTuple):
@@ -110,10 +120,9 @@ def take_lanes(new, old, taken):
 
 
 @kernel
-def refill_lanes(
-    model, neighbours, clocks, state, new, times, record, queue, starts, tried, speeds
-):
+def refill_lanes(model, neighbours, lanes, times, record, queue, starts):
     """Begin members in the lanes that are free; the others keep their rates."""
+    clocks, state, new, tried, speeds = lanes
     first = queue.waiting[0]
     for lane in range(LANES):
         m = next_member(queue, lane) if queue.held[lane] < 0 else -1

@@ -16,7 +16,7 @@ from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs, top_speeds
-from tribo.kernels.samples import write_row
+from tribo.kernels.samples import Attempt, write_row
 from tribo.kernels.status import COMPLETED, PAUSED, STEP_UNDERFLOW
 from tribo.lanes.refill import (
     BEGIN,
@@ -25,6 +25,7 @@ from tribo.lanes.refill import (
     LANDING,
     LENGTH,
     TAKEN,
+    MemberLanes,
     leave_member,
     refill_lanes,
     take_lanes,
@@ -113,18 +114,16 @@ def nystrom_members(
     member's.  The record has the samples of the first member, then of the second, and so on.
     """
     method, times, tried, speeds = pointers((method, times, tried, speeds))
+    lanes = MemberLanes(clocks, state, new, tried, speeds)
     for _ in range(budget):
-        refill_lanes(
-            model, neighbours, clocks, state, new, times, record, queue, starts, tried, speeds
-        )
+        refill_lanes(model, neighbours, lanes, times, record, queue, starts)
         if plan_steps(clocks, times, queue, tried) == 0:
             if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED
             continue
-        t = block(tried[BEGIN], 0)
-        h = block(tried[LENGTH], 0)
         end = block(tried[END], 0)
-        error = try_step(method, model, neighbours, t, h, end, state, new, tolerance, work)
+        attempt = Attempt(block(tried[BEGIN], 0), block(tried[LENGTH], 0), end, new)
+        error = try_step(method, model, neighbours, attempt, state, tolerance, work)
         set_block(tried[ERROR], 0, error)
         top_speeds(model, neighbours, end, new.y, speeds)
         for lane in range(LANES):

@@ -135,17 +135,20 @@ class Forces:
         layout = self.layout
         samples = self._states
         found = room((samples.t.size, probe.TABLES, 2, layout.model.each.shape[1]))
-        scratch = [room((layout.room[0],)) for _ in range(3)]
-        places = layout.places.q[: layout.core]
-        y = np.ascontiguousarray(samples.y)
-        arrays = places, samples.t, y, samples.baths
+        motion = probe.Motion(*(room((layout.room[0],)) for _ in range(3)))
+        sampled = probe.Sampled(
+            times=samples.t,
+            y=np.ascontiguousarray(samples.y),
+            baths=samples.baths,
+            places=layout.places.q[: layout.core],
+        )
         forces = Probe(layout, probe.force_probe)
         legs = layout.legs.of_times(samples.t)
         ends = [*np.flatnonzero(np.diff(legs)) + 1, legs.size]
         begin = 0
         for end in ends:
             forces.set_schedules(layout.legs.tables[legs[begin]])
-            of_leg = arrays[0], samples.t[:end], *arrays[2:]
-            forces(end, *of_leg, *scratch, found, begin=begin)
+            of_leg = sampled._replace(times=samples.t[:end])
+            forces(end, of_leg, motion, found, begin=begin)
             begin = end
         return found

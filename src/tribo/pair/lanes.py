@@ -9,6 +9,7 @@ Only the motion is integrated.  The accounts follow from it by conservation of e
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,9 +33,9 @@ from tribo.integrators.nystrom import Nystrom
 from tribo.integrators.step_control import growth_by_roots
 from tribo.kernels.status import COMPLETED, PAUSED
 from tribo.lanes.refill import leave_member, next_member
-from tribo.pair.forces import PAIR_NUMBERS, accelerations_of, contact_of, energy_at
+from tribo.pair.forces import PAIR_NUMBERS, PairScene, accelerations_of, contact_of, energy_at
 from tribo.pair.loop import ENERGY
-from tribo.pair.potential import clearances_of, with_numbers
+from tribo.pair.potential import PotentialUnits, clearances_of, with_numbers
 from tribo.pair.step_rows import Q1, Q2, V1, V2, X1, X2, Y1, Y2, J, K, S
 from tribo.pair.triples import load_three, plus, store_three, times
 
@@ -66,6 +67,18 @@ UNIT1, UNIT2, UNITK, FIRST, NEAR, END, MOST_TRIALS = range(7)
 START = J + 1
 
 
+class Common(NamedTuple):
+    """What the members of a call have in common."""
+
+    pair: PairScene  # that of members without numbers of their own
+    potential: PotentialUnits
+    scenes: Any  # (members, numbers) of their own, or None
+    limits: np.ndarray  # UNIT1 to MOST_TRIALS
+    table: np.ndarray  # the coefficients
+    stages: int
+    numbers: int  # first row of a member's own numbers in a register's memory
+
+
 def coefficients(method: Nystrom) -> np.ndarray:
     """The coefficients of a method, in the order in which a step reads them."""
     stages = method.c.size
@@ -85,6 +98,12 @@ def own_scenes(pair, potential, work, at, scenes):
     if scenes is not None and scenes.shape[1] > PAIR_NUMBERS:
         potential = with_numbers(potential, address_at(work[at + PAIR_NUMBERS], 0))
     return own, potential
+
+
+@inlined
+def scenes_in(common, work):
+    """The same of a register in a step."""
+    return own_scenes(common.pair, common.potential, work, common.numbers, common.scenes)
 
 
 @kernel
@@ -116,10 +135,11 @@ def step_length(work, limits):
 
 
 @inlined
-def evaluate_stage(pair, potential, scenes, work, limits, table, at, stages, i):
+def evaluate_stage(common, work, at, i):
     """The accelerations at stage i, whose coefficients begin at `at`."""
-    pair, potential = own_scenes(pair, potential, work, F + 3 * stages, scenes)
-    h = step_length(work, limits)
+    pair, potential = scenes_in(common, work)
+    table = common.table
+    h = step_length(work, common.limits)
     sums = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(i):
         sums = plus(sums, times(table[at + 1 + j], load_three(work, F + 3 * j)))
@@ -156,12 +176,16 @@ def take_three(work, row, new, error):
 
 
 @inlined
-def end_step(pair, potential, scenes, work, limits, table, at, stages):
+def end_step(common, work, at):
     """Accept the steps whose errors are small, and choose the next ones.
 
-    Returns Lanes that are above zero where a member is at its end, or cannot continue.
+    The method's weights begin at `at`.  Returns Lanes that are above zero where a member is at its
+    end, or cannot continue.
     """
-    pair, potential = own_scenes(pair, potential, work, F + 3 * stages, scenes)
+    pair, potential = scenes_in(common, work)
+    stages = common.stages
+    limits = common.limits
+    table = common.table
     h = step_length(work, limits)
     twice = once = errors = broadcast(0.0), broadcast(0.0), broadcast(0.0)
     for j in range(stages):
@@ -321,6 +345,7 @@ def pair_members_in_lanes(
         (scenes, table, limits, starts, samples, queue)
     )
     own = F + 3 * stages
+    common = Common(pair, potential, scenes, limits, table, stages, own)
     members = starts.shape[0]
     prepare_starts(pair, potential, memory[0], own, scenes, starts, samples)
     for k in range(GROUPS * LANES):
@@ -331,13 +356,13 @@ def pair_members_in_lanes(
         at = 0
         for i in range(1, stages):
             for g in range(GROUPS):
-                evaluate_stage(pair, potential, scenes, memory[g], limits, table, at, stages, i)
+                evaluate_stage(common, memory[g], at, i)
             at += 1 + i
         for g in range(GROUPS):
             work = memory[g]
-            ended = end_step(pair, potential, scenes, work, limits, table, at, stages)
+            ended = end_step(common, work, at)
             if sum_of_lanes(ended) > 0.0:
-                pairs, potentials = own_scenes(pair, potential, work, own, scenes)
+                pairs, potentials = scenes_in(common, work)
                 for i in range(LANES):
                     k = g * LANES + i
                     if queue.held[k] >= 0 and lane(ended, i) > 0.0:

@@ -252,7 +252,7 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
     at = _kind(model)
     lists = _kind(NO_NEIGHBOURS)
     number = types.float64
-    moving = (types.float64, VECTOR, VECTOR, VECTOR)
+    moving = number, _kind(state)
     step = number, number, _kind(state), _kind(work)
     listed = bool(model.units[records.REBUILD])
     customs = len(model.drives.forces) + len(model.ends.forces)
