@@ -16,7 +16,6 @@ import tribo
 from support.command import main
 from tribo import InputError
 from tribo.export import to_lammps
-from tribo.export.lepton import energy_text
 from tribo.potentials import expression, from_points
 
 LMP = shutil.which("lmp", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
@@ -131,10 +130,11 @@ def test_initial_forces_of_lammps(style, tmp_path):
 
 
 @pytest.mark.parametrize("style", [s for s in POTENTIALS if s.startswith("lepton")])
-def test_formulas_have_the_energies(style):
-    """The text of a formula, evaluated by Python, is the potential's energy."""
+def test_formulas_have_the_energies(style, tmp_path):
+    """The formula in the files, evaluated by Python, is the potential's energy."""
     potential = POTENTIALS[style]
-    text = energy_text(potential).replace("^", "**")
+    forces = to_lammps(two_grids(potential), tmp_path).forces.read_text()
+    text = re.search(r'"(.+)"', forces)[1].replace("^", "**")
     functions = {"step": lambda x: np.heaviside(x, 1.0), "select": np.where, "abs": np.abs}
     functions |= {"min": np.minimum, "max": np.maximum, "exp": np.exp, "sqrt": np.sqrt}
     r = np.linspace(0.9, 2.6, 301)

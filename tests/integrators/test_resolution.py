@@ -1,5 +1,6 @@
 """Steps of splitting methods against the pendulums and springs of a scene."""
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -25,18 +26,14 @@ from tribo import (
     Surface,
     paper,
 )
-from tribo.accuracy.choose_method import choose
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import with_spare_lanes
-from tribo.integrators.methods import METHODS
 from tribo.integrators.rotations import changes, set_rotations
 from tribo.integrators.step_control import LARGEST, all_finite
 from tribo.kernels.samples import STORED
 from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.samples import Samples
-from tribo.loops.resolution import longest_step, pendulum_frequency, spring_frequency
-from tribo.results.notes import run_notes
 
 KAPPA = 1e4
 
@@ -62,25 +59,36 @@ class Clamp(NamedTuple):
         return 0.0, self.stiffness * phi, 0.0, -self.stiffness * phi
 
 
-def layout(temperature=0.0, end=10.0, **settings):
+def on_reservoir(temperature=0.0, **settings):
     """A row of three on a reservoir."""
     reservoir = Langevin(0.5, temperature)
     row = Surface("row", shape=(3, 1), spacing=(1.0, 0.0), langevin=reservoir, **settings)
-    return lay_out(Scene([row], Coulomb(0.1), end, output=Output(samples=2)))
+    return Scene([row], Coulomb(0.1), 10.0, output=Output(samples=2))
+
+
+def frequency_of(scene):
+    """Of the first pendulum on its spring [rad / time]."""
+    each = scene.surfaces[0].each
+    return math.sqrt(each["kappa"][0] / each["inertia"][0])
 
 
 def test_a_stiff_pendulum_is_noted_and_then_refused():
     """A note from 0.5 rad on says by how much statics are off; no step rotates it by 2 rad."""
-    stiff = layout(asperite=Asperite(kappa=KAPPA))
-    verlet = METHODS["verlet"]
-    frequency = pendulum_frequency(stiff)
-    assert run_notes(stiff, verlet, 0.45 / frequency) == ()
-    assert run_notes(stiff, METHODS["midpoint"], 1.5 / frequency) == ()
-    (note,) = run_notes(stiff, verlet, 1.5 / frequency)
+    stiff = on_reservoir(asperite=Asperite(kappa=KAPPA))
+    frequency = frequency_of(stiff)
+
+    def notes(method, turn):
+        """Those on pendulums that turn by an angle in a step, of a run of a few steps."""
+        step = turn / frequency
+        found = tribo.simulate(replace(stiff, duration=4.0 * step), method=method, step=step).notes
+        return [note for note in found if "right angle" in note]
+
+    assert notes("verlet", 0.45) == notes("midpoint", 1.5) == []
+    (note,) = notes("verlet", 1.5)
     assert "by 0.81 of the right angle" in note
-    assert choose(stiff, None, "verlet", 1.99 / frequency).step == 1.99 / frequency
+    assert len(notes("verlet", 1.99)) == 1
     with pytest.raises(InputError, match=r"^step: must be at most 0.0327 for verlet, got 0.04: "):
-        choose(stiff, None, "verlet", 0.04)
+        tribo.simulate(stiff, method="verlet", step=0.04)
 
 
 # Kernels that kernels alone can call.
@@ -115,9 +123,9 @@ def test_the_noted_deflection_is_that_of_the_method():
 def test_kicks_of_a_composition_are_longer_or_shorter_than_its_step():
     """The longest kick of kahan-li-6 is 0.80 of its step."""
     row = Surface("row", asperite=Asperite(kappa=KAPPA))
-    stiff = lay_out(Scene([row], Coulomb(0.1), 10.0, output=Output(samples=2)))
+    stiff = Scene([row], Coulomb(0.1), 10.0, output=Output(samples=2))
     with pytest.raises(InputError, match=r"must be at most 0\.0409 for kahan-li-6"):
-        choose(stiff, None, "kahan-li-6", 0.05)
+        tribo.simulate(stiff, method="kahan-li-6", step=0.05)
 
 
 @pytest.mark.parametrize(
@@ -128,21 +136,21 @@ def test_stiff_springs(settings):
     """Steps that would be unstable are refused; with noise, the automatic step is short enough."""
     for temperature in (0.0, 0.1):
         with pytest.raises(InputError, match=r"^step: .* the stiffest spring"):
-            choose(layout(temperature, **settings), None, "verlet", 0.1)
-    stiff = layout(0.1, **settings)
-    step = choose(stiff, None, None, None).step
-    assert step == pytest.approx(longest_step(stiff, 0.1 / spring_frequency(stiff)))
-    assert spring_frequency(stiff) >= np.sqrt(1e4 / stiff.asperites.mass[0])
+            tribo.simulate(on_reservoir(temperature, **settings), method="verlet", step=0.1)
+    stiff = on_reservoir(0.1, **settings)
+    turn = tribo.explain(stiff).step * math.sqrt(1e4 / stiff.surfaces[0].each["mass"][0])
+    # Of one asperite on one spring; a row has modes of up to twice its frequency.
+    assert 0.04 < turn <= 0.1
 
 
 def test_steep_corrugation():
     """With noise, the automatic step resolves a rigid tip, which has no frequency of its own."""
     tip = Surface("tip", asperite=Asperite(kappa=np.inf), langevin=Langevin(1.0, 0.1))
     field = Field(Corrugation(20.0, 0.01), on=["tip"])
-    layout = lay_out(Scene([tip], [], 10.0, fields=[field]))
+    scene = Scene([tip], [], 10.0, fields=[field], output=Output(samples=2))
     frequency = 2.0 * np.pi / 0.01 * np.sqrt(20.0 / 3.0)
-    step = choose(layout, None, None, None).step
-    assert step == pytest.approx(longest_step(layout, 0.1 / frequency))
+    # The longest step that divides the interval of samples, and turns by 0.1 rad at most.
+    assert tribo.explain(scene).step == pytest.approx(10.0 / math.ceil(10.0 * frequency / 0.1))
 
 
 @pytest.mark.parametrize(
@@ -155,9 +163,12 @@ def test_steep_corrugation():
 )
 def test_stiff_forces_of_a_user(settings):
     """The automatic step with noise is short against the rates of a user's forces."""
-    assert choose(layout(0.1, **settings), None, None, None).step < 3e-3
-    soft = choose(layout(0.1, drive=Custom(force=Trap(0.1, 0.0))), None, None, None)
-    assert soft.step == choose(layout(0.1), None, None, None).step
+    assert tribo.explain(on_reservoir(0.1, **settings)).step < 3e-3
+
+
+def test_a_soft_force_of_a_user_allows_the_usual_step():
+    soft = on_reservoir(0.1, drive=Custom(force=Trap(0.1, 0.0)))
+    assert tribo.explain(soft).step == tribo.explain(on_reservoir(0.1)).step
 
 
 def test_a_search_begins_with_long_steps():
@@ -174,7 +185,7 @@ def test_a_search_begins_with_long_steps():
 @pytest.mark.filterwarnings("error")
 def test_numbers_that_overflow_stop_a_run_without_warnings():
     """A state whose squares overflow counts as not finite; its ledger has infinities."""
-    flat = layout()
+    flat = lay_out(on_reservoir())
     assert is_finite(with_spare_lanes(np.array([LARGEST, -1.0] * LANES)))
     assert not is_finite(with_spare_lanes(np.array([1.0, -10.0 * LARGEST] * LANES)))
     assert not is_finite(with_spare_lanes(np.array([1.0, np.nan] * LANES)))

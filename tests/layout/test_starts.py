@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from tribo import Asperite, Bath, Coulomb, DrivenBars, Free, Initial, InputError, Pulled, Surface
-from tribo.ensembles.members import Variation, is_random
+from tribo.ensembles.members import is_random
 from tribo.export import to_lammps
 from tribo.export.lammps_atoms import atoms_of
 from tribo.layout.initial_state import InitialState
@@ -153,9 +153,8 @@ def test_members_have_starts_of_their_own():
     scene = replace(passing(lower), duration=0.4, numerics=numerics)
     data = tribo.ensemble(scene, 3, keep=["lower.theta"])
     ends = np.ravel(data["lower.theta"].values)
-    variation = Variation(scene, {}, seed=0)
-    members = variation.members(np.arange(3))
-    alone = [tribo.simulate(members.scene(m, scene)) for m in range(3)]
+    seeds = data["seed"].values.tolist()
+    alone = [tribo.simulate(replace(scene, seed=seed)) for seed in seeds]
     assert ends.tolist() == [run["lower"].theta[-1, 0] for run in alone]
     assert np.unique(ends).size == 3
 

@@ -8,7 +8,7 @@ import tribo
 from support.command import main
 from support.scene_tables import scene_from
 from tribo import InputError
-from tribo.model.binding import bound, check_apart, check_arguments, check_together
+from tribo.model.binding import bound, check_arguments
 from tribo.model.parameters import is_parameter, value_of, with_values
 from tribo.sliders import sliders_of
 
@@ -40,10 +40,11 @@ def test_a_key_of_one_surface_comes_before_that_of_all():
 )
 def test_keys_that_exclude_each_other(keys):
     """One of them would have no effect."""
+    one, other = ({key: tribo.Canonical(0.1) if "state" in key else [0.1]} for key in keys)
     with pytest.raises(InputError, match=f"cannot go with {keys[1]}; give one or the other"):
-        check_together(PAIR, keys)
+        tribo.ensemble(PAIR, 1, one | other)
     with pytest.raises(InputError, match="cannot go with"):
-        check_apart(PAIR, keys[:1], keys[1:])
+        tribo.sweep(PAIR, other, 2, one)
 
 
 @pytest.mark.parametrize(

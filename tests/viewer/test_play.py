@@ -13,7 +13,7 @@ from support.command import main
 from support.pages import ARGUMENTS, CHROMIUM, assert_same, numbers
 from tribo import InputError
 from tribo.model.parameters import with_values
-from tribo.sliders import MOST_EVALUATIONS, Playing, grid_page, sliders_of
+from tribo.sliders import MOST_EVALUATIONS, Playing, sliders_of
 from tribo.viewer.server import MOST_BYTES, Server
 
 SCENE = tribo.paper.scene("A")
@@ -155,16 +155,18 @@ def test_limits(server):
     assert result.scene.numerics.max_evaluations == MOST_EVALUATIONS
 
 
-def test_ranges_that_are_refused():
+def test_ranges_that_are_refused(tmp_path, capsys):
     """Of keys, and of values that the scene cannot have."""
+    scene = tmp_path / "a.toml"
+    SCENE.save(scene)
     for given, sentence in (
-        ({"upper.speed": (0.1, 1.0)}, "upper.speed: is not a known key"),
-        ({"upper.velocity": (1.0, 0.1)}, "whose first number is the lower one"),
-        ({"upper.asperite.m1": (-1.0, 1.0)}, "m1: must be positive"),
-        ({"upper.velocity": 1.0}, "must be a range"),
+        ("upper.speed=0.1:1", "upper.speed: is not a known key"),
+        ("upper.velocity=1:0.1", "whose first number is the lower one"),
+        ("upper.asperite.m1=-1:1", "m1: must be positive"),
+        ("upper.velocity=1", "must be a range"),
     ):
-        with pytest.raises(InputError, match=sentence):
-            sliders_of(SCENE, given)
+        assert main(["view", str(scene), "--slider", given]) == 2
+        assert sentence in capsys.readouterr().err
 
 
 def test_a_page_of_a_grid(tmp_path, capsys):
@@ -254,12 +256,18 @@ def test_served_sliders_in_a_browser(server, tab):
     assert len([url for url in requests if url.endswith("/run")]) < 20
 
 
+def page_of_grid(folder, *sliders):
+    """The page of the scene with these sliders, which `tribo view` writes."""
+    scene = folder / "a.toml"
+    SCENE.save(scene)
+    options = [part for slider in sliders for part in ("--slider", slider)]
+    assert main(["view", str(scene), *options]) == 0
+    return folder / "a.html"
+
+
 def test_a_grid_in_a_browser(tab, tmp_path):
     """The page without Python does the same; a kept run stays beside."""
-    page = tmp_path / "a.html"
-    sliders = sliders_of(SCENE, {"upper.velocity": (0.1, 2.1)})
-    page.write_text(grid_page(SCENE, sliders), encoding="utf-8")
-    tab.goto(page.as_uri())
+    tab.goto(page_of_grid(tmp_path, "upper.velocity=0.1:2.1").as_uri())
     tab.locator("[data-part=keep]").click()
     value, _ = tab.evaluate(MOVES, ["upper.velocity", 12])
     assert value == 0.7
@@ -273,10 +281,9 @@ def test_a_grid_in_a_browser(tab, tmp_path):
 
 def test_keys_from_any_control(tab, tmp_path):
     """Home and End go to the start and the end, but for a slider of a value, where Space plays."""
-    page = tmp_path / "a.html"
-    choices = {"interaction.strength": [0.1, 0.2], "upper.drive": ["forced", "free"]}
-    page.write_text(grid_page(SCENE, sliders_of(SCENE, choices)), encoding="utf-8")
-    tab.goto(page.as_uri())
+    choices = {"interaction.strength": "0.1,0.2", "upper.drive": "forced,free"}
+    given = [f"{key}={values}" for key, values in choices.items()]
+    tab.goto(page_of_grid(tmp_path, *given).as_uri())
     parts = [f"[data-part={part}]" for part in ("play", "speed", "forces", "group", "time", "keep")]
     for control in (*parts, *(f'[data-key="{key}"]' for key in choices)):
         tab.locator(control).focus()
