@@ -1,7 +1,7 @@
 """All forces, contacts and accelerations at given positions: nothing moves."""
 
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.units import call_unit
@@ -75,7 +75,7 @@ def force_probe(model, neighbours, begin, places, times, y, baths, q, v, acceler
     :class:`tribo.kernels.samples.Record`, found (times, TABLES, 2, n), scratch q, v, acceleration.
     """
     for k in range(begin, times.size):
-        t = times[k]
+        t = broadcast(times[k])
         for m in range(places.size):
             q[places[m]] = y[k, m]
             v[places[m]] = y[k, places.size + m]
@@ -126,7 +126,7 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
 
 def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
     """Compute q'' of all coordinates; returns 1, or `begin`, 0, where the list needs more room."""
-    if not equations.update_neighbours(model, neighbours, t, q):
+    if not equations.update_neighbours(model, neighbours, broadcast(t), q):
         return begin
     equations.equations_of_motion(model, neighbours, t, q, v, acceleration)
     return 1
