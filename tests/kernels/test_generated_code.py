@@ -18,12 +18,14 @@ from tribo.compiler.lanes import FAST_INVERSE_ROOTS
 from tribo.compiler.numba_private import NATIVE
 from tribo.compiler.plugin_methods import type_of
 from tribo.integrators.methods import METHODS
+from tribo.kernels import records
 from tribo.kernels.contact import open_contact_forces_unit
 from tribo.layout.layout import lay_out
 from tribo.loops.general import GeneralLoop
 from tribo.loops.interleaved import interleaved
 from tribo.loops.setting import Setting
 from tribo.potentials import as_potential
+from tribo.threads.kernel_model import set_loop_units, set_rate_units
 from tribo.threads.writable_memory import own_model
 
 NO_LEDGER = tribo.Output(ledger="none")
@@ -96,11 +98,16 @@ def test_a_loop_does_not_grow():
     assert len(whole) < MOST_INSTRUCTIONS
 
 
-def test_members_side_by_side_have_the_same_model():
-    """So that they share the units of single runs."""
+def test_members_side_by_side_share_the_units_of_single_runs():
     layout = lay_out(rows(tribo.Coulomb(0.1)))
     alone, _ = own_model(layout)
-    assert kept_type(interleaved(layout, True, False).model) is kept_type(alone)
+    eight = interleaved(layout, True).model
+    assert kept_type(eight) is kept_type(alone)
+    for model in (alone, eight):
+        set_loop_units(model)
+        set_rate_units(model)
+    for place in (records.RATES, records.POWERS, records.SPEEDS, records.SAMPLE):
+        assert eight.units[place] == alone.units[place] != 0
 
 
 class Ripple(NamedTuple):

@@ -5,6 +5,7 @@ does its work at the mean velocity of each half: at v + a tau / 4 in the first, 
 is the velocity before the substep, and at v' + a tau / 4 in the second, where v' is the one after
 it.  The mean of both is the mean of the velocities before and after the substep.  Where reservoirs
 let the asperites jump, each half has the velocity that makes its jump in a step, too; see `jumps`.
+The time is Lanes, as in the equations of motion.
 """
 
 from tribo.compiler.jit import apart, inlined

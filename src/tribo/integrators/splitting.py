@@ -163,27 +163,28 @@ def kick(model, neighbours, part, t, tau, state, work):
 def kick_unit(model, neighbours, part, t, tau, state, work):
     """The same."""
     active = blocks.active_of(neighbours)
+    now = broadcast(t)
     if part == AGAIN:
-        repeat_kick(model, active, t, tau, state, work)
+        repeat_kick(model, active, now, tau, state, work)
         return 0.0
     gather_contact(model, model.members)
     q, v = blocks.halves(state.y)
     if has_customs(model):
-        call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, t, tau, q, v, work))
+        call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, now, tau, q, v, work))
     elif model.blocks:
-        drive_forces(model, active, t, q)
-        join_blocks(model, t, q, v)
+        drive_forces(model, active, now, q)
+        join_blocks(model, now, q, v)
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
             piece = blocks.active_piece(model, active, k)
-            kick_piece(model, part, active, piece, t, tau, state, work)
+            kick_piece(model, part, active, piece, now, tau, state, work)
     else:
         phase = teams.KICK, t, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
     if part == WHOLE:
-        shared_powers(model, model.ledger, t, work.middle, Powers(state.s, model.sums, tau))
+        shared_powers(model, model.ledger, now, work.middle, Powers(state.s, model.sums, tau))
     else:
-        add_half_shared_works(model, t, tau, state)
+        add_half_shared_works(model, now, tau, state)
     return 0.0
 
 
@@ -230,7 +231,7 @@ def step_piece(model, neighbours, team, number, state, work):
         drift_piece(model, neighbours, piece, t, tau, state, work)
     else:
         part = FIRST_HALF if work.twice else WHOLE
-        kick_piece(model, part, active, piece, t, tau, state, work)
+        kick_piece(model, part, active, piece, broadcast(t), tau, state, work)
 
 
 def assist(model, neighbours, state, work):
@@ -253,7 +254,7 @@ def assist(model, neighbours, state, work):
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
     q = blocks.halves(state.y)[0]
-    place_bobs(model, clock.t, q)
+    place_bobs(model, broadcast(clock.t), q)
     if is_empty(neighbours):
         make_lists(model, neighbours, clock.t, state)
     if crowded(neighbours):
@@ -293,7 +294,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
         clock.drift_lag = 0.0
         if has_lists(neighbours):
             update_lists(model, neighbours, active, t, state)
-        forces(model, neighbours, t)
+        forces(model, neighbours, broadcast(t))
         clock.evaluations += 1
         if work.substep:
             step = clock.steps, t, tau, state, work, m, noise

@@ -112,7 +112,7 @@ def initialize(model, neighbours, clock, state, speeds):
     After a pause only the bobs are placed again: whatever else is computed there, such as a
     neighbour list, could differ from that of a run without the pause.
     """
-    place_bobs(model, clock.t, halves(state.y)[0])
+    place_bobs(model, broadcast(clock.t), halves(state.y)[0])
     if is_empty(neighbours):
         refresh(model, neighbours)
         if crowded(neighbours):

@@ -4,6 +4,10 @@ The coordinates q are the swing theta - rest of every asperite, then phi, x and 
 have them free, then the baths.  x and y are displacements from the initial uniform motion of the
 centre of mass; where no net force can arise they stay zero and are no coordinates.  A bath
 oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
+
+The time is Lanes in all of them, equal ones but where members of an ensemble are at their own
+times, so that all methods and members share what is compiled.  `equations_of_motion` and
+`top_speeds` take a number, too.
 """
 
 from tribo.compiler.jit import apart, inlined, kernel
@@ -376,7 +380,7 @@ def all_forces(model, neighbours, t, q, v):
 @kernel
 def equations_of_motion(model, neighbours, t, q, v, acceleration):
     """Set q'' of all coordinates."""
-    call_unit(model.units[rows.RATES], (model, neighbours, t, q, v, acceleration))
+    call_unit(model.units[rows.RATES], (model, neighbours, broadcast(t), q, v, acceleration))
 
 
 def rates_unit(model, neighbours, t, q, v, acceleration):
@@ -398,7 +402,7 @@ def rates_unit(model, neighbours, t, q, v, acceleration):
 def top_speeds(model, neighbours, t, y, speeds):
     """Set the speeds of bobs, see :func:`speeds_unit`."""
     q, v = halves(y)
-    call_unit(model.units[rows.SPEEDS], (model, neighbours, t, q, v, speeds))
+    call_unit(model.units[rows.SPEEDS], (model, neighbours, broadcast(t), q, v, speeds))
 
 
 def speeds_unit(model, neighbours, t, q, v, speeds):

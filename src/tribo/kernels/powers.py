@@ -439,7 +439,7 @@ def shared_powers(model, ledger, t, v, power):
 def all_powers(model, t, q, v, accounts):
     """Set the powers of all accounts, if there is a ledger."""
     if model.ledger:
-        call_unit(model.units[rows.POWERS], (model, t, q, v, accounts))
+        call_unit(model.units[rows.POWERS], (model, broadcast(t), q, v, accounts))
 
 
 def powers_unit(model, t, q, v, accounts):

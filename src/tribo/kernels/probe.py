@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.compiler.jit import inlined, kernel
-from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.units import call_unit
@@ -97,7 +97,7 @@ def force_probe(model, neighbours, begin, samples, motion, found):
     places = samples.places
     q, v, acceleration = motion
     for k in range(begin, samples.times.size):
-        t = samples.times[k]
+        t = broadcast(samples.times[k])
         for m in range(places.size):
             q[places[m]] = samples.y[k, m]
             v[places[m]] = samples.y[k, places.size + m]
@@ -148,7 +148,7 @@ def contact_probe(model, neighbours, begin, columns, positions, charges, energie
 
 def acceleration_probe(model, neighbours, begin, t, q, v, acceleration):
     """Compute q'' of all coordinates; returns 1, or `begin`, 0, where the list needs more room."""
-    if not equations.update_neighbours(model, neighbours, t, q):
+    if not equations.update_neighbours(model, neighbours, broadcast(t), q):
         return begin
     equations.equations_of_motion(model, neighbours, t, q, v, acceleration)
     return 1

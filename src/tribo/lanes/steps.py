@@ -5,7 +5,7 @@ member depends on that member alone.
 """
 
 from tribo.compiler.jit import kernel
-from tribo.compiler.lanes import LANES
+from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
@@ -179,7 +179,7 @@ def splitting_members(
     clear(model.swing_friction)
     set_bath_momenta(model, v)
     if clock.evaluations == 0:
-        place_bobs(model, clock.t, q)
+        place_bobs(model, broadcast(clock.t), q)
         watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, 0.0, True)
         settle_end_works(model, q, None, state.memory[0])
     for done in range(budget + 1):

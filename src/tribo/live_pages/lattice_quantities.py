@@ -8,6 +8,7 @@ import math
 from typing import Any, NamedTuple
 
 from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.lanes import broadcast
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.records import BARS, FORCED, X, Y
@@ -385,7 +386,7 @@ def set_forces(model, neighbours, samples, k, q, v):
     for m in range(half):
         q[places[m]] = samples.y[k, m]
         v[places[m]] = samples.y[k, half + m]
-    t = samples.times[k]
+    t = broadcast(samples.times[k])
     equations.update_neighbours(model, neighbours, t, q)
     equations.all_forces(model, neighbours, t, q, v)
 

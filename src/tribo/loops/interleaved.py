@@ -35,13 +35,8 @@ class Interleaved(NamedTuple):
     numbers: np.ndarray
 
 
-def interleaved(
-    layout: Layout, own_numbers: bool = False, times_in_lanes: bool = False
-) -> Interleaved:
-    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`.
-
-    Those that have `times_in_lanes` go on with steps of their own.
-    """
+def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
+    """Lay out eight members of a scene without calculators or sums, alike or with `own_numbers`."""
     scene = layout.scene
     old = layout.model
     mine = np.asarray(layout.surfaces)
@@ -72,7 +67,7 @@ def interleaved(
     numbers = np.empty((LANES, 0), np.int64)
     if own_numbers:
         eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
-    model = model_of(scene, eight, times_in_lanes=times_in_lanes)
+    model = model_of(scene, eight)
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)

@@ -81,9 +81,9 @@ class LaneLoop(RecordingLoop):
         self._alone = alone
         self._longest = first_step
         self._order = method.order
-        self.eight = eight = interleaved(layout, own_numbers, not method.splits)
+        self.eight = eight = interleaved(layout, own_numbers)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
-        set_loop_units(eight.model, times_in_lanes=not method.splits)
+        set_loop_units(eight.model)
         self._legs = LegsOfLoop(layout, eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
@@ -157,7 +157,7 @@ class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep a clock for each lane and memory of trials, and compile the loop."""
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
-        set_rate_units(self.eight.model, times_in_lanes=True)
+        set_rate_units(self.eight.model)
         speeds = room((3, self.eight.model.each.shape[1]))
         layout = self.layout
         tried = room((TRIED, LANES))

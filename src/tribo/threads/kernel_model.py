@@ -58,14 +58,12 @@ def model_of(
     tables: Tables,
     listed: bool = False,
     team: Team | None = None,
-    times_in_lanes: bool = False,
     elastic: records.Elastic = NO_BODIES,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
-    Units of plug-ins are compiled, or loaded from the disk, if they are not known yet; they are
-    given the time as Lanes where members have `times_in_lanes`.  There are lists of neighbours if
-    it is `listed`.  Raises InputError.
+    Units of plug-ins are compiled, or loaded from the disk, if they are not known yet.  There are
+    lists of neighbours if it is `listed`.  Raises InputError.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -106,7 +104,7 @@ def model_of(
         own=room((1, 0)) if tables.own is None else tables.own,
         schedules=_copied(tables.schedules),
     )
-    units = Units(scene, model, times_in_lanes)
+    units = Units(scene, model)
     units.set_own(listed)
     for n, each in enumerate(contacts):
         units.set_contact(model.contacts, n, each, team is not None)
@@ -124,17 +122,15 @@ def model_of(
 class Units:
     """Sets the addresses of a scene's units in its model.  Raises InputError."""
 
-    def __init__(self, scene: Scene, model: Model, times_in_lanes: bool) -> None:
+    def __init__(self, scene: Scene, model: Model) -> None:
         self._scene = scene
         self.model = model
         self._model = _kind(model)
         self._neighbours = _kind(NO_NEIGHBOURS)
-        self._time = lanes if times_in_lanes else types.float64
 
     def set_own(self, listed: bool) -> None:
         """Those of this package that do not depend on the method."""
         model = self.model
-        time = self._time
         at = self._model
         energies = types.float64, VECTOR, VECTOR, TABLE, TABLE, types.int64
         bathed = model.bath.size > 0
@@ -147,14 +143,14 @@ class Units:
             records.TORSIONAL_ACCELERATIONS: (
                 turned,
                 baths.torsional_accelerations,
-                (time, VECTOR, VECTOR),
+                (lanes, VECTOR, VECTOR),
             ),
             records.TORSIONAL_POWERS: (
                 turned,
                 powers.torsional_powers,
-                (time, VECTOR, VECTOR, VECTOR),
+                (lanes, VECTOR, VECTOR, VECTOR),
             ),
-            records.JOIN_BLOCKS: (model.blocks, rigid_block.join_blocks, (time, VECTOR, VECTOR)),
+            records.JOIN_BLOCKS: (model.blocks, rigid_block.join_blocks, (lanes, VECTOR, VECTOR)),
             records.ELASTIC_FORCES: (model.bodies, body.elastic_forces, ()),
             records.ELASTIC_ENERGIES: (model.bodies, body.elastic_energies, (TABLE, types.int64)),
             records.SHARE_CONTACTS: (
@@ -193,21 +189,20 @@ class Units:
         if depends_on_time(potential):
             units = fields.timed_forces_unit, fields.timed_energy_unit, powers.timed_power_unit
         forces, energy, power = units
-        found.forces[n] = known.unit(forces, (*at, self._time))
+        found.forces[n] = known.unit(forces, (*at, lanes))
         found.energy[n] = known.unit(energy, (*at, types.float64, types.int64))
         if found.account[n] >= 0:
-            kinds = *at, self._time, VECTOR, types.float64
+            kinds = *at, lanes, VECTOR, types.float64
             found.power[n] = known.unit(power, kinds)
 
     def set_custom(self, customs: Customs, n: int, unit: Any, plugin: Any) -> None:
         known = Known(self._scene, plugin)
-        kinds = self._model, known.kind, types.int64, self._time, VECTOR, VECTOR
+        kinds = self._model, known.kind, types.int64, lanes, VECTOR, VECTOR
         customs.forces[n] = known.unit(unit, kinds)
 
 
-def set_loop_units(model: Model, times_in_lanes: bool = False) -> None:
+def set_loop_units(model: Model) -> None:
     """Those of this package that all time loops need."""
-    time = lanes if times_in_lanes else types.float64
     lists = _kind(NO_NEIGHBOURS)
     number = types.int64
     kept = _kind(samples.EXAMPLE_OF_STATE), _kind(samples.EXAMPLE_OF_RECORD)
@@ -215,7 +210,7 @@ def set_loop_units(model: Model, times_in_lanes: bool = False) -> None:
         records.SPEEDS: (
             True,
             equations_of_motion.speeds_unit,
-            (lists, time, VECTOR, VECTOR, TABLE),
+            (lists, lanes, VECTOR, VECTOR, TABLE),
         ),
         records.ENCOUNTERS: (True, encounters.encounters_unit, (lists, TABLE, number)),
         records.SAMPLE: (
@@ -227,19 +222,18 @@ def set_loop_units(model: Model, times_in_lanes: bool = False) -> None:
     _set_units(model, _kind(model), own)
 
 
-def set_rate_units(model: Model, times_in_lanes: bool = False) -> None:
+def set_rate_units(model: Model) -> None:
     """Those of this package that methods need which are given rates of change."""
-    time = lanes if times_in_lanes else types.float64
     own = {
         records.RATES: (
             True,
             equations_of_motion.rates_unit,
-            (_kind(NO_NEIGHBOURS), time, VECTOR, VECTOR, VECTOR),
+            (_kind(NO_NEIGHBOURS), lanes, VECTOR, VECTOR, VECTOR),
         ),
         records.POWERS: (
             model.ledger,
             powers.powers_unit,
-            (time, VECTOR, VECTOR, VECTOR),
+            (lanes, VECTOR, VECTOR, VECTOR),
         ),
     }
     _set_units(model, _kind(model), own)
@@ -269,7 +263,7 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
         records.SETTLE_CUSTOM_FORCES: (
             customs > 0,
             kicks.settle_custom_forces,
-            (lists, number, number, VECTOR, VECTOR, _kind(work)),
+            (lists, lanes, number, VECTOR, VECTOR, _kind(work)),
         ),
         records.SHARE_STEP: (
             model.team.counters.size > 0,
