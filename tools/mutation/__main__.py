@@ -21,10 +21,11 @@ from support.package import SOURCE
 
 PATTERNS = (
     *("integrators/*.py", "pair/forces.py", "pair/loop.py", "pair/step.py", "pair/step_sums.py"),
-    *(f"kernels/{name}.py" for name in ("baths", "blocks", "cells", "contact", "encounters")),
-    *(f"kernels/{name}.py" for name in ("equations_of_motion", "fields", "kinematics")),
-    *(f"kernels/{name}.py" for name in ("langevin", "levers", "neighbours", "powers", "samples")),
-    *("kernels/springs.py", "kernels/user_forces.py", "model/fields.py"),
+    *(f"kernels/{name}.py" for name in ("accounts", "baths", "blocks", "cells", "contact")),
+    *(f"kernels/{name}.py" for name in ("encounters", "equations_of_motion", "fields")),
+    *(f"kernels/{name}.py" for name in ("kinematics", "langevin", "levers", "neighbours")),
+    *(f"kernels/{name}.py" for name in ("powers", "samples", "speeds", "springs", "user_forces")),
+    "model/fields.py",
     *(f"layout/{name}.py" for name in ("contacts", "layout", "scene_records", "span", "start")),
     *("layout/tables.py", "ledger/accounts.py", "ledger/ledger.py", "ledger/motion.py"),
     "ledger/totals.py",

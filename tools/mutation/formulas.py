@@ -326,7 +326,7 @@ def given_starts() -> str:
 
 def empty_cells(room: int):
     """Cells for so many boxes."""
-    from tribo.kernels.records import Cells
+    from tribo.kernels.model import Cells
 
     numbers = (np.empty(size, np.int64) for size in (2 * room + 17, room, room))
     return Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), *numbers)
@@ -335,7 +335,7 @@ def empty_cells(room: int):
 def cells() -> str:
     """Boxes in cells of at least a size, as many as fit, each box in the cell around its centre."""
     from tribo.kernels.cells import sort_boxes
-    from tribo.kernels.records import Boxes
+    from tribo.kernels.model import Boxes
 
     rng = np.random.default_rng(7)
     xs = rng.uniform(3.0, 15.0, 60)
@@ -385,7 +385,7 @@ def cells() -> str:
 def boxes_within_reach() -> str:
     """Of boxes in cells, exactly those within reach of another box, in ascending order."""
     from tribo.kernels.cells import near_blocks, sort_boxes
-    from tribo.kernels.records import Boxes
+    from tribo.kernels.model import Boxes
 
     rng = np.random.default_rng(9)
     boxes = (

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tribo.kernels.records import CHARGE, Contact
+from tribo.kernels.model import Contact
+from tribo.kernels.records import CHARGE
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.samples import Samples
 from tribo.ledger.separation import Closest, asperite_names, closest_of_contacts

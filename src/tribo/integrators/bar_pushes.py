@@ -3,10 +3,10 @@
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_memory import add_block, block, set_block
 from tribo.kernels import records as rows
+from tribo.kernels.accounts import add_works
 from tribo.kernels.blocks import constant, coordinates, keeps_velocity, vectors
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
-from tribo.kernels.powers import add_works
 
 
 @inlined

@@ -13,9 +13,9 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import acts, add_bath_works_of_jumps
 from tribo.integrators.reservoirs import damp_bars, damp_swings
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
+from tribo.kernels.accounts import place_of
 from tribo.kernels.baths import oscillators_of
 from tribo.kernels.blocks import absent, column_of_constants, halves, set_vectors, vectors
-from tribo.kernels.powers import place_of
 from tribo.kernels.records import I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, X, Y
 
 

@@ -20,8 +20,8 @@ from tribo.integrators.linear_combinations import add, add_twice, combine, combi
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates
 from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
+from tribo.kernels.model import Model
 from tribo.kernels.powers import all_powers
-from tribo.kernels.records import Model
 from tribo.kernels.samples import State, copy, copy_rows, copy_state
 from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE
 

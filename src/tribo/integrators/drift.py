@@ -14,11 +14,11 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
+from tribo.kernels.accounts import add_works
 from tribo.kernels.blocks import constant, coordinates, halves, keeps_velocity
 from tribo.kernels.equations_of_motion import place_block
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
-from tribo.kernels.powers import add_works
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)

@@ -19,11 +19,11 @@ from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
+from tribo.kernels.accounts import add_works
 from tribo.kernels.blocks import constant, coordinates, set_coordinates, vectors
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
-from tribo.kernels.powers import add_works
 from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS
 from tribo.kernels.samples import copy
 

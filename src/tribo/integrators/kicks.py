@@ -14,7 +14,8 @@ from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.jumps import Reservoirs, acts, add_opposite_works, with_jump
 from tribo.kernels import blocks
 from tribo.kernels import equations_of_motion as equations
-from tribo.kernels.powers import Powers, powers_of_block, shared_powers
+from tribo.kernels.accounts import Powers
+from tribo.kernels.powers import powers_of_block, shared_powers
 from tribo.kernels.user_forces import custom_forces
 
 # Iterations for velocities in the middle of a kick, on which forces of plug-ins may depend.  A

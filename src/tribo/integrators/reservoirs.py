@@ -19,6 +19,7 @@ from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
+from tribo.kernels.accounts import add_total, add_works
 from tribo.kernels.blocks import (
     absent,
     constant,
@@ -29,7 +30,7 @@ from tribo.kernels.blocks import (
 )
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
 from tribo.kernels.langevin import damped_motion, normals
-from tribo.kernels.powers import add_total, add_works, momentum
+from tribo.kernels.powers import momentum
 from tribo.kernels.schedule import scheduled
 
 

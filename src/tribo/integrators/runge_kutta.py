@@ -13,7 +13,7 @@ from tribo.compiler.jit import expanded
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, combine, largest
 from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
-from tribo.kernels.records import Model
+from tribo.kernels.model import Model
 from tribo.kernels.samples import State, copy, copy_state
 from tribo.kernels.status import COMPLETED
 

@@ -44,6 +44,7 @@ from tribo.integrators.rotations import empty_rotations, rotation_of, set_active
 from tribo.integrators.stiffness import watch_kick
 from tribo.kernels import blocks
 from tribo.kernels import records as rows
+from tribo.kernels.accounts import Powers
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.contact_forces import contact_piece
 from tribo.kernels.equations_of_motion import (
@@ -53,9 +54,9 @@ from tribo.kernels.equations_of_motion import (
     join_blocks,
     place_bobs,
 )
+from tribo.kernels.model import Model
 from tribo.kernels.neighbours import crowded, has_lists, have_moved, is_empty, list_chunk
-from tribo.kernels.powers import Powers, shared_powers
-from tribo.kernels.records import Model
+from tribo.kernels.powers import shared_powers
 from tribo.kernels.samples import State
 from tribo.kernels.status import BOBS_COINCIDE, COMPLETED, NOT_FINITE, PAUSED
 from tribo.kernels.user_forces import has_customs

@@ -12,10 +12,11 @@ from tribo.compiler.lanes_memory import block
 from tribo.kernels import status as codes
 from tribo.kernels.blocks import ONE_RUN, active_of, halves
 from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
-from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs, top_speeds
+from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs
 from tribo.kernels.neighbours import crowded, is_empty, refresh
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_row
+from tribo.kernels.speeds import top_speeds
 
 # Spacing of floating-point numbers at 1.
 EPSILON = 2.0**-52

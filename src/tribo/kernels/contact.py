@@ -28,10 +28,11 @@ from tribo.compiler.lanes_memory import block
 from tribo.compiler.python_callback import call_at
 from tribo.compiler.units import fetched
 from tribo.kernels import blocks
+from tribo.kernels.model import Acting
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
 from tribo.kernels.potential_units import energy_at
-from tribo.kernels.records import CHARGE, Acting, X, Y, Z
+from tribo.kernels.records import CHARGE, X, Y, Z
 
 # Square of a distance below which the squares of its components lose digits to underflow.
 SQUARE_IS_SAFE = 1e-280

@@ -6,19 +6,18 @@ centre of mass; where no net force can arise they stay zero and are no coordinat
 oscillator's coordinates are its displacement from the resting bar in the same uniform motion.
 
 The time is Lanes in all of them, equal ones but where members of an ensemble are at their own
-times, so that all methods and members share what is compiled.  `equations_of_motion` and
-`top_speeds` take a number, too.
+times, so that all methods and members share what is compiled.  `equations_of_motion` takes
+a number, too.
 """
 
 from tribo.compiler.jit import apart, inlined, kernel
-from tribo.compiler.lanes import LANES, broadcast, sqrt, sum_of_lanes
+from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
 from tribo.kernels.arms import (
     accelerations_of_bars,
-    turned_arms,
     with_tilting,
     with_turned_arms,
 )
@@ -31,7 +30,6 @@ from tribo.kernels.blocks import (
     column_of,
     constant,
     coordinates,
-    halves,
     own_number,
     plus,
     plus_if_any,
@@ -395,43 +393,4 @@ def rates_unit(model, neighbours, t, q, v, acceleration):
     accelerate(model, 1.0, t, q, acceleration)
     if not absent(model.torsional):
         call_unit(model.units[rows.TORSIONAL_ACCELERATIONS], (model, t, q, acceleration))
-    return 0.0
-
-
-@kernel
-def top_speeds(model, neighbours, t, y, speeds):
-    """Set the speeds of bobs, see :func:`speeds_unit`."""
-    q, v = halves(y)
-    call_unit(model.units[rows.SPEEDS], (model, neighbours, broadcast(t), q, v, speeds))
-
-
-def speeds_unit(model, neighbours, t, q, v, speeds):
-    """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
-
-    The second follows from the energy of the swing, so a pendulum at its turning point counts with
-    the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
-    not set.
-    """
-    active = active_of(neighbours)
-    for k in range(model.surfaces.shape[0]):
-        s = model.surfaces[k]
-        for n in range(*active_range(active, s, k)):
-            i = column_of(active, n)
-            twist = block(q, i) - bar_angles(model, s, i, t, q)
-            omega = block(v, i)
-            stiffness = constant(model, rows.KAPPA, s, i)
-            stiffness = stiffness * constant(model, rows.INVERSE_INERTIA, s, i)
-            rate = stiffness * twist * twist + omega * omega
-            vx = own_number(model.own, rows.OWN_VX, s.vx, i)
-            vy = own_number(model.own, rows.OWN_VY, s.vy, i)
-            own_x = coordinates(s.dof_x, s, i, v)
-            own_y = coordinates(s.dof_y, s, i, v)
-            if s.tilting > 0:
-                x, y = turned_arms(model, i, coordinates(s.dof_phi, s, i, q))[0]
-                nu = coordinates(s.dof_phi, s, i, v)
-                own_x = own_x - nu * y
-                own_y = own_y + nu * x
-            set_block(speeds[0], i, vx + own_x)
-            set_block(speeds[1], i, vy + own_y)
-            set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
     return 0.0

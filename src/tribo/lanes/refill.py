@@ -9,8 +9,8 @@ from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators import step_control as control
 from tribo.kernels.encounters import next_encounter
-from tribo.kernels.equations_of_motion import top_speeds
 from tribo.kernels.samples import State, write_row
+from tribo.kernels.speeds import top_speeds
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 
 # Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1

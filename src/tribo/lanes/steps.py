@@ -15,8 +15,9 @@ from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
 from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
-from tribo.kernels.equations_of_motion import place_bobs, top_speeds
+from tribo.kernels.equations_of_motion import place_bobs
 from tribo.kernels.samples import Attempt, write_row
+from tribo.kernels.speeds import top_speeds
 from tribo.kernels.status import COMPLETED, PAUSED, STEP_UNDERFLOW
 from tribo.lanes.refill import (
     BEGIN,

@@ -5,7 +5,7 @@ from numba import config
 
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
-from tribo.kernels.records import Active, Boxes, Calculator, Cells, Contact, Neighbours, Tables
+from tribo.kernels.model import Active, Boxes, Calculator, Cells, Contact, Neighbours, Tables
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.potentials import Coulomb, as_potential

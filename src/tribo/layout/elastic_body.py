@@ -13,7 +13,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.kernels import records
-from tribo.kernels.records import Elastic
+from tribo.kernels.model import Elastic
 from tribo.model.elastic import MOST_OF_PAIRS, grid_of, has_free_edges
 from tribo.model.free_edges import Grid, relaxed
 from tribo.model.scene import Scene

@@ -13,7 +13,8 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.plugin_methods import recognize
 from tribo.kernels import records
-from tribo.kernels.records import OF_MEMBERS, Neighbours, Tables
+from tribo.kernels.model import Custom, Neighbours, Tables
+from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.samples import BATH_ROWS
 from tribo.layout import contacts, slots
 from tribo.layout.legs import BEGUN, SAME, Legs, Scheduled, begun_of, legs_of, scheduled_numbers
@@ -326,9 +327,7 @@ class Layout:
         return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 
-def _begun_at(
-    forces: tuple[records.Custom, ...] | None, times: np.ndarray
-) -> tuple[records.Custom, ...]:
+def _begun_at(forces: tuple[Custom, ...] | None, times: np.ndarray) -> tuple[Custom, ...]:
     """A user's forces, each begun at the time of its surface, (surfaces,)."""
     return tuple(each._replace(begun=float(times[each.surface])) for each in forces or ())
 

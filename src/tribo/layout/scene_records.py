@@ -11,7 +11,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import Custom, FieldOn, Springs
+from tribo.kernels.model import Custom, FieldOn, Springs
 from tribo.layout.legs import scheduled_numbers
 from tribo.layout.slots import slide
 from tribo.model.fields import Field, period_of

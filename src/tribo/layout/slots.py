@@ -11,7 +11,7 @@ import numpy as np
 
 from tribo.compiler.lanes import LANES
 from tribo.kernels import records
-from tribo.kernels.powers import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
+from tribo.kernels.accounts import CONTACT, DRIVE, ENDS, POINT, SLIDE, SWING, USER_ENDS
 from tribo.kernels.records import BARS
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface

@@ -5,7 +5,7 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
-from tribo.kernels.records import Box, Tables
+from tribo.kernels.model import Box, Tables
 from tribo.layout import contacts
 from tribo.layout.scene_records import resting_bobs, springs
 from tribo.layout.slots import Numbering

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.kernels.kinematics import nearest_image, rod_position
-from tribo.kernels.records import Contact
+from tribo.kernels.model import Contact
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.motion import motions
 from tribo.ledger.nearest import MOST_PAIRS, nearest

@@ -12,7 +12,8 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.units import unit_codes
 from tribo.integrators.methods import named
 from tribo.integrators.splitting import splitting_steps
-from tribo.kernels.records import Y_START, Model, Neighbours
+from tribo.kernels.model import Model, Neighbours
+from tribo.kernels.records import Y_START
 from tribo.layout.layout import Layout
 from tribo.live_pages import lattice_quantities as quantities
 from tribo.live_pages.image import Image, image_of

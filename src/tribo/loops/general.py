@@ -17,7 +17,8 @@ from tribo.integrators.methods import Method, noisy
 from tribo.integrators.splitting import assist
 from tribo.integrators.step_control import Tolerance
 from tribo.integrators.stiffness import MOVED, WATCH_ROWS
-from tribo.kernels.records import CLOCK, Neighbours
+from tribo.kernels.model import Neighbours
+from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
 from tribo.layout.contacts import with_room
 from tribo.layout.layout import Layout

@@ -8,7 +8,8 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.kernels import records
-from tribo.kernels.records import CHARGE, X_START, Y_START, Contact, Model, Tables
+from tribo.kernels.model import Contact, FieldOn, Model, Tables
+from tribo.kernels.records import CHARGE, X_START, Y_START
 from tribo.layout import slots
 from tribo.layout.layout import Layout
 from tribo.layout.scene_records import MemberNumbers
@@ -127,6 +128,6 @@ def _unlisted(contact: Contact) -> Contact:
     return contact._replace(rows=np.full_like(contact.rows, -1))
 
 
-def _with_accounts_of_lanes(field: records.FieldOn) -> records.FieldOn:
+def _with_accounts_of_lanes(field: FieldOn) -> FieldOn:
     """An external field whose account, if it has one, has a lane for each member."""
     return field._replace(account=LANES * field.account if field.account >= 0 else -1)

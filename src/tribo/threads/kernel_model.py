@@ -27,10 +27,23 @@ from tribo.kernels import (
     records,
     rigid_block,
     samples,
+    speeds,
     user_forces,
 )
 from tribo.kernels import elastic as body
-from tribo.kernels.records import Box, Contacts, Customs, Fields, Model, Tables
+from tribo.kernels.model import (
+    Box,
+    Contact,
+    Contacts,
+    Custom,
+    Customs,
+    Elastic,
+    FieldOn,
+    Fields,
+    Model,
+    Springs,
+    Tables,
+)
 from tribo.kernels.samples import State
 from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.elastic_body import NO_BODIES
@@ -50,7 +63,7 @@ SCRATCH = {
 }
 VECTOR = PointerType(types.float64, 1)
 TABLE = PointerType(types.float64, 2)
-NO_SPRINGS = records.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
+NO_SPRINGS = Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
 
 
 def model_of(
@@ -58,7 +71,7 @@ def model_of(
     tables: Tables,
     listed: bool = False,
     team: Team | None = None,
-    elastic: records.Elastic = NO_BODIES,
+    elastic: Elastic = NO_BODIES,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
@@ -161,7 +174,7 @@ class Units:
         }
         _set_units(model, at, own)
 
-    def set_contact(self, contacts: Contacts, n: int, each: records.Contact, shared: bool) -> None:
+    def set_contact(self, contacts: Contacts, n: int, each: Contact, shared: bool) -> None:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
         at = (self._model, self._neighbours, known.kind, types.int64)
@@ -209,7 +222,7 @@ def set_loop_units(model: Model) -> None:
     own = {
         records.SPEEDS: (
             True,
-            equations_of_motion.speeds_unit,
+            speeds.speeds_unit,
             (lists, lanes, VECTOR, VECTOR, TABLE),
         ),
         records.ENCOUNTERS: (True, encounters.encounters_unit, (lists, TABLE, number)),
@@ -328,7 +341,7 @@ def _places(parts: list[np.ndarray]) -> np.ndarray:
     return np.cumsum([0, *map(len, parts)])
 
 
-def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
+def _contacts(contacts: tuple[Contact, ...]) -> Contacts:
     """The arrays of all contacts; addresses of what is compiled are still zero."""
     count = len(contacts)
     memory, numbers = memory_of(tuple(each.potential for each in contacts))
@@ -352,7 +365,7 @@ def _contacts(contacts: tuple[records.Contact, ...]) -> Contacts:
     )
 
 
-def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
+def _fields(found: tuple[FieldOn, ...]) -> Fields:
     """The arrays of all fields; addresses of what is compiled are still zero."""
     count = len(found)
     memory, numbers = memory_of(tuple(each.potential for each in found))
@@ -374,7 +387,7 @@ def _fields(found: tuple[records.FieldOn, ...]) -> Fields:
     )
 
 
-def _customs(found: tuple[records.Custom, ...]) -> Customs:
+def _customs(found: tuple[Custom, ...]) -> Customs:
     """The arrays of plug-ins for bars or ends; addresses are still zero."""
     memory, numbers = memory_of(tuple(each.plugin for each in found))
     return Customs(

@@ -14,7 +14,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.team import CLOSED, COUNTERS, OWN_NUMBERS, RANK, THREADS, Team
 from tribo.integrators.methods import Method
 from tribo.interrupts import held
-from tribo.kernels.records import Tables
+from tribo.kernels.model import Tables
 from tribo.model.scene import Scene
 from tribo.system import available_cores
 from tribo.validation import InputError, integer

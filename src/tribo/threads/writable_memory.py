@@ -15,7 +15,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import map_arrays
 from tribo.compiler.unit_errors import raising
-from tribo.kernels.records import Model
+from tribo.kernels.model import Model
 from tribo.layout import contacts
 from tribo.layout.elastic_body import ElasticBodies, bodies_of
 from tribo.layout.layout import Layout

@@ -1,0 +1,88 @@
+"""Where the powers of a state are written: the accounts of the ledger, group by group.
+
+The accounts of a group stand one after another, each with a slot for every asperite of the surface.
+Where a scene asks for sums over surfaces, each has a slot for every lane, in which the powers of a
+surface's blocks are added up; contact and drive then have their levers in the work about the centre
+of mass.  Without a ledger there are none.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tribo.compiler.jit import inlined
+from tribo.compiler.lanes import lane
+from tribo.compiler.lanes_memory import add_block, set_block
+
+# Number of accounts in each group, as `powers` lists them; POINT is that of internal, field and
+# thermal.
+CONTACT = 4
+SLIDE = 2
+DRIVE = 4
+ENDS = 5
+USER_ENDS = 8
+POINT = 4
+SWING = 1
+
+
+@inlined
+def place_of(s, slot, i):
+    """Place of asperite i in an account that begins at `slot`."""
+    return slot + ((i - s.start) & s.account_mask)
+
+
+class Powers(NamedTuple):
+    """Where powers are written: as they are, or as the works that they do in a time."""
+
+    accounts: np.ndarray  # (accounts,)
+    sums: Any  # as in Model
+    tau: Any  # [time], to add works; None to set powers
+
+
+@inlined
+def write_block(accounts, sums, tau, k, begins, x):
+    """Write the powers of a block from place k on; `begins` where they are a surface's first."""
+    if tau is not None:
+        add_block(accounts, k, tau * x)
+    elif begins or not sums:
+        set_block(accounts, k, x)
+    else:
+        add_block(accounts, k, x)
+
+
+@inlined
+def add_total(members, accounts, k, x):
+    """Add a total, as `blocks.totals` has it, to one account; or that of each member to its own."""
+    if members.size > 0:
+        add_block(accounts, k, x)
+    else:
+        accounts[k] += lane(x, 0)
+
+
+@inlined
+def write_total(members, accounts, tau, k, x):
+    """Write the power of a total to one account; or that of each member to its own."""
+    if tau is not None:
+        add_total(members, accounts, k, tau * x)
+    elif members.size > 0:
+        set_block(accounts, k, x)
+    else:
+        accounts[k] = lane(x, 0)
+
+
+@inlined
+def write(power, s, slot, i, *powers):
+    """Write powers of a block in its accounts from `slot` on."""
+    k = place_of(s, slot, i)
+    for x in powers:
+        write_block(power.accounts, power.sums, power.tau, k, i == s.start, x)
+        k += s.account_stride
+
+
+@inlined
+def add_works(accounts, s, slot, i, *works):
+    """Add works of a block to its accounts from `slot` on."""
+    k = place_of(s, slot, i)
+    for x in works:
+        add_block(accounts, k, x)
+        k += s.account_stride
