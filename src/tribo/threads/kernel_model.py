@@ -31,19 +31,8 @@ from tribo.kernels import (
     user_forces,
 )
 from tribo.kernels import elastic as body
-from tribo.kernels.model import (
-    Box,
-    Contact,
-    Contacts,
-    Custom,
-    Customs,
-    Elastic,
-    FieldOn,
-    Fields,
-    Model,
-    Springs,
-    Tables,
-)
+from tribo.kernels import model as parts
+from tribo.kernels.model import Box, Contacts, Customs, Fields, Model, Tables
 from tribo.kernels.samples import State
 from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.elastic_body import NO_BODIES
@@ -63,7 +52,7 @@ SCRATCH = {
 }
 VECTOR = PointerType(types.float64, 1)
 TABLE = PointerType(types.float64, 2)
-NO_SPRINGS = Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
+NO_SPRINGS = parts.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
 
 
 def model_of(
@@ -71,7 +60,7 @@ def model_of(
     tables: Tables,
     listed: bool = False,
     team: Team | None = None,
-    elastic: Elastic = NO_BODIES,
+    elastic: parts.Elastic = NO_BODIES,
 ) -> Model:
     """The model of one loop, with scratch that no other loop writes.
 
@@ -174,7 +163,7 @@ class Units:
         }
         _set_units(model, at, own)
 
-    def set_contact(self, contacts: Contacts, n: int, each: Contact, shared: bool) -> None:
+    def set_contact(self, contacts: Contacts, n: int, each: parts.Contact, shared: bool) -> None:
         """Those of the nth interaction; with pieces where threads are to share it."""
         known = Known(self._scene, each.potential, each.numbers is not None)
         at = (self._model, self._neighbours, known.kind, types.int64)
@@ -341,7 +330,7 @@ def _places(parts: list[np.ndarray]) -> np.ndarray:
     return np.cumsum([0, *map(len, parts)])
 
 
-def _contacts(contacts: tuple[Contact, ...]) -> Contacts:
+def _contacts(contacts: tuple[parts.Contact, ...]) -> Contacts:
     """The arrays of all contacts; addresses of what is compiled are still zero."""
     count = len(contacts)
     memory, numbers = memory_of(tuple(each.potential for each in contacts))
@@ -365,7 +354,7 @@ def _contacts(contacts: tuple[Contact, ...]) -> Contacts:
     )
 
 
-def _fields(found: tuple[FieldOn, ...]) -> Fields:
+def _fields(found: tuple[parts.FieldOn, ...]) -> Fields:
     """The arrays of all fields; addresses of what is compiled are still zero."""
     count = len(found)
     memory, numbers = memory_of(tuple(each.potential for each in found))
@@ -387,7 +376,7 @@ def _fields(found: tuple[FieldOn, ...]) -> Fields:
     )
 
 
-def _customs(found: tuple[Custom, ...]) -> Customs:
+def _customs(found: tuple[parts.Custom, ...]) -> Customs:
     """The arrays of plug-ins for bars or ends; addresses are still zero."""
     memory, numbers = memory_of(tuple(each.plugin for each in found))
     return Customs(
