@@ -222,6 +222,7 @@ def _constructor(cls: Any, version: str) -> Any:
 
     names = ", ".join(cls._fields)
     scope = {"build": build}
+    # As text, since numba finds the names of arguments, and their defaults, in the function itself.
     exec(f"def make({names}):\n    return build(({names},))", scope)
     make: Any = scope["make"]
     make.__defaults__ = tuple(cls._field_defaults.values())

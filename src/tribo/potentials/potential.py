@@ -94,6 +94,7 @@ def _acts_by(factors: tuple[str, ...]) -> Callable[..., Any]:
     met = " and ".join(f"self.{name} != 0.0" for name in factors)
     text = f"{met} and self.coupling(one, other) != 0.0"
     made: dict[str, Callable[..., Any]] = {}
+    # As text, since numba reads fields by names that stand in the source alone.
     exec(f"def acts_between(self, one, other):\n    return {text}", {}, made)
     method = made["acts_between"]
     method.__module__ = __name__
