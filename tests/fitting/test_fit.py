@@ -29,6 +29,7 @@ def found(force):
     return afm.fitted(force, 0, starts=32)
 
 
+@pytest.mark.thorough
 def test_a_synthetic_trace(found):
     """Both parameters are within their intervals, which are those of the profiles."""
     for key, true in afm.TRUE.items():
@@ -124,6 +125,7 @@ def test_random_scenes_need_members():
         tribo.fit(scene, data, {"field.amplitude": (0.1, 0.2)}, afm.QUANTITY)
 
 
+@pytest.mark.thorough
 def test_a_thermal_scene_is_fitted_by_means():
     """The mean path of a warm tip; candidates share their noise, so that chi^2 is smooth."""
     warm = replace(afm.scene().surfaces[0], langevin=tribo.Langevin(2.0, 0.0005))

@@ -197,9 +197,9 @@ def test_temperature(kind):
     fine = np.linspace(0.0, 6.0, 6001)
     v2 = np.zeros(fine.size)
     h = fine[1]
+    gained = rate * temperature.at(fine[1:] - 0.5 * h) / MASS * h * np.exp(-0.5 * rate * h)
     for k in range(1, fine.size):
-        middle = rate * temperature.at(fine[k] - 0.5 * h) / MASS
-        v2[k] = v2[k - 1] * np.exp(-rate * h) + middle * h * np.exp(-0.5 * rate * h)
+        v2[k] = v2[k - 1] * np.exp(-rate * h) + gained[k - 1]
     wanted = np.interp(t, fine, v2)
     v = data["tip.vx_cm"].values.reshape(members, t.size)
     found = np.mean(v**2, axis=0)

@@ -520,7 +520,9 @@ def test_odd_potentials():
         check(Odd(3.0, end=5.0))
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+@pytest.mark.parametrize(
+    "kind", ["png", *(pytest.param(kind, marks=pytest.mark.thorough) for kind in ("pdf", "svg"))]
+)
 def test_figure(run, tmp_path, kind):
     """The figure is written in the format that its name says."""
     status, _, _ = run("lennard-jones", "epsilon=1", "sigma=1", "--figure", f"card.{kind}")
