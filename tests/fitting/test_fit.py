@@ -69,7 +69,7 @@ def test_a_parameter_without_an_effect_is_not_determined(force):
     data = afm.TIMES, force + np.random.default_rng(2).normal(0.0, afm.NOISE, force.size)
     ranges = {"field.amplitude": (0.08, 0.12), "upper.drive.load": (0.1, 1.0)}
     scene = with_values(afm.scene(), {"upper.drive.stiffness": 0.5})
-    found = tribo.fit(scene, data, ranges, afm.QUANTITY, noise=afm.NOISE, starts=16, profiles=False)
+    found = tribo.fit(scene, data, ranges, afm.QUANTITY, noise=afm.NOISE, starts=8, profiles=False)
     assert found.half_width["upper.drive.load"] == np.inf
     assert any(note.startswith("upper.drive.load is not determined") for note in found.notes)
 
