@@ -46,7 +46,7 @@ def with_marks(page):
     return pytest.param(page, marks=[pytest.mark.thorough] * (name in THOROUGH), id=name)
 
 
-@pytest.mark.parametrize("page", map(with_marks, PAGES))
+@pytest.mark.parametrize("page", [*map(with_marks, PAGES)])
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
     if "x3p" in page.read_text(encoding="utf-8") and page.parent.name == "tutorials":
@@ -156,6 +156,7 @@ def test_docstrings_repeat_what_they_share(monkeypatch):
 function_examples = module_of_docs("function_examples")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", function_examples.EXAMPLES)
 def test_example_of_a_function(name, tmp_path, monkeypatch):
     """The example in the Python reference runs, and prints what it shows."""

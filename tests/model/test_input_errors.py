@@ -823,7 +823,7 @@ def with_marks(path):
     return pytest.param(path, marks=marks)
 
 
-@pytest.mark.parametrize("path", map(with_marks, paths(VALID)))
+@pytest.mark.parametrize("path", [*map(with_marks, paths(VALID))])
 @given(value=NESTED)
 @example(value=[])
 @example(value={})

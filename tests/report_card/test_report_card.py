@@ -204,6 +204,7 @@ def test_flaw(flaw):
     assert not report.passed
 
 
+@pytest.mark.thorough
 @given(st.floats(-9.0, -2.0), st.sampled_from([-1.0, 1.0]))
 def test_size_of_a_flaw(digits, sign):
     """The error on the card is that of the force."""
