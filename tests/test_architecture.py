@@ -5,6 +5,7 @@ import re
 import runpy
 import subprocess
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -38,9 +39,15 @@ def imported(node):
             yield from imported(child)
 
 
+@cache
+def tree_of(path):
+    """The syntax of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def of_this_package(name):
     """The modules of this package that a module imports, inside functions or not."""
-    for full in imported(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+    for full in imported(tree_of(FILES[name])):
         top, _, inner = full.partition(".")
         if top == "tribo":
             while inner not in FILES:
@@ -139,7 +146,7 @@ def test_kernels_see_no_scene(name):
     assert inner <= {"interrupts", "progress", "system", "validation"}
     assert set(of_this_package("interrupts")) <= {"system"}
     assert not {*of_this_package("system"), *of_this_package("validation")}
-    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    tree = tree_of(FILES[name])
     tops = {full.partition(".")[0] for full in imported(tree)}
     assert tops - set(sys.stdlib_module_names) <= {"tribo", "numpy", "numba", "llvmlite"}
 
@@ -167,7 +174,7 @@ def test_undocumented_names_of_numba_are_in_one_file():
         *("numba.NumbaError", "numba.TypingError", "numba.UnsupportedBytecodeError"),
     )
     for name in FILES.keys() - {"compiler.numba_private"}:
-        for full in imported(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        for full in imported(tree_of(FILES[name])):
             if full.partition(".")[0] in ("numba", "llvmlite"):
                 assert full.startswith(documented) or full == "numba", f"{name} imports {full}"
 
@@ -218,7 +225,7 @@ def test_public_names():
 def test_every_module_says_what_it_is():
     """One sentence at least at the head of each file that is not empty."""
     for name, path in FILES.items():
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = tree_of(path)
         assert not tree.body or ast.get_docstring(tree), f"{name} has no docstring"
 
 
@@ -228,7 +235,7 @@ TESTS = sorted(Path(__file__).parent.rglob("*.py"))
 def test_no_test_module_is_imported():
     """Functions that two test modules share stand in tests/support."""
     for path in TESTS:
-        tops = {full.partition(".")[0] for full in imported(ast.parse(path.read_text("utf-8")))}
+        tops = {full.partition(".")[0] for full in imported(tree_of(path))}
         found = {top for top in tops if top == "conftest" or top.startswith("test")}
         assert not found, f"{path.name} imports {found}"
 
@@ -251,13 +258,13 @@ DESCRIBE_SCENES = ("model", "potentials", "plugins")
 
 def classes_in(name):
     """The names of the classes that a module defines."""
-    tree = ast.parse(FILES[name].read_text(encoding="utf-8"))
+    tree = tree_of(FILES[name])
     return {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
 
 
 def classes_asked_for(name):
     """The names in the second argument of each isinstance, and in comparisons with a type."""
-    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(FILES[name])):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
             kinds = node.args[1]
         elif isinstance(node, ast.Compare) and ast.unparse(node.left).startswith("type("):

@@ -86,6 +86,7 @@ def test_refused(files, message, tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "all.zip").exists()
 
 
+@pytest.mark.thorough
 def test_an_archive_is_repeated_elsewhere(folder, capsys):
     """From the files in it: those of the author are gone, or have changed there."""
     (folder / "data.txt").write_text("1.0", encoding="utf-8")

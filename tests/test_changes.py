@@ -55,7 +55,10 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("page", CHANGES)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=[pytest.mark.thorough] * (page == "a_quantity")) for page in CHANGES],
+)
 def test_a_change_of_a_page(page, tmp_path):
     """In as many files as the page says."""
     files, program, given = CHANGES[page]

@@ -291,6 +291,7 @@ def test_broken_pipe_is_quiet(tmp_path):
         assert "Traceback" not in process.stderr.read()
 
 
+@pytest.mark.thorough
 def test_a_figure_that_cannot_be_drawn(tmp_path):
     """What was computed is printed, with one sentence; files need no backend of a notebook."""
     scene = tmp_path / "scene.toml"
@@ -313,7 +314,14 @@ def test_a_figure_that_cannot_be_drawn(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
-@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    "closed",
+    [
+        pytest.param(">&-", marks=pytest.mark.thorough),
+        pytest.param("2>&-", marks=pytest.mark.thorough),
+        "<&- >&- 2>&-",
+    ],
+)
 def test_closed_streams(tmp_path, closed):
     """A run completes where a shell or a daemon has closed the streams; its file has no output."""
     scene = tmp_path / "scene.toml"

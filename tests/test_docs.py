@@ -36,7 +36,17 @@ def module_of_docs(name):
 page_code = module_of_docs("page_code")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+# Pages whose programs take many seconds.
+THOROUGH = {"docs/how-to/live.md", "docs/how-to/fit.md"}
+
+
+def with_marks(page):
+    """A page and its name, marked where its test is thorough."""
+    name = str(page.relative_to(ROOT))
+    return pytest.param(page, marks=[pytest.mark.thorough] * (name in THOROUGH), id=name)
+
+
+@pytest.mark.parametrize("page", [*map(with_marks, PAGES)])
 def test_page(page, tmp_path):
     """The blocks run in order, and print what the page shows; code without a language fails."""
     if "x3p" in page.read_text(encoding="utf-8") and page.parent.name == "tutorials":
@@ -146,6 +156,7 @@ def test_docstrings_repeat_what_they_share(monkeypatch):
 function_examples = module_of_docs("function_examples")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", function_examples.EXAMPLES)
 def test_example_of_a_function(name, tmp_path, monkeypatch):
     """The example in the Python reference runs, and prints what it shows."""

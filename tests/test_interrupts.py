@@ -82,7 +82,10 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.thorough] * (name != "run")) for name in COMMANDS],
+)
 def test_before_there_is_a_result(interrupted, name):
     """Status 1 and the name of the status, also while modules are imported and loops compiled."""
     seconds, *command = COMMANDS[name]

@@ -11,14 +11,20 @@ from support.reference import compiler
 ROOT = Path(__file__).parents[1]
 # Checks of scenes that take a second, one of each kind.
 QUICK = ("midpoint, open", "friction, midpoint", "encounters, slid", "verlet, pushed")
-QUICK_CHECKS = f"""
-from types import FunctionType
-
+TABLES = """
 from tools.mutation import judge
 from tools.mutation.__main__ import stale
 
 judge.uncompiled()
 assert not (left := list(stale())), left
+assert not (said := judge.CHECKS["friction, midpoint"]()), said
+"""
+QUICK_CHECKS = f"""
+from types import FunctionType
+
+from tools.mutation import judge
+
+judge.uncompiled()
 for name, check in judge.CHECKS.items():
     if isinstance(check, FunctionType) or name in {QUICK}:
         assert not (said := check()), (name, said)
@@ -34,7 +40,12 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compil
 
 
 @pytest.mark.parametrize(
-    "code", [QUICK_CHECKS, pytest.param(ALL_CHECKS, marks=pytest.mark.slow)], ids=["quick", "all"]
+    "code",
+    [
+        pytest.param(TABLES, id="tables"),
+        pytest.param(QUICK_CHECKS, marks=pytest.mark.thorough, id="quick"),
+        pytest.param(ALL_CHECKS, marks=pytest.mark.slow, id="all"),
+    ],
 )
 def test_checks_pass_without_a_mutant(code):
     """Uncompiled, in a process of their own."""

@@ -38,14 +38,12 @@ def said_on_a_terminal(arguments, **environment):
 
 def test_a_terminal_is_told_after_a_second():
     """Not before, and no file or pipe is."""
-    assert said_on_a_terminal(["-c", SLOW.format(1.6)]) == "busy\r\n"
-    assert said_on_a_terminal(["-c", SLOW.format(0.1)]) == ""
-    run = subprocess.run(
-        [sys.executable, "-c", SLOW.format(1.6)],
-        env=os.environ | {"PYTHONPATH": str(SOURCE.parent)},
-        capture_output=True,
-    )
-    assert run.stderr == b""
+    command = [sys.executable, "-c", SLOW.format(1.6)]
+    environment = os.environ | {"PYTHONPATH": str(SOURCE.parent)}
+    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE) as piped:
+        assert said_on_a_terminal(["-c", SLOW.format(1.6)]) == "busy\r\n"
+        assert said_on_a_terminal(["-c", SLOW.format(0.1)]) == ""
+        assert piped.stderr.read() == b""
 
 
 COMPILING = """

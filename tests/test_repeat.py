@@ -46,6 +46,7 @@ def test_repeated_bit_for_bit(stored, tmp_path, capsys):
     assert repeat.differences(before, after) == {}
 
 
+@pytest.mark.thorough
 def test_a_prepared_run(tmp_path, capsys):
     """With initial values of its own, one an asperite, or without estimates: the file has them."""
     simulation = tribo.prepare(paper.scene("A"), accuracy=1e-6)

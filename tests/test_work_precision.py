@@ -213,6 +213,7 @@ def noisy():
     return tribo.Scene((upper,), (), 2.0, output=tribo.Output(samples=3), numerics=numerics)
 
 
+@pytest.mark.thorough
 def test_means_with_noise():
     """The half-width is that of an ensemble, and four times the members halve it."""
     (row,) = means_precision(noisy(), ["upper.W"], seconds=1e-9).rows

@@ -14,6 +14,7 @@ from support.random_scenes import random_scene
 from support.scene_tables import scene_from
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [1, 2, 4])
 def test_right_scenes(seed):
     """A pair of asperites, by itself, and its potential."""

@@ -92,6 +92,7 @@ def test_an_energy_of_ones_own_acts_unless_a_factor_is_zero():
         assert unreadable(unknown)(0.0, 1.0).acts_between(1.0, 1.0)
 
 
+@pytest.mark.thorough
 def test_zero_parts_of_sums_have_no_encounter():
     """A strength of zero beside a soft core, and members of a sweep with that strength."""
     soft = Gaussian(1e-3, 0.5)

@@ -17,11 +17,14 @@ SLOW = {
     *("free-swing-4e6", "lj-wall-below", "rows-period", "lattice-defect", "within-five"),
     *("jump-weak", "jump-pulled", "rods-4e5", "rods-1e6", "rod-2e5-jump", "switch-first-step"),
 }
+# Those that take seconds: a million swings, and ten million steps.
+THOROUGH = {"free-swing-1e5", "verlet-1e7-steps"}
 
 
 def marked(name):
-    """An entry's name, marked where its test is slow."""
-    return pytest.param(name, marks=(pytest.mark.slow,) if name in SLOW else ())
+    """An entry's name, marked where its test is slow or thorough."""
+    marks = [pytest.mark.slow] * (name in SLOW) + [pytest.mark.thorough] * (name in THOROUGH)
+    return pytest.param(name, marks=marks)
 
 
 @pytest.mark.parametrize("name", [marked(name) for name in ENTRIES])
@@ -36,7 +39,7 @@ def test_the_atlas_is_complete():
     assert len(ENTRIES) >= 40
     files = {path.stem for path in next(iter(ENTRIES.values())).path.parent.glob("*.toml")}
     assert files == set(ENTRIES)
-    assert set(ENTRIES) >= SLOW
+    assert set(ENTRIES) >= SLOW | THOROUGH
 
 
 @pytest.mark.parametrize("name", ENTRIES)

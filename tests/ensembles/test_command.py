@@ -64,6 +64,7 @@ def test_the_interval_of_a_mean_over_asperites(tmp_path, capsys):
     assert table["half_width"] == pytest.approx(half_width, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_histogram(tmp_path, capsys, monkeypatch):
     """Of the first quantity, of a scene with the values of --set; members are needed."""
     path, figure = tmp_path / "a.toml", tmp_path / "a.png"

@@ -29,6 +29,7 @@ def found(force):
     return afm.fitted(force, 0, starts=32)
 
 
+@pytest.mark.thorough
 def test_a_synthetic_trace(found):
     """Both parameters are within their intervals, which are those of the profiles."""
     for key, true in afm.TRUE.items():
@@ -68,7 +69,7 @@ def test_a_parameter_without_an_effect_is_not_determined(force):
     data = afm.TIMES, force + np.random.default_rng(2).normal(0.0, afm.NOISE, force.size)
     ranges = {"field.amplitude": (0.08, 0.12), "upper.drive.load": (0.1, 1.0)}
     scene = with_values(afm.scene(), {"upper.drive.stiffness": 0.5})
-    found = tribo.fit(scene, data, ranges, afm.QUANTITY, noise=afm.NOISE, starts=16, profiles=False)
+    found = tribo.fit(scene, data, ranges, afm.QUANTITY, noise=afm.NOISE, starts=8, profiles=False)
     assert found.half_width["upper.drive.load"] == np.inf
     assert any(note.startswith("upper.drive.load is not determined") for note in found.notes)
 
@@ -124,6 +125,7 @@ def test_random_scenes_need_members():
         tribo.fit(scene, data, {"field.amplitude": (0.1, 0.2)}, afm.QUANTITY)
 
 
+@pytest.mark.thorough
 def test_a_thermal_scene_is_fitted_by_means():
     """The mean path of a warm tip; candidates share their noise, so that chi^2 is smooth."""
     warm = replace(afm.scene().surfaces[0], langevin=tribo.Langevin(2.0, 0.0005))

@@ -179,7 +179,14 @@ def in_a_field_of_ones_own():
     return result, ("x", "y"), strength**2 * squared**3, 4.0 * strength * squared
 
 
-@pytest.mark.parametrize("place", [beside_a_bath, in_a_table, in_a_field_of_ones_own])
+@pytest.mark.parametrize(
+    "place",
+    [
+        beside_a_bath,
+        pytest.param(in_a_table, marks=pytest.mark.thorough),
+        in_a_field_of_ones_own,
+    ],
+)
 def test_kinetic_and_configurational_temperatures(place):
     """The latter is <|grad U|^2> / <laplacian U>; both are those of the reservoir within 1 %."""
     result, axes, squared_gradient, laplacian = place()

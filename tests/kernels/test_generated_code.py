@@ -156,6 +156,7 @@ def test_contact_is_computed_by_vector_instructions(name):
         assert instructions["p"] > instructions["s"], instructions
 
 
+@pytest.mark.thorough
 def test_other_formulas_are_computed_one_pair_after_another():
     """With a sine there are calls for single pairs, and more scalar arithmetic than in lanes."""
     code, instructions = code_of(as_potential(Ripple(0.1)))

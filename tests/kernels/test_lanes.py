@@ -86,7 +86,14 @@ def test_every_built_in_is_here():
     assert {type(potential) for potential in POTENTIALS.values()} >= set(BUILT_IN.values())
 
 
-@pytest.mark.parametrize("name", POTENTIALS)
+# A formula of each sort; those like them are thorough, since each compiles for most of a second.
+DEFAULT = {"coulomb", "lennard-jones", "mie", "switched", "sum", "expression"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.thorough] * (n not in DEFAULT)) for n in POTENTIALS],
+)
 def test_lanes_agree_with_scalars(name):
     """In lanes, compiled for one distance, and as Python."""
     potential = as_potential(POTENTIALS[name])
@@ -145,7 +152,7 @@ def own_forces(potential, table, places, rows, out):
         out[1, i] = one.force_between(x, 1.3, 0.7) if x < one.range() else 0.0
 
 
-@pytest.mark.parametrize("kind", ["hertz", "mie"])
+@pytest.mark.parametrize("kind", [pytest.param("hertz", marks=pytest.mark.thorough), "mie"])
 def test_potentials_side_by_side(kind):
     """Each distance has the numbers of its lane, also where a cutoff or a formula is one by one."""
     potential = as_potential(POTENTIALS[kind])

@@ -175,6 +175,7 @@ class Ended(tribo.Potential):
         return 1.2
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("error")
 def test_contact_within_a_range_of_ones_own():
     """Beyond its range a formula may give a complex number in Python: no contact, no warning."""

@@ -21,6 +21,7 @@ ROUNDING = 1e-13
 LARGEST = 300_000
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", lattice_comparison.SCENES)
 def test_bits(name):
     """All bits of the samples, all quantities to rounding, and all keys changed at once."""
@@ -41,6 +42,7 @@ def page_of(folder, **output):
     return scene, scene.to_live_html(folder / "rows.html")
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 def test_in_a_browser(tmp_path):
     """Numbers are those of Python to the errors that the page says; sliders change them."""

@@ -95,6 +95,7 @@ def exported(widget):
     return unescape(re.search(r'srcdoc="([^"]*)"', data["text/html"])[1])
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 def test_in_a_browser(page):
     """Its numbers are those of Python; its values stand in the address; nothing fails."""

@@ -506,8 +506,10 @@ print(*(value.hex() for value in result["upper"].x_bar[-1].tolist()))
 
 @pytest.mark.parametrize(
     "mode",
-    [{"NUMBA_DISABLE_JIT": "1"}, {"TRIBO_NUMBA": "plain"}],
-    ids=["uncompiled", "plain"],
+    [
+        pytest.param({"NUMBA_DISABLE_JIT": "1"}, marks=pytest.mark.thorough, id="uncompiled"),
+        pytest.param({"TRIBO_NUMBA": "plain"}, id="plain"),
+    ],
 )
 def test_other_modes_give_the_same_motion(mode):
     """Without compilation, and with documented functions of numba alone."""

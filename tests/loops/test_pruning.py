@@ -19,7 +19,7 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.threads.kernel_model import SCRATCH
 from tribo.threads.writable_memory import own_model
 
-SEEDS = range(2)
+SEEDS = [0, pytest.param(1, marks=pytest.mark.thorough)]
 
 BATH = {"masses": np.full(3, 0.1), "frequencies": np.linspace(1.0, 3.0, 3)}
 TORSIONAL = {"inertias": np.full(2, 0.1), "torsional_frequencies": np.ones(2)}

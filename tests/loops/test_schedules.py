@@ -187,25 +187,24 @@ def test_temperature(kind):
     temperature = tribo.Schedule(points, kind=kind)
     gamma = 1.5
     langevin = tribo.Langevin(gamma, temperature)
-    scene = scene_of(tribo.Free(), duration=6.0, samples=7, langevin=langevin)
-    scene = replace(scene, numerics=tribo.Numerics(method="verlet", step=0.05))
     members = 1000
-    keep = ["tip.vx_cm", "tip.heat"]
-    data = tribo.ensemble(scene, members, keep=keep, at="samples", seed=3, progress=False)
-    t = data["time"].values
+    many = {"shape": (members, 1), "spacing": (1.0, 0.0), "langevin": langevin}
+    scene = replace(scene_of(tribo.Free(), duration=6.0, samples=7, **many), seed=3)
+    result = tribo.simulate(scene, method="verlet", step=0.05)
+    t = result.t
     rate = 2.0 * gamma / MASS
     fine = np.linspace(0.0, 6.0, 6001)
     v2 = np.zeros(fine.size)
     h = fine[1]
+    gained = rate * temperature.at(fine[1:] - 0.5 * h) / MASS * h * np.exp(-0.5 * rate * h)
     for k in range(1, fine.size):
-        middle = rate * temperature.at(fine[k] - 0.5 * h) / MASS
-        v2[k] = v2[k - 1] * np.exp(-rate * h) + middle * h * np.exp(-0.5 * rate * h)
+        v2[k] = v2[k - 1] * np.exp(-rate * h) + gained[k - 1]
     wanted = np.interp(t, fine, v2)
-    v = data["tip.vx_cm"].values.reshape(members, t.size)
-    found = np.mean(v**2, axis=0)
-    error = np.std(v**2, axis=0) / np.sqrt(members)
+    v = result["tip"]["vx_cm"]
+    found = np.mean(v**2, axis=1)
+    error = np.std(v**2, axis=1) / np.sqrt(members)
     assert np.all(np.abs(found - wanted) <= 4.0 * error + 1e-12)
-    lost = -np.mean(data["tip.heat"].values.reshape(members, t.size)[:, -1])
+    lost = -np.mean(result["tip"]["heat"][-1])
     assert lost == pytest.approx(MASS * wanted[-1], abs=0.1)
 
 

@@ -61,6 +61,7 @@ def assert_continuous(before, after):
             assert start == pytest.approx(end, abs=1e-12), (surface, name)
 
 
+@pytest.mark.thorough
 def test_from_any_drive_to_any_other():
     """Where the new scene holds what the state has displaced, it is refused; else nothing jumps."""
     kinds = list(itertools.product(DRIVES, ("clamped", "free")))

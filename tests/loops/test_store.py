@@ -130,7 +130,7 @@ def test_what_is_written_is_not_done_again(compute, tmp_path):
 
 
 @pytest.mark.parametrize("compute", EVERY)
-@pytest.mark.parametrize("writes", [1, 3])
+@pytest.mark.parametrize("writes", [pytest.param(1, marks=pytest.mark.thorough), 3])
 def test_full_disk(compute, writes, monkeypatch, tmp_path):
     """One sentence; an earlier file stays, and what was written is used when there is room."""
     out = tmp_path / "a.nc"

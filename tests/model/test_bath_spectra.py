@@ -235,7 +235,14 @@ def test_more_oscillators_are_valid_longer(kind):
     assert np.all((ratios > 1.7) & (ratios < 2.3))
 
 
-@pytest.mark.parametrize(("gamma", "frequency"), [(0.01, 0.5), (0.1, 0.0), (1.0, 2.0)])
+@pytest.mark.parametrize(
+    ("gamma", "frequency"),
+    [
+        pytest.param(0.01, 0.5, marks=pytest.mark.thorough),
+        (0.1, 0.0),
+        pytest.param(1.0, 2.0, marks=pytest.mark.thorough),
+    ],
+)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_large_bath_is_valid_in_proportion_to_its_size(kind, gamma, frequency):
     """Beyond 400 oscillators the time is not compared; it is at most 3 % too long."""

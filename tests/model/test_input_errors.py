@@ -817,7 +817,13 @@ def is_a_scene_or_refused(table):
         lay_out(scene)
 
 
-@pytest.mark.parametrize("path", list(paths(VALID)))
+def with_marks(path):
+    """A path; a number of a list beside another one is tried by a thorough test."""
+    marks = [pytest.mark.thorough] * bool(re.search(r"\[[1-9]\]$", path))
+    return pytest.param(path, marks=marks)
+
+
+@pytest.mark.parametrize("path", [*map(with_marks, paths(VALID))])
 @given(value=NESTED)
 @example(value=[])
 @example(value={})

@@ -272,6 +272,7 @@ def test_file_is_replaced_or_left_alone(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
 
 
+@pytest.mark.thorough
 def test_short_text_and_file(tmp_path):
     """Defaults are written on request alone; what is printed of a scene fits on a line."""
     scene = tribo.paper.scene("D")

@@ -80,6 +80,7 @@ def test_it_runs_by_a_method_of_positions(name):
         assert np.max(np.abs(change - work)) < 1e-6
 
 
+@pytest.mark.thorough
 def test_members_run_with_the_bits_of_single_runs():
     """In the lanes of a method of positions."""
     own = scene(tribo.Custom(force=PAIRS["pulled"][0]))

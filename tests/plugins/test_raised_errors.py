@@ -47,7 +47,9 @@ def members(scene):
     tribo.ensemble(scene, 2, {"upper.theta": [[0.0], [0.1]]}, keep=["upper.W"], **HOW)
 
 
-@pytest.mark.parametrize("call", [single, with_accuracy, members])
+@pytest.mark.parametrize(
+    "call", [single, with_accuracy, pytest.param(members, marks=pytest.mark.thorough)]
+)
 def test_an_error_of_a_plugin_ends_the_run(call, capfd):
     """It is raised where the run was called, and printed nowhere; other distances are computed."""
     call(scene(wall=0.3))

@@ -204,6 +204,7 @@ def test_flaw(flaw):
     assert not report.passed
 
 
+@pytest.mark.thorough
 @given(st.floats(-9.0, -2.0), st.sampled_from([-1.0, 1.0]))
 def test_size_of_a_flaw(digits, sign):
     """The error on the card is that of the force."""
@@ -520,7 +521,9 @@ def test_odd_potentials():
         check(Odd(3.0, end=5.0))
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+@pytest.mark.parametrize(
+    "kind", ["png", *(pytest.param(kind, marks=pytest.mark.thorough) for kind in ("pdf", "svg"))]
+)
 def test_figure(run, tmp_path, kind):
     """The figure is written in the format that its name says."""
     status, _, _ = run("lennard-jones", "epsilon=1", "sigma=1", "--figure", f"card.{kind}")

@@ -207,7 +207,14 @@ def processor_time():
     return times.user + times.system + times.children_user + times.children_system
 
 
-@pytest.mark.parametrize("trials", [100, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "trials",
+    [
+        25,
+        pytest.param(100, marks=pytest.mark.thorough),
+        pytest.param(10_000, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("files", KINDS, ids=lambda files: files.__name__)
 def test_random_damages(files, trials, tmp_path):
     """A read takes a second more than the intact file at most: the same numbers, or a sentence."""

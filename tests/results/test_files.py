@@ -197,6 +197,7 @@ def test_damage_is_found_before_a_library_reads(tmp_path, monkeypatch):
     assert seals.is_sealed(io.BytesIO(content), str(path))
 
 
+@pytest.mark.thorough
 def test_threads_save_and_load_side_by_side(tmp_path):
     """The NetCDF library is not made for threads: without a lock the process crashes."""
     result = tribo.simulate(pair(), accuracy=1e-4)
@@ -308,6 +309,7 @@ def test_golden_file():
     assert again["upper"].theta[-1, 0] == pytest.approx(GOLDEN["theta"], abs=1e-7)
 
 
+@pytest.mark.thorough
 def test_journal_without_replaced_frames(often, monkeypatch, tmp_path):
     """A journal that has grown is written again, and resumes as before."""
     monkeypatch.setattr(frames, "MOST_REPLACED", 0)

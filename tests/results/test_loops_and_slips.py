@@ -168,11 +168,18 @@ BLOCK = {"stiffness": 3.0, "speed": TURNS, "load": 0.4, "block": True}
 @pytest.mark.parametrize(
     "settings",
     [
-        {"drive": Pulled(stiffness=STIFFNESS, speed=TURNS)},
-        {"drive": Pulled(**BLOCK), "asperite": Asperite(kappa=4.0)},
-        {"drive": Pulled(**BLOCK), "elastic": {"modulus": 2.0, "poisson": 0.3}},
+        pytest.param({"drive": Pulled(stiffness=STIFFNESS, speed=TURNS)}, id="each bar"),
+        pytest.param(
+            {"drive": Pulled(**BLOCK), "asperite": Asperite(kappa=4.0)},
+            marks=pytest.mark.thorough,
+            id="block of pendulums",
+        ),
+        pytest.param(
+            {"drive": Pulled(**BLOCK), "elastic": {"modulus": 2.0, "poisson": 0.3}},
+            marks=pytest.mark.thorough,
+            id="block on a body with free edges",
+        ),
     ],
-    ids=["each bar", "block of pendulums", "block on a body with free edges"],
 )
 def test_a_loop_needs_no_forces(settings):
     """A run that records what is recorded by default has the pull of one that records forces."""

@@ -123,6 +123,7 @@ def test_the_sentence_where_work_is_less():
     assert said.endswith("friction holds those motions back more than it drives those motions.")
 
 
+@pytest.mark.thorough
 def test_a_periodic_page_says_what_is_not_drawn(result):
     """Places are not wrapped, so that a block leaves the other surface while it is in contact."""
     assert contents.PERIODIC not in contents.contents(result)["notes"]
