@@ -74,7 +74,30 @@ def _pushed():
     return replace(scene, surfaces=(upper, lower), interactions=(across, within))
 
 
-SCENES = {"rows": rows(), "pulled": _pulled(), "grids": _grids(), "pushed": _pushed()}
+def _baths():
+    """A free row with a bath that moves and turns, over bars with a warm bath, which are driven."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    cold = tribo.Bath(
+        masses=[0.1, 0.2],
+        frequencies=[2.0, 3.0],
+        inertias=[0.05],
+        torsional_frequencies=[1.5],
+    )
+    warm = tribo.Bath(masses=[0.1, 0.3], frequencies=[1.0, 2.5], temperature=0.01)
+    springs = tribo.Springs(stiffness=2.0)
+    upper = replace(upper, drive="free", bars="free", bath=cold, springs=springs)
+    lower = replace(lower, drive="bars", bath=warm)
+    return replace(scene, surfaces=(upper, lower))
+
+
+SCENES = {
+    "rows": rows(),
+    "pulled": _pulled(),
+    "grids": _grids(),
+    "pushed": _pushed(),
+    "baths": _baths(),
+}
 
 
 def compared(scene, method):
@@ -157,7 +180,10 @@ def pairs_of(scene, ledger, found):
         block = ledger.blocks[surface.name]
         for place, name in enumerate(OfSurface._fields):
             row = series[n * MEMBERS + place]
-            if name in block:
+            if name == "energy_bath" and surface.bath:
+                own = np.asarray(block["k_bath"]) + np.asarray(block["e_bath"])
+                yield f"{surface.name}.{name}", row, own
+            elif name in block:
                 yield f"{surface.name}.{name}", row, np.asarray(block[name])
             elif name in table:
                 yield f"{surface.name}.{name}", row, np.asarray(table[name]).sum(axis=1)

@@ -11,7 +11,7 @@ from tribo.compiler.jit import apart, inlined, kernel
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.kinematics import rod_position, rod_velocity
 from tribo.kernels.records import BARS, FORCED, X, Y
-from tribo.kernels.samples import SPRINGS, WITHIN
+from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages.limits import largest
 from tribo.live_pages.program import pool, widen
@@ -22,7 +22,8 @@ class OfSurface(NamedTuple):
     """Quantities of a surface: sums over its asperites, with the names of a ledger.
 
     Beside these, p1 is the power of the contact forces at the bobs and p1_cm at the velocities of
-    the centres of mass; p2 and p2_cm are those of the drives, at the bars.
+    the centres of mass; p2 and p2_cm are those of the drives, at the bars.  energy_bath is all
+    energy of the bath in the observer's frame, k_bath + e_bath of a ledger.
     """
 
     w1: Any
@@ -50,6 +51,8 @@ class OfSurface(NamedTuple):
     k_bar: Any
     e_torsion: Any
     e_springs: Any
+    energy_bath: Any
+    heat_bath: Any
     p1: Any
     p1_cm: Any
     p2: Any
@@ -88,7 +91,7 @@ class Drawn(NamedTuple):
 # Those of which the change since the start is shown.
 CHANGES = tuple(
     OfSurface._fields.index(name)
-    for name in ("delta_k_trans", "delta_e_int", "W_ps", "delta_K", "delta_E_int")
+    for name in ("delta_k_trans", "delta_e_int", "W_ps", "delta_K", "delta_E_int", "heat_bath")
 )
 MEMBERS = len(OfSurface._fields)
 WHOLE = len(OfWhole._fields)
@@ -322,6 +325,8 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
         k_bar=bar,
         e_torsion=torsion,
         e_springs=0.0,
+        energy_bath=0.0,
+        heat_bath=0.0,
         p1=f1x * bob_x + f1y * bob_y,
         p1_cm=f1x * cx + f1y * cy,
         p2=f2x * bar_x + f2y * bar_y,
@@ -353,24 +358,39 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
     return a.mass * now.vx, a.mass * now.vy
 
 
-W_PS, DELTA_K, DELTA_E_INT, E_SPRINGS = (
-    OfSurface._fields.index(name) for name in ("W_ps", "delta_K", "delta_E_int", "e_springs")
+W_PS, DELTA_K, DELTA_E_INT, E_SPRINGS, ENERGY_BATH, HEAT_BATH = (
+    OfSurface._fields.index(name)
+    for name in ("W_ps", "delta_K", "delta_E_int", "e_springs", "energy_bath", "heat_bath")
 )
 APPLIED = tuple(OfSurface._fields.index(name) for name in ("w2", "wL", "wR"))
+
+
+@inlined
+def boosted(stored, mass, vx, vy):
+    """What a bath of a mass has more of energy where it moves faster by a velocity."""
+    common = vx * stored[MOMENTUM_X] + vy * stored[MOMENTUM_Y]
+    return common + 0.5 * mass * (vx * vx + vy * vy)
 
 
 @kernel
 def bulk(scene, samples, index, k, frame, momentum, first, series):
     """Set what a surface has as a whole, from the momentum of its asperites in its first frame."""
     surface = scene.surfaces[index]
+    stored = samples.stored[k, index]
     mass = surface.total_mass
-    lag_x = momentum[0] / mass
-    lag_y = momentum[1] / mass
+    lag_x = (momentum[0] + stored[MOMENTUM_X]) / mass
+    lag_y = (momentum[1] + stored[MOMENTUM_Y]) / mass
     moving = 0.5 * mass * (lag_x * lag_x + lag_y * lag_y)
-    stored = samples.stored[k, index, SPRINGS] + samples.stored[k, index, WITHIN]
+    bath = stored[BATH] + stored[TORSIONAL]
     series[first + DELTA_K, k] = mass * (frame.vx * lag_x + frame.vy * lag_y) + moving
-    series[first + DELTA_E_INT, k] += stored - moving
-    series[first + E_SPRINGS, k] = samples.stored[k, index, SPRINGS]
+    series[first + DELTA_E_INT, k] += stored[SPRINGS] + stored[WITHIN] + bath - moving
+    series[first + E_SPRINGS, k] = stored[SPRINGS]
+    mass_of_bath = mass - surface.mass
+    series[first + ENERGY_BATH, k] = bath + boosted(stored, mass_of_bath, frame.vx, frame.vy)
+    if surface.drive == BARS:
+        series[first + HEAT_BATH, k] = bath
+    else:  # in the motion with the surface
+        series[first + HEAT_BATH, k] = bath + boosted(stored, mass_of_bath, -lag_x, -lag_y)
     if surface.acc_block >= 0:
         series[first + W_PS, k] += samples.s[k, surface.acc_block]
     elif surface.drive == BARS:  # a constraint provides the change of momentum

@@ -32,6 +32,7 @@ KNOWN = {
     *(Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF),
     *(Effect.DRIVEN_BARS, Effect.TURNING_BARS, Effect.PULL, Effect.PUSH, Effect.LOAD),
     *(Effect.SPRINGS, Effect.FIELD, Effect.CONTACT_WITHIN, Effect.PERIODIC),
+    *(Effect.BATH, Effect.TORSIONAL_BATH),
 }
 MOST_ASPERITES = 200
 MOST_SAMPLES = 1001
@@ -131,6 +132,7 @@ def _drawn(surface: Surface) -> dict[str, Any]:
         "barLength": values["bar_length"].tolist(),
         "depth": surface.resting_bobs()[:, 2].tolist(),
         "centre": (values["m1"] / (values["m1"] + values["m2"])).tolist(),
+        "hasBath": bool(surface.bath),
         "twisted": bool(np.any(has_spring(surface))),
         "bonds": np.asarray(joined_bars(surface)).ravel().tolist(),
     }

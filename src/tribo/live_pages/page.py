@@ -92,7 +92,7 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
     ----------
     scene : Scene
         Up to 200 asperites, with any potential: one on one, or rows and grids with springs, fields,
-        loads, pulled, pushed or driven bars; without baths, reservoirs, schedules, rigid asperites,
+        loads, baths, pulled, pushed or driven bars; without reservoirs, schedules, rigid asperites,
         blocks and elastic bodies.
     path : str or Path
         The file, which is replaced if it exists.
