@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.kernels.records import BARS, FORCED, X, Y
+from tribo.kernels.records import BARS, FORCED, MOVED, X, Y
 from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages.lattice_loop import Legs, leg_at, set_leg
 from tribo.live_pages.limits import largest
 from tribo.live_pages.program import pool, widen
 from tribo.live_pages.quantities import DIMENSIONS, ONLY_HERE, Entry, boost, pseudowork, total, work
@@ -115,6 +116,7 @@ class Scene(NamedTuple):
     field_accounts: Any  # accounts of moving fields
     columns: Any  # those of the asperites, in the tables of the kernels
     core: Any  # number of coordinates in a sample
+    legs: Legs
 
 
 class Samples(NamedTuple):
@@ -165,6 +167,15 @@ def account(s, k, a, slot, place):
     return sampled(s, k, slot + place * a.stride if slot >= 0 else -1, 0.0)
 
 
+@inlined
+def tilted(a, phi):
+    """The displacement of a bar of a block that tilts, about the mean of all; 0 of others."""
+    sin = math.sin(phi)
+    half = math.sin(0.5 * phi)
+    versine = 2.0 * half * half
+    return -versine * a.arm_x - sin * a.arm_y, sin * a.arm_x - versine * a.arm_y
+
+
 @kernel
 def motion_of(scene, samples, i, k):
     """Swing, turn, place and velocity of the ith asperite at the kth sample."""
@@ -180,6 +191,7 @@ def motion_of(scene, samples, i, k):
     tx = a.facing * math.cos(swing)
     ty = a.facing * math.sin(swing)
     around = a.pivot * omega
+    bar_x, bar_y = tilted(a, phi)
     return Motion(
         swing,
         omega,
@@ -187,10 +199,14 @@ def motion_of(scene, samples, i, k):
         nu,
         tx,
         ty,
-        sampled(y, k, a.dof_x, 0.0) + a.pivot * ty,
-        sampled(y, k, a.dof_y, 0.0) + a.pivot * (a.facing * 2.0 * half * half),
-        sampled(y, k, core + a.dof_x if a.dof_x >= 0 else -1, 0.0) + around * tx,
-        sampled(y, k, core + a.dof_y if a.dof_y >= 0 else -1, 0.0) + around * ty,
+        sampled(y, k, a.dof_x, 0.0) + a.pivot * ty + bar_x,
+        sampled(y, k, a.dof_y, 0.0) + a.pivot * (a.facing * 2.0 * half * half) + bar_y,
+        sampled(y, k, core + a.dof_x if a.dof_x >= 0 else -1, 0.0)
+        + around * tx
+        - nu * (a.arm_y + bar_y),
+        sampled(y, k, core + a.dof_y if a.dof_y >= 0 else -1, 0.0)
+        + around * ty
+        + nu * (a.arm_x + bar_x),
     )
 
 
@@ -221,13 +237,14 @@ def contact_entry(s, k, a):
 
 @kernel
 def end_entry(s, k, a, is_right):
-    """Of an end of the bar; a clamp exerts the opposite of its force on the left one."""
+    """Of an end of the bar: of a clamp, opposite on the right one, and of a plug-in's force."""
     side = -1.0 if is_right == 1 else 1.0
+    own = a.acc_user_ends
     return Entry(
-        account(s, k, a, a.acc_ends, is_right),
-        side * account(s, k, a, a.acc_ends, 2),
-        side * account(s, k, a, a.acc_ends, 3),
-        side * account(s, k, a, a.acc_ends, 4),
+        account(s, k, a, a.acc_ends, is_right) + account(s, k, a, own, is_right),
+        account(s, k, a, own, 2 + 2 * is_right) + side * account(s, k, a, a.acc_ends, 2),
+        account(s, k, a, own, 3 + 2 * is_right) + side * account(s, k, a, a.acc_ends, 3),
+        account(s, k, a, own, 6 + is_right) + side * account(s, k, a, a.acc_ends, 4),
     )
 
 
@@ -289,7 +306,8 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
     twist = now.swing - now.phi
     torsion = 0.5 * a.kappa * (twist * twist)
     energy = turning + bar + torsion
-    around = a.pivot * now.omega if a.dof_x < 0 else 0.0
+    is_held = a.dof_x < 0 or surface.drive == MOVED
+    around = a.pivot * now.omega if is_held else 0.0
     numbers = scene.numbers
     t = samples.times[k]
     x = numbers[ORIGIN_X] + (a.x + frame.vx * t + now.x)
@@ -398,7 +416,7 @@ def bulk(scene, samples, index, k, frame, momentum, first, series):
 
 
 @apart
-def set_forces(model, neighbours, samples, k, q, v):
+def set_forces(model, neighbours, legs, samples, k, q, v):
     """Set all forces in sample k."""
     places = samples.places
     half = places.size // 2
@@ -406,8 +424,10 @@ def set_forces(model, neighbours, samples, k, q, v):
         q[places[m]] = samples.y[k, m]
         v[places[m]] = samples.y[k, half + m]
     t = samples.times[k]
+    set_leg(model, legs, leg_at(legs, t))
     equations.update_neighbours(model, neighbours, t, q)
     equations.all_forces(model, neighbours, t, q, v)
+    equations.join_blocks(model, t, q, v)
 
 
 def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached, series, drawn):
@@ -422,7 +442,7 @@ def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached,
     series[:] = 0.0
     last = surfaces * MEMBERS
     for k in range(count):
-        set_forces(model, neighbours, samples, k, q, v)
+        set_forces(model, neighbours, scene.legs, samples, k, q, v)
         i = 0
         for n in range(surfaces):
             first = n * MEMBERS

@@ -10,12 +10,18 @@ import numpy as np
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels import records as rows
+from tribo.kernels import schedule
 from tribo.layout.layout import Layout
+from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import resting_bobs
+from tribo.live_pages.lattice_loop import set_leg
 from tribo.live_pages.setup import masses_and_arms
 
 # Rows of the table of parameters, one column an asperite.
 M1, M2, LENGTH, KAPPA, BAR_LENGTH, I2, BOB_Y = range(7)
+# Columns of the table of sines.
+PERIOD, MEAN, AMPLITUDE, PHASE, IS_INTEGRAL, DRIFT = range(6)
+SINES = 6
 NAMES = ("m1", "m2", "length", "kappa", "bar_length", "i2")
 # Numbers of an asperite and rows of tables that follow from the parameters.
 OF_ASPERITE = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "y")
@@ -37,22 +43,61 @@ def parameters_of(layout: Layout) -> np.ndarray:
     return table
 
 
+def sines_of(layout: Layout) -> np.ndarray:
+    """The numbers of all schedules that are sines, (1 + schedules, 6), as rows of their table.
+
+    Rows of other schedules are 0.
+    """
+    numbers = scheduled_numbers(layout.scene)
+    table = np.zeros((1 + len(numbers), SINES))
+    for row, each in enumerate(numbers, start=1):
+        own = each.schedule
+        if own.is_sine:
+            is_integral = float(each.is_integral)
+            table[row] = own.period, own.mean, own.amplitude, own.phase, is_integral, each.drift
+    return table
+
+
+@kernel
+def set_sine(table, sine):
+    """Set a row of a table of schedules from the numbers of a sine, or of its integral."""
+    mean, amplitude, phase = sine[MEAN], sine[AMPLITUDE], sine[PHASE]
+    frequency = 2.0 * math.pi / sine[PERIOD]
+    table[schedule.FREQUENCY] = frequency
+    if sine[IS_INTEGRAL] > 0.0:
+        swing = amplitude / frequency
+        table[schedule.C0] = swing * math.cos(phase)
+        table[schedule.C1] = mean - sine[DRIFT]
+        table[schedule.AMPLITUDE] = swing
+        table[schedule.PHASE] = phase - 0.5 * math.pi
+    else:
+        table[schedule.C0] = mean
+        table[schedule.C1] = -sine[DRIFT]
+        table[schedule.AMPLITUDE] = amplitude
+        table[schedule.PHASE] = phase
+
+
 @kernel
 def set_constants(constants, i, mass, inertia, l1, l2, parameters, pivot, turns):
-    """Set a column of the table of constants; driven bars keep their infinite mass."""
+    """Set a column of the table of constants.
+
+    Driven bars keep their infinite mass, and rigid asperites their infinite inertia and no kappa.
+    """
     if not math.isinf(constants[rows.MASS, i]):
         constants[rows.MASS, i] = mass
-    about = inertia + mass * (pivot * pivot)
+    is_rigid = math.isinf(constants[rows.INERTIA, i])
+    kappa = 0.0 if is_rigid else parameters[KAPPA]
+    about = constants[rows.INERTIA, i] if is_rigid else inertia + mass * (pivot * pivot)
     mobility = 1.0 / about
     if turns:
         mobility += 1.0 / parameters[I2]
     constants[rows.INERTIA, i] = about
-    constants[rows.KAPPA, i] = parameters[KAPPA]
+    constants[rows.KAPPA, i] = kappa
     constants[rows.L1, i] = l1 + pivot
     constants[rows.L2, i] = 0.0 if pivot > 0.0 else l2
     constants[rows.I2, i] = parameters[I2]
     constants[rows.BAR_LENGTH, i] = parameters[BAR_LENGTH]
-    constants[rows.FREQUENCY, i] = math.sqrt(parameters[KAPPA] * mobility)
+    constants[rows.FREQUENCY, i] = math.sqrt(kappa * mobility)
     constants[rows.INVERSE_MASS, i] = 1.0 / constants[rows.MASS, i]
     constants[rows.INVERSE_INERTIA, i] = 1.0 / about
     constants[rows.INVERSE_BAR_LENGTH, i] = 1.0 / parameters[BAR_LENGTH]
@@ -68,7 +113,7 @@ def set_asperite(model, scene, table, i):
     pivot = l2 if a.pivot > 0.0 else 0.0
     a.mass = mass
     a.inertia = inertia
-    a.kappa = parameters[KAPPA]
+    a.kappa = 0.0 if s.fixed > 0 else parameters[KAPPA]
     a.l1 = l1
     a.l2 = l2
     a.i2 = parameters[I2]
@@ -87,8 +132,13 @@ def set_asperite(model, scene, table, i):
     return mass
 
 
-def live_setup(model, scene, table):
-    """Set all that follows from the table of parameters."""
+def live_setup(model, scene, table, sines):
+    """Set all that follows from the table of parameters, and from the numbers of sines."""
+    for row in range(sines.shape[0]):
+        if sines[row, PERIOD] > 0.0:
+            for leg in range(scene.legs.tables.shape[0]):
+                set_sine(scene.legs.tables[leg, row], sines[row])
+    set_leg(model, scene.legs, 0)
     i = 0
     for n in range(scene.surfaces.shape[0]):
         mass = 0.0
