@@ -17,7 +17,7 @@ from tribo.live_pages.lattice import Program, program_of
 from tribo.model.drive import Drive
 from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.scene import Scene
-from tribo.model.schedule import OF_SINE, Schedule
+from tribo.model.schedule import OF_SINE, changes
 from tribo.model.tables import field_names
 from tribo.potentials.by_key import values_by_key
 from tribo.validation import InputError
@@ -68,7 +68,7 @@ def _numbers_of_schedules(drive: Drive) -> list[str]:
         if isinstance(value, tuple):
             parts = {f"{name}.{axis}": each for axis, each in enumerate(value)}
         for key, each in parts.items():
-            if not isinstance(each, Schedule):
+            if not changes(each):
                 continue
             if each.is_sine:
                 found += [f"{key}.{number}" for number in OF_SINE]
