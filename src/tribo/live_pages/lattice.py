@@ -21,6 +21,7 @@ from tribo.live_pages.lattice_setup import (
     OF_ASPERITE,
     OF_SURFACE,
     PERIOD,
+    hung_in,
     live_setup,
     parameters_of,
     sines_of,
@@ -82,7 +83,9 @@ def program_of(
     scene = _scene_of(layout)
     model = loop.model
     sines = sines_of(layout)
-    given = keep(model), scene, parameters_of(layout), sines
+    y = loop.state.y
+    hung = hung_in(layout, y)
+    given = keep(model), scene, parameters_of(layout), sines, hung
     setup = Call("setup", live_setup, given)
     calls: dict[str, tuple[Call, ...]] = {}
     results: dict[str, dict[str, np.ndarray]] = {}
@@ -127,6 +130,8 @@ def program_of(
         model.each[Y_START],
         model.pivots,
         model.schedules,
+        hung.displaced,
+        *(y[place : place + 1] for place in hung.oscillators[:, 2].tolist()),
         *(scene.legs.tables[:, row] for row in np.flatnonzero(sines[:, PERIOD] > 0.0)),
     )
     names = tuple(codes[each][0] for each in units)
@@ -178,6 +183,7 @@ def _scene_of(layout: Layout) -> quantities.Scene:
         numbers=np.concatenate([origin, layout.velocities.ravel()]),
         field_accounts=np.array(layout.accounts_of_fields, np.int64),
         columns=np.asarray(layout.places.columns, np.int64),
+        swings=np.asarray(layout.places.q[: layout.scene.count], np.int64),
         core=layout.core,
         legs=legs_of_page(layout),
     )

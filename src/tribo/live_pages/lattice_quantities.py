@@ -115,6 +115,7 @@ class Scene(NamedTuple):
     numbers: Any  # (VELOCITIES + 2 surfaces,)
     field_accounts: Any  # accounts of moving fields
     columns: Any  # those of the asperites, in the tables of the kernels
+    swings: Any  # those of the swings, in the state of the kernels
     core: Any  # number of coordinates in a sample
     legs: Legs
 

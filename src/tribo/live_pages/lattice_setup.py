@@ -4,16 +4,18 @@ The rules are those of :mod:`tribo.layout.tables`; ``tests/live_pages`` compares
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels import records as rows
 from tribo.kernels import schedule
 from tribo.layout.layout import Layout
 from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import resting_bobs
+from tribo.layout.start import bath_slots
 from tribo.live_pages.lattice_loop import set_leg
 from tribo.live_pages.setup import masses_and_arms
 
@@ -56,6 +58,59 @@ def sines_of(layout: Layout) -> np.ndarray:
             is_integral = float(each.is_integral)
             table[row] = own.period, own.mean, own.amplitude, own.phase, is_integral, each.drift
     return table
+
+
+class Hung(NamedTuple):
+    """Oscillators of baths, which start at their bars, or drawn about these.
+
+    A pendulum that starts with a swing displaces its bar, if that can move.
+    """
+
+    displaced: Any  # (2, asperites) of the bars in the start that `y` has, along x and y
+    oscillators: Any  # (n, 3) asperite, axis, and place in y of each coordinate
+    y: Any  # the state
+
+
+@inlined
+def displaced_bar(a, swing):
+    """The displacement of a bar by the swing of its pendulum; 0 where the bar is held."""
+    arm = (a.l2 - a.pivot) * a.facing
+    half = math.sin(0.5 * swing)
+    return -arm * math.sin(swing), -arm * 2.0 * (half * half)
+
+
+def hung_in(layout: Layout, y: np.ndarray) -> Hung:
+    """The oscillators of a scene whose start stands in `y`, as its loop has it."""
+    scene = layout.scene
+    swings = layout.start.tolist()
+    bars = [
+        displaced_bar.py_func(a, swing)
+        for a, swing in zip(layout.asperites, swings[: scene.count], strict=True)
+    ]
+    found = []
+    for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
+        own = layout.asperites[part]
+        for axis, slots in enumerate(bath_slots(own, surface.bath)[:2]):
+            for i, each in enumerate(layout.places.q[slots].tolist(), start=part.start):
+                found += [(i, axis, place) for place in each]
+    return Hung(np.array(bars).T.copy(), np.array(found, np.int64).reshape(-1, 3), y)
+
+
+@kernel
+def hang_baths(scene, hung):
+    """Displace oscillators with their bars."""
+    before = hung.displaced
+    for n in range(hung.oscillators.shape[0]):
+        i = hung.oscillators[n, 0]
+        place = hung.oscillators[n, 2]
+        now = displaced_bar(scene.asperites[i], hung.y[scene.swings[i]])
+        axis = hung.oscillators[n, 1]
+        change = now[0] - before[0, i] if axis == 0 else now[1] - before[1, i]
+        hung.y[place] += change
+    for i in range(scene.asperites.shape[0]):
+        x, y = displaced_bar(scene.asperites[i], hung.y[scene.swings[i]])
+        before[0, i] = x
+        before[1, i] = y
 
 
 @kernel
@@ -132,8 +187,8 @@ def set_asperite(model, scene, table, i):
     return mass
 
 
-def live_setup(model, scene, table, sines):
-    """Set all that follows from the table of parameters, and from the numbers of sines."""
+def live_setup(model, scene, table, sines, hung):
+    """Set all that follows from the parameters of asperites, the numbers of sines, and swings."""
     for row in range(sines.shape[0]):
         if sines[row, PERIOD] > 0.0:
             for leg in range(scene.legs.tables.shape[0]):
@@ -151,4 +206,5 @@ def live_setup(model, scene, table, sines):
         own.mass = theirs.mass = mass
         own.total_mass = theirs.total_mass = whole
         own.inverse_total_mass = theirs.inverse_total_mass = 1.0 / whole
+    hang_baths(scene, hung)
     return 0
