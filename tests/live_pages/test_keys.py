@@ -9,7 +9,7 @@ import tribo
 from tribo import InputError
 from tribo.live_pages.controls import controls_of
 from tribo.live_pages.inputs import INPUTS
-from tribo.live_pages.keys import keys_of, numbers_at
+from tribo.live_pages.keys import Key, keys_of, numbers_at
 from tribo.live_pages.source import check
 from tribo.model.parameters import value_of, with_values
 
@@ -97,7 +97,9 @@ def test_one_of_two_numbers():
     assert grid.sizes["upper.bob.1"] == 2
 
 
-PULLED_LATER = tribo.Pulled(stiffness=1.0, speed=tribo.Schedule([[0.0, 0.0], [5.0, 0.5]]))
+ELASTIC = {"shape": (4, 1), "spacing": (3.0, 3.0), "elastic": tribo.Elastic(1.0, 0.3)}
+PULLED = tribo.Pulled(stiffness=1.0, speed=tribo.Schedule([[0.0, 0.0], [5.0, 0.5]]))
+SHAKEN = tribo.Moved(speed=(0.5765, tribo.Schedule.sine(mean=0.0, amplitude=0.1, period=2.0)))
 
 
 @pytest.mark.parametrize(
@@ -105,9 +107,8 @@ PULLED_LATER = tribo.Pulled(stiffness=1.0, speed=tribo.Schedule([[0.0, 0.0], [5.
     [
         ({"shape": (20, 10), "spacing": (3.0, 3.0)}, "it has 201 asperites"),
         ({"langevin": tribo.Langevin(gamma=0.1)}, "it has langevin"),
-        ({"bath": tribo.Bath(masses=[0.1], frequencies=[1.0])}, "it has bath"),
-        ({"asperite": tribo.Asperite(kappa=np.inf)}, "it has rigid asperites"),
-        ({"drive": PULLED_LATER}, "it has schedule"),
+        ({"langevin": tribo.Langevin(gamma=0.1, on="swing")}, "it has swing langevin"),
+        (ELASTIC | {"drive": tribo.Free(load=0.0)}, "it has elastic body"),
     ],
 )
 def test_what_cannot_go_in(change, reason):
@@ -118,6 +119,35 @@ def test_what_cannot_go_in(change, reason):
         check(scene)
     assert reason in str(caught.value)
     assert "--slider" in str(caught.value) and "tribo play" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"bath": tribo.Bath(masses=[0.1], frequencies=[1.0])},
+        {"asperite": tribo.Asperite(kappa=np.inf)},
+        {"drive": PULLED},
+        {"drive": replace(PULLED, block=True, tilt="free", load=0.1), "shape": (2, 1)},
+        {"drive": SHAKEN, "velocity": (0.5765, 0.0)},
+    ],
+)
+def test_what_can_go_in(change):
+    upper, lower = SCENE.surfaces
+    change = change | ({"spacing": (3.0, 0.0)} if "shape" in change else {})
+    check(replace(SCENE, surfaces=(replace(upper, **change), lower)))
+
+
+def test_usual_sliders_set_what_surfaces_have():
+    """One slider sets all surfaces, or the one that has the number; numbers of drives have some."""
+    upper, lower = SCENE.surfaces
+    rigid = replace(lower, asperite=tribo.Asperite(kappa=np.inf))
+    scene = replace(SCENE, surfaces=(replace(upper, drive=PULLED), rigid))
+    names = ("upper.asperite.m1", "lower.asperite.m1", "upper.asperite.kappa")
+    keys = [Key(key, 1.0, ()) for key in (*names, "upper.drive.stiffness")]
+    found = [each.key for each in controls_of(scene, None, keys, has_choices=False).shown]
+    assert found == ["upper.asperite.kappa", "*.asperite.m1", "upper.drive.stiffness"]
+    with pytest.raises(InputError, match=r"controls\.\*\.asperite\.kappa"):
+        controls_of(scene, {"*.asperite.kappa": None}, keys, has_choices=False)
 
 
 def test_arrays():

@@ -135,7 +135,7 @@ def test_in_a_browser(page):
         for name in ("Energy", "Numbers", "Many starts", "Files", "End value"):
             tab.get_by_role("tab", name=name).click()
             tab.wait_for_timeout(50)
-        check_accessible(tab)
+            check_accessible(tab)
         check_stopped(browser, page)
         check_laws(browser, page.with_name("laws.html"), problems)
         browser.close()

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 import tribo
+from support.crossed import Push, Turn
 from support.lattice_machine import LatticeMachine
 from tribo.integrators import methods
 from tribo.layout.layout import lay_out
@@ -74,7 +75,93 @@ def _pushed():
     return replace(scene, surfaces=(upper, lower), interactions=(across, within))
 
 
-SCENES = {"rows": rows(), "pulled": _pulled(), "grids": _grids(), "pushed": _pushed()}
+def _baths():
+    """A free row with a bath that moves and turns, over bars with a warm bath, which are driven."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    cold = tribo.Bath(
+        masses=[0.1, 0.2],
+        frequencies=[2.0, 3.0],
+        inertias=[0.05],
+        torsional_frequencies=[1.5],
+    )
+    warm = tribo.Bath(masses=[0.1, 0.3], frequencies=[1.0, 2.5], temperature=0.01)
+    springs = tribo.Springs(stiffness=2.0)
+    upper = replace(upper, drive="free", bars="free", bath=cold, springs=springs)
+    lower = replace(lower, drive="bars", bath=warm)
+    return replace(scene, surfaces=(upper, lower))
+
+
+def _schedules():
+    """A pulled row whose stage starts and stops, over one with a load that oscillates."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    stops = tribo.Schedule([(1.0, 0.0), (2.0, 0.6), (4.03, 0.6), (5.0, 0.1)])
+    upper = replace(upper, drive=tribo.Pulled(stiffness=1.0, speed=stops))
+    load = tribo.Schedule.sine(mean=0.05, amplitude=0.03, period=2.5, phase=0.4)
+    lower = replace(lower, drive=tribo.Free(load=load))
+    return replace(scene, surfaces=(upper, lower))
+
+
+def _moved():
+    """Pendulums on bars that start, stop and shake, over driven bars of rigid asperites."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    along = tribo.Schedule([(0.0, 0.5), (3.0, 0.5), (4.0, 0.1), (5.11, 0.1), (6.0, 0.4)])
+    shaken = tribo.Schedule.sine(mean=0.0, amplitude=0.1, period=1.5)
+    upper = replace(upper, drive=tribo.Moved(speed=(along, shaken)))
+    lower = replace(lower, asperite=tribo.Asperite(kappa=np.inf), drive="forced")
+    return replace(scene, surfaces=(upper, lower))
+
+
+def _blocks():
+    """A block of pendulums, pulled with dampers under a load, over a free block of rigid ones."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    drive = tribo.Pulled(
+        stiffness=1.0, speed=0.5, load=0.1, block=True, stiffness_y=0.5, damping=0.2, damping_y=0.1
+    )
+    upper = replace(upper, drive=drive)
+    steps = tribo.Schedule([(0.0, 0.0), (3.3, 0.1), (6.0, 0.0)], kind="steps")
+    push = tribo.Pushed(force=(steps, 0.05), block=True)
+    lower = replace(lower, asperite=tribo.Asperite(kappa=np.inf), drive=push)
+    return replace(scene, surfaces=(upper, lower))
+
+
+def _tilting():
+    """A block of pendulums that turns, over one of rigid asperites that turns."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    drive = tribo.Pulled(
+        stiffness=1.0, speed=0.5, load=0.1, block=True, tilt="free", stiffness_y=2.0
+    )
+    upper = replace(upper, drive=drive)
+    push = tribo.Pushed(force=(0.05, 0.02), block=True, tilt="free")
+    lower = replace(lower, asperite=tribo.Asperite(kappa=np.inf), drive=push)
+    return replace(scene, surfaces=(upper, lower))
+
+
+def _own():
+    """Bars with a drive of one's own, over bars with such forces on their ends."""
+    scene = rows()
+    upper, lower = scene.surfaces
+    upper = replace(upper, drive=tribo.Custom(force=Push(0.1)))
+    lower = replace(lower, drive="free", bars=tribo.Ends(Turn(0.1)))
+    return replace(scene, surfaces=(upper, lower))
+
+
+SCENES = {
+    "rows": rows(),
+    "pulled": _pulled(),
+    "grids": _grids(),
+    "pushed": _pushed(),
+    "baths": _baths(),
+    "schedules": _schedules(),
+    "moved": _moved(),
+    "blocks": _blocks(),
+    "tilting": _tilting(),
+    "own": _own(),
+}
 
 
 def compared(scene, method):
@@ -157,7 +244,10 @@ def pairs_of(scene, ledger, found):
         block = ledger.blocks[surface.name]
         for place, name in enumerate(OfSurface._fields):
             row = series[n * MEMBERS + place]
-            if name in block:
+            if name == "energy_bath" and surface.bath:
+                own = np.asarray(block["k_bath"]) + np.asarray(block["e_bath"])
+                yield f"{surface.name}.{name}", row, own
+            elif name in block:
                 yield f"{surface.name}.{name}", row, np.asarray(block[name])
             elif name in table:
                 yield f"{surface.name}.{name}", row, np.asarray(table[name]).sum(axis=1)
@@ -176,8 +266,7 @@ def pairs_of(scene, ledger, found):
 def main(names):
     for name in names:
         scene = SCENES[name]
-        refused = methods.refusal(methods.named(METHODS[0]), scene)
-        method = METHODS[1] if refused else METHODS[0]
+        method = next(m for m in METHODS if not methods.refusal(methods.named(m), scene))
         print(json.dumps({"name": name, **compared(scene, method)}), flush=True)
 
 

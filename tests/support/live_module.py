@@ -17,7 +17,10 @@ PAGE, STACK, CLOCK = 65536, 1 << 17, 1024
 # Functions that a table has room for.
 TABLE = 64
 FUNCTIONS = {
-    **{name: (1, getattr(math, name)) for name in ("sin", "cos", "tan", "exp", "log", "sqrt")},
+    **{
+        name: (1, getattr(math, name))
+        for name in ("sin", "cos", "tan", "exp", "log", "log1p", "sqrt")
+    },
     "pow": (2, math.pow),
     "hypot": (2, math.hypot),
 }

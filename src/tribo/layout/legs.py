@@ -102,8 +102,12 @@ def begun_of(number: Scheduled, begun: np.ndarray) -> float:
     return float(begun[number.surface, BEGUN.index(number.clock)])
 
 
-def legs_of(scene: Scene, begun: np.ndarray) -> Legs:
-    """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`."""
+def legs_of(scene: Scene, begun: np.ndarray, until: float | None = None) -> Legs:
+    """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`.
+
+    The last ends at a time `until`, by default the duration.
+    """
+    until = scene.duration if until is None else until
     numbers = scheduled_numbers(scene)
     same = SAME * scene.duration
     starts = [begun_of(each, begun) for each in numbers]
@@ -114,10 +118,10 @@ def legs_of(scene: Scene, begun: np.ndarray) -> Legs:
     ]
     kinks: list[float] = []
     for time in sorted(times):
-        inside = same < time < scene.duration - same
+        inside = same < time < until - same
         if inside and (not kinks or time - kinks[-1] > same):
             kinks.append(time)
-    ends = [0.0, *kinks, scene.duration]
+    ends = [0.0, *kinks, until]
     tables = np.zeros((len(ends) - 1, 1 + len(numbers), COLUMNS))
     for leg, table in enumerate(tables):
         middle = 0.5 * (ends[leg] + ends[leg + 1])

@@ -36,6 +36,8 @@ def flat_arguments(arguments: Any, image: Image) -> list[Argument]:
             found += flat_arguments(each, image)
         elif isinstance(each, float):
             found.append(Argument("number", each))
+        elif each is None:
+            found.append(NULL)
         else:
             found.append(Argument("integer", int(each)))
     return found

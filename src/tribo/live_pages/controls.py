@@ -30,11 +30,16 @@ LABELS = {
     "asperite.m2": "bar mass m\N{SUBSCRIPT TWO}",
     "asperite.length": "rod length",
     "drive": "drive",
+    "drive.stiffness": "stiffness of the pulling spring",
+    "drive.speed": "speed of the stage",
+    "drive.load": "load",
 }
 # Parameters of potentials that are their strength, the most telling one first.
 STRENGTHS = ("strength", "epsilon", "D", "height", "A", "factor")
 # Parameters of asperites with a slider, which sets both surfaces.
 OF_BOTH = ("asperite.kappa", "asperite.m1", "asperite.m2", "asperite.length")
+# Numbers of drives that have sliders, at most.
+MOST_OF_DRIVES = 4
 # Ranges in units of the present value.
 RANGES = {
     "asperite.kappa": (0.1, 5.0),
@@ -175,21 +180,26 @@ def _usual(scene: Scene, keys: tuple[Key, ...], choices: tuple[Choice, ...]) -> 
     )
     wanted = [strength, f"{upper}.bob.1", f"{moving}.velocity"]
     for name in OF_BOTH:
-        values = {key.value for key in keys if key.key.endswith(f".{name}")}
-        wanted.append(f"*.{name}" if len(values) == 1 else f"{upper}.{name}")
+        own = [key for key in keys if key.key.endswith(f".{name}")]
+        is_one = len(own) == len(scene.surfaces) and len({key.value for key in own}) == 1
+        wanted += [f"*.{name}"] if is_one else [key.key for key in own[:1]]
+    wanted += [key.key for key in keys if ".drive." in key.key][:MOST_OF_DRIVES]
     wanted += [f"{upper}.drive", "duration"]
-    return {key: None for key in wanted if key is not None and _known(known, key, upper)}
+    return {key: None for key in wanted if key is not None and _plain(scene, key)[0] in known}
 
 
-def _known(known: set[str], key: str, upper: str) -> bool:
-    return key.replace("*", upper, 1) in known
+def _plain(scene: Scene, key: str) -> list[str]:
+    """A key, or those of all surfaces that a key with * in place of a name stands for."""
+    if not key.startswith("*."):
+        return [key]
+    return [surface.name + key[1:] for surface in scene.surfaces]
 
 
 def _control(scene: Scene, known: Mapping[str, Any], key: str, given: Any) -> Control:
     """A control of a key: with None the usual range, else a range or a table of its own."""
-    first = scene.surfaces[0].name
-    plain = key.replace("*", first, 1) if key.startswith("*.") else key
-    if plain not in known:
+    every = _plain(scene, key)
+    plain = every[0]
+    if not all(each in known for each in every):
         problem = (
             "has no control: it is no number of this scene that a page can change; `tribo play` "
             "changes all values"

@@ -11,18 +11,21 @@ from tribo.compiler.kept import keep
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.units import unit_codes
 from tribo.integrators.methods import named
-from tribo.integrators.splitting import splitting_steps
 from tribo.kernels.model import Model, Neighbours
 from tribo.kernels.records import Y_START
 from tribo.layout.layout import Layout
 from tribo.live_pages import lattice_quantities as quantities
 from tribo.live_pages.image import Image, image_of
+from tribo.live_pages.lattice_loop import legs_of_page, loop_of_page
 from tribo.live_pages.lattice_setup import (
     CONSTANTS,
     OF_ASPERITE,
     OF_SURFACE,
+    PERIOD,
+    hung_in,
     live_setup,
     parameters_of,
+    sines_of,
 )
 from tribo.loops.general import GeneralLoop
 from tribo.loops.setting import Setting
@@ -80,7 +83,11 @@ def program_of(
     scratch = room((layout.room[0],)), room((layout.room[0],))
     scene = _scene_of(layout)
     model = loop.model
-    setup = Call("setup", live_setup, (keep(model), scene, parameters_of(layout)))
+    sines = sines_of(layout)
+    y = loop.state.y
+    hung = hung_in(layout, y)
+    given = keep(model), scene, parameters_of(layout), sines, hung
+    setup = Call("setup", live_setup, given)
     calls: dict[str, tuple[Call, ...]] = {}
     results: dict[str, dict[str, np.ndarray]] = {}
     searched = (*_found_by(lists), *_found_by(loop.neighbours))
@@ -88,6 +95,8 @@ def program_of(
     for name, times in {FULL: layout.times, SHORT: layout.times[[0, -1]]}.items():
         own = times.copy()
         series, other = np.zeros((rows, own.size)), np.zeros((rows, own.size))
+        stops = np.zeros(own.size)
+        of_loop = _arguments_of_loop(loop, own, columns, scene, stops)
         drawn = np.zeros((len(quantities.Drawn._fields), own.size, layout.scene.count))
         errors = np.zeros(rows)
         samples = quantities.Samples(own, *columns[:5], loop.recorded[0])  # type: ignore[call-arg]
@@ -97,7 +106,7 @@ def program_of(
         compared = series, other, reached, others, dimensions, errors, accuracy
         calls[name] = (
             setup,
-            Call("steps", splitting_steps, loop.arguments(own, columns, MOST_STEPS)),
+            Call("steps", loop_of_page(method), of_loop),
             Call("quantities", quantities.live_quantities, seen),
             Call("errors", quantities.live_errors, compared),
         )
@@ -109,7 +118,7 @@ def program_of(
             "reached": reached,
             "others": others,
         }
-        written = *written, *results[name].values()
+        written = *written, stops, *results[name].values()
         results[name]["times"] = own
     codes = known_units()
     words = np.concatenate([each.view(np.int64).ravel() for each in _units_of(loop.model)])
@@ -121,10 +130,25 @@ def program_of(
         *(model.constants[row] for row in CONSTANTS),
         model.each[Y_START],
         model.pivots,
+        model.schedules,
+        hung.displaced,
+        *(y[place : place + 1] for place in hung.oscillators[:, 2].tolist()),
+        *(scene.legs.tables[:, row] for row in np.flatnonzero(sines[:, PERIOD] > 0.0)),
     )
     names = tuple(codes[each][0] for each in units)
     plugins = tuple(layout.plugins)
     return Program(calls, columns, written, results, units, names, method, plugins, scene, derived)
+
+
+def _arguments_of_loop(
+    loop: GeneralLoop, times: np.ndarray, columns: Any, scene: quantities.Scene, stops: np.ndarray
+) -> tuple[Any, ...]:
+    """Those of :func:`tribo.live_pages.lattice_loop.loop_of_page`."""
+    every = loop.arguments(times, columns, MOST_STEPS)
+    model, neighbours, method, step, clocks, state, _, record, budget, *scratch = every
+    of_scene = model, neighbours
+    of_run = clocks, state, record
+    return step, of_scene, method, of_run, times, budget, scene.legs, stops, tuple(scratch)
 
 
 def known_units() -> dict[int, tuple[str, Any]]:
@@ -160,5 +184,7 @@ def _scene_of(layout: Layout) -> quantities.Scene:
         numbers=np.concatenate([origin, layout.velocities.ravel()]),
         field_accounts=np.array(layout.accounts_of_fields, np.int64),
         columns=np.asarray(layout.places.columns, np.int64),
+        swings=np.asarray(layout.places.q[: layout.scene.count], np.int64),
         core=layout.core,
+        legs=legs_of_page(layout),
     )

@@ -22,7 +22,7 @@ SOURCES = (
     *(f"live_pages/{n}.py" for n in ("quantities", "lattice_quantities", "program", "retarget")),
     *(
         f"live_pages/{n}.py"
-        for n in ("link", "lattice", "lattice_compile", "lattice_setup", "setup")
+        for n in ("link", "lattice", "lattice_compile", "lattice_loop", "lattice_setup", "setup")
     ),
 )
 
@@ -33,9 +33,9 @@ def module_of(scene: Scene, program: Program, plugins: list[Any]) -> bytes:
     Raises InputError if it cannot be compiled, and OSError if no process can be started.
     """
     stamp = code_stamp_of(plugins)
-    kind = None if stamp is None else " ".join([stamp, *program.names])
+    kind = None if stamp is None else " ".join([stamp, program.method, *program.names])
     with tempfile.TemporaryDirectory() as folder:
-        given = scene, program.names
+        given = scene, program.method, program.names
         place = "tribo.live_pages.lattice_compile.main"
         # Numba keeps machine code on disk, of which no other can be made: nothing is taken from it.
         return kept_or_made(kind, SOURCES, lambda: compiled_apart(place, given, "scene", folder))
@@ -46,11 +46,11 @@ def main() -> None:
     sys.stdout.buffer.write(compiled(*given_to_process()))
 
 
-def compiled(scene: Scene, names: tuple[str, ...]) -> bytes:
+def compiled(scene: Scene, method: str, names: tuple[str, ...]) -> bytes:
     """The module with units in this order, compiled in this process, as generic code."""
     from numba import njit, typeof
 
-    program = program_of(lay_out(scene), 1.0)
+    program = program_of(lay_out(scene), 1.0, method)
     exported = {UNIT: UNIT}
     codes = {}
     for call in program.calls[FULL]:

@@ -14,8 +14,11 @@ from tribo.layout.layout import Layout, lay_out
 from tribo.live_pages.image import WORD, Image
 from tribo.live_pages.keys import OF_SURFACE, ROUNDING, TRIED, present_number
 from tribo.live_pages.lattice import Program, program_of
+from tribo.model.drive import Drive
+from tribo.model.number import changes
 from tribo.model.parameters import INTERACTION, with_values
 from tribo.model.scene import Scene
+from tribo.model.schedule import OF_SINE
 from tribo.model.tables import field_names
 from tribo.potentials.by_key import values_by_key
 from tribo.validation import InputError
@@ -23,7 +26,9 @@ from tribo.validation import InputError
 # Change of all keys at once, in units of their values or of 1.
 TOGETHER = 2.0**-10
 # Keys of drives, springs and fields that are numbers.
-OF_DRIVE = ("stiffness", "speed", "load", "force")
+OF_DRIVE = ("stiffness", "speed", "load", "stiffness_y", "damping", "damping_y")
+# Most points of a schedule that are tried.
+MOST_POINTS = 20
 OF_FIELD = ("velocity.0", "velocity.1")
 
 
@@ -49,7 +54,30 @@ def candidates(scene: Scene) -> list[str]:
         found += [f"{before}.{name}" for name in OF_SURFACE if name != "theta"]
         found += [f"{before}.asperite.{name}" for name in field_names(type(surface.asperite))]
         found += [f"{before}.drive.{name}" for name in OF_DRIVE if hasattr(surface.drive, name)]
+        found += [f"{before}.drive.{name}" for name in _numbers_of_schedules(surface.drive)]
+        found += [f"{before}.drive.{name}" for name in getattr(surface.drive.plugin, "_fields", ())]
         found += [f"{before}.springs.stiffness"]
+    return found
+
+
+def _numbers_of_schedules(drive: Drive) -> list[str]:
+    """The keys of all numbers of the schedules that a drive follows."""
+    found = []
+    for name in field_names(type(drive)):
+        value = getattr(drive, name)
+        parts = {name: value}
+        if isinstance(value, tuple):
+            parts = {f"{name}.{axis}": each for axis, each in enumerate(value)}
+        for key, each in parts.items():
+            if not changes(each):
+                continue
+            if each.is_sine:
+                found += [f"{key}.{number}" for number in OF_SINE]
+                continue
+            for k in range(min(len(each.points), MOST_POINTS)):
+                found.append(f"{key}.{k}.1")
+                if each.kind == "steps":  # of others, slopes are no straight lines in times
+                    found.append(f"{key}.{k}.0")
     return found
 
 

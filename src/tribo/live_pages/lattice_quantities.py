@@ -11,9 +11,10 @@ from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import broadcast
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.kernels.records import BARS, FORCED, X, Y
-from tribo.kernels.samples import SPRINGS, WITHIN
+from tribo.kernels.records import BARS, FORCED, MOVED, X, Y
+from tribo.kernels.samples import BATH, MOMENTUM_X, MOMENTUM_Y, SPRINGS, TORSIONAL, WITHIN
 from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages.lattice_loop import Legs, leg_at, set_leg
 from tribo.live_pages.limits import largest
 from tribo.live_pages.program import pool, widen
 from tribo.live_pages.quantities import DIMENSIONS, ONLY_HERE, Entry, boost, pseudowork, total, work
@@ -23,7 +24,8 @@ class OfSurface(NamedTuple):
     """Quantities of a surface: sums over its asperites, with the names of a ledger.
 
     Beside these, p1 is the power of the contact forces at the bobs and p1_cm at the velocities of
-    the centres of mass; p2 and p2_cm are those of the drives, at the bars.
+    the centres of mass; p2 and p2_cm are those of the drives, at the bars.  energy_bath is all
+    energy of the bath in the observer's frame, k_bath + e_bath of a ledger.
     """
 
     w1: Any
@@ -51,6 +53,8 @@ class OfSurface(NamedTuple):
     k_bar: Any
     e_torsion: Any
     e_springs: Any
+    energy_bath: Any
+    heat_bath: Any
     p1: Any
     p1_cm: Any
     p2: Any
@@ -89,7 +93,7 @@ class Drawn(NamedTuple):
 # Those of which the change since the start is shown.
 CHANGES = tuple(
     OfSurface._fields.index(name)
-    for name in ("delta_k_trans", "delta_e_int", "W_ps", "delta_K", "delta_E_int")
+    for name in ("delta_k_trans", "delta_e_int", "W_ps", "delta_K", "delta_E_int", "heat_bath")
 )
 MEMBERS = len(OfSurface._fields)
 WHOLE = len(OfWhole._fields)
@@ -112,7 +116,9 @@ class Scene(NamedTuple):
     numbers: Any  # (VELOCITIES + 2 surfaces,)
     field_accounts: Any  # accounts of moving fields
     columns: Any  # those of the asperites, in the tables of the kernels
+    swings: Any  # those of the swings, in the state of the kernels
     core: Any  # number of coordinates in a sample
+    legs: Legs
 
 
 class Samples(NamedTuple):
@@ -163,6 +169,15 @@ def account(s, k, a, slot, place):
     return sampled(s, k, slot + place * a.stride if slot >= 0 else -1, 0.0)
 
 
+@inlined
+def tilted(a, phi):
+    """The displacement of a bar of a block that tilts, about the mean of all; 0 of others."""
+    sin = math.sin(phi)
+    half = math.sin(0.5 * phi)
+    versine = 2.0 * half * half
+    return -versine * a.arm_x - sin * a.arm_y, sin * a.arm_x - versine * a.arm_y
+
+
 @kernel
 def motion_of(scene, samples, i, k):
     """Swing, turn, place and velocity of the ith asperite at the kth sample."""
@@ -178,6 +193,7 @@ def motion_of(scene, samples, i, k):
     tx = a.facing * math.cos(swing)
     ty = a.facing * math.sin(swing)
     around = a.pivot * omega
+    bar_x, bar_y = tilted(a, phi)
     return Motion(
         swing,
         omega,
@@ -185,10 +201,14 @@ def motion_of(scene, samples, i, k):
         nu,
         tx,
         ty,
-        sampled(y, k, a.dof_x, 0.0) + a.pivot * ty,
-        sampled(y, k, a.dof_y, 0.0) + a.pivot * (a.facing * 2.0 * half * half),
-        sampled(y, k, core + a.dof_x if a.dof_x >= 0 else -1, 0.0) + around * tx,
-        sampled(y, k, core + a.dof_y if a.dof_y >= 0 else -1, 0.0) + around * ty,
+        sampled(y, k, a.dof_x, 0.0) + a.pivot * ty + bar_x,
+        sampled(y, k, a.dof_y, 0.0) + a.pivot * (a.facing * 2.0 * half * half) + bar_y,
+        sampled(y, k, core + a.dof_x if a.dof_x >= 0 else -1, 0.0)
+        + around * tx
+        - nu * (a.arm_y + bar_y),
+        sampled(y, k, core + a.dof_y if a.dof_y >= 0 else -1, 0.0)
+        + around * ty
+        + nu * (a.arm_x + bar_x),
     )
 
 
@@ -219,13 +239,14 @@ def contact_entry(s, k, a):
 
 @kernel
 def end_entry(s, k, a, is_right):
-    """Of an end of the bar; a clamp exerts the opposite of its force on the left one."""
+    """Of an end of the bar: of a clamp, opposite on the right one, and of a plug-in's force."""
     side = -1.0 if is_right == 1 else 1.0
+    own = a.acc_user_ends
     return Entry(
-        account(s, k, a, a.acc_ends, is_right),
-        side * account(s, k, a, a.acc_ends, 2),
-        side * account(s, k, a, a.acc_ends, 3),
-        side * account(s, k, a, a.acc_ends, 4),
+        account(s, k, a, a.acc_ends, is_right) + account(s, k, a, own, is_right),
+        account(s, k, a, own, 2 + 2 * is_right) + side * account(s, k, a, a.acc_ends, 2),
+        account(s, k, a, own, 3 + 2 * is_right) + side * account(s, k, a, a.acc_ends, 3),
+        account(s, k, a, own, 6 + is_right) + side * account(s, k, a, a.acc_ends, 4),
     )
 
 
@@ -287,7 +308,8 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
     twist = now.swing - now.phi
     torsion = 0.5 * a.kappa * (twist * twist)
     energy = turning + bar + torsion
-    around = a.pivot * now.omega if a.dof_x < 0 else 0.0
+    is_held = a.dof_x < 0 or surface.drive == MOVED
+    around = a.pivot * now.omega if is_held else 0.0
     numbers = scene.numbers
     t = samples.times[k]
     x = numbers[ORIGIN_X] + (a.x + frame.vx * t + now.x)
@@ -323,6 +345,8 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
         k_bar=bar,
         e_torsion=torsion,
         e_springs=0.0,
+        energy_bath=0.0,
+        heat_bath=0.0,
         p1=f1x * bob_x + f1y * bob_y,
         p1_cm=f1x * cx + f1y * cy,
         p2=f2x * bar_x + f2y * bar_y,
@@ -354,24 +378,39 @@ def add_asperite(model, scene, samples, i, k, frame, first, series, drawn):
     return a.mass * now.vx, a.mass * now.vy
 
 
-W_PS, DELTA_K, DELTA_E_INT, E_SPRINGS = (
-    OfSurface._fields.index(name) for name in ("W_ps", "delta_K", "delta_E_int", "e_springs")
+W_PS, DELTA_K, DELTA_E_INT, E_SPRINGS, ENERGY_BATH, HEAT_BATH = (
+    OfSurface._fields.index(name)
+    for name in ("W_ps", "delta_K", "delta_E_int", "e_springs", "energy_bath", "heat_bath")
 )
 APPLIED = tuple(OfSurface._fields.index(name) for name in ("w2", "wL", "wR"))
+
+
+@inlined
+def boosted(stored, mass, vx, vy):
+    """What a bath of a mass has more of energy where it moves faster by a velocity."""
+    common = vx * stored[MOMENTUM_X] + vy * stored[MOMENTUM_Y]
+    return common + 0.5 * mass * (vx * vx + vy * vy)
 
 
 @kernel
 def bulk(scene, samples, index, k, frame, momentum, first, series):
     """Set what a surface has as a whole, from the momentum of its asperites in its first frame."""
     surface = scene.surfaces[index]
+    stored = samples.stored[k, index]
     mass = surface.total_mass
-    lag_x = momentum[0] / mass
-    lag_y = momentum[1] / mass
+    lag_x = (momentum[0] + stored[MOMENTUM_X]) / mass
+    lag_y = (momentum[1] + stored[MOMENTUM_Y]) / mass
     moving = 0.5 * mass * (lag_x * lag_x + lag_y * lag_y)
-    stored = samples.stored[k, index, SPRINGS] + samples.stored[k, index, WITHIN]
+    bath = stored[BATH] + stored[TORSIONAL]
     series[first + DELTA_K, k] = mass * (frame.vx * lag_x + frame.vy * lag_y) + moving
-    series[first + DELTA_E_INT, k] += stored - moving
-    series[first + E_SPRINGS, k] = samples.stored[k, index, SPRINGS]
+    series[first + DELTA_E_INT, k] += stored[SPRINGS] + stored[WITHIN] + bath - moving
+    series[first + E_SPRINGS, k] = stored[SPRINGS]
+    mass_of_bath = mass - surface.mass
+    series[first + ENERGY_BATH, k] = bath + boosted(stored, mass_of_bath, frame.vx, frame.vy)
+    if surface.drive == BARS:
+        series[first + HEAT_BATH, k] = bath
+    else:  # in the motion with the surface
+        series[first + HEAT_BATH, k] = bath + boosted(stored, mass_of_bath, -lag_x, -lag_y)
     if surface.acc_block >= 0:
         series[first + W_PS, k] += samples.s[k, surface.acc_block]
     elif surface.drive == BARS:  # a constraint provides the change of momentum
@@ -379,16 +418,19 @@ def bulk(scene, samples, index, k, frame, momentum, first, series):
 
 
 @apart
-def set_forces(model, neighbours, samples, k, q, v):
+def set_forces(model, neighbours, legs, samples, k, q, v):
     """Set all forces in sample k."""
     places = samples.places
     half = places.size // 2
     for m in range(half):
         q[places[m]] = samples.y[k, m]
         v[places[m]] = samples.y[k, half + m]
-    t = broadcast(samples.times[k])
-    equations.update_neighbours(model, neighbours, t, q)
-    equations.all_forces(model, neighbours, t, q, v)
+    t = samples.times[k]
+    set_leg(model, legs, leg_at(legs, t))
+    now = broadcast(t)
+    equations.update_neighbours(model, neighbours, now, q)
+    equations.all_forces(model, neighbours, now, q, v)
+    equations.join_blocks(model, now, q, v)
 
 
 def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached, series, drawn):
@@ -403,7 +445,7 @@ def live_quantities(model, neighbours, scene, samples, scratch, clocks, reached,
     series[:] = 0.0
     last = surfaces * MEMBERS
     for k in range(count):
-        set_forces(model, neighbours, samples, k, q, v)
+        set_forces(model, neighbours, scene.legs, samples, k, q, v)
         i = 0
         for n in range(surfaces):
             first = n * MEMBERS

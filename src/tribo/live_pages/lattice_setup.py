@@ -4,18 +4,26 @@ The rules are those of :mod:`tribo.layout.tables`; ``tests/live_pages`` compares
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import kernel
+from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES
 from tribo.kernels import records as rows
+from tribo.kernels import schedule
 from tribo.layout.layout import Layout
+from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import resting_bobs
+from tribo.layout.start import bath_slots
+from tribo.live_pages.lattice_loop import set_leg
 from tribo.live_pages.setup import masses_and_arms
 
 # Rows of the table of parameters, one column an asperite.
 M1, M2, LENGTH, KAPPA, BAR_LENGTH, I2, BOB_Y = range(7)
+# Columns of the table of sines.
+PERIOD, MEAN, AMPLITUDE, PHASE, IS_INTEGRAL, DRIFT = range(6)
+SINES = 6
 NAMES = ("m1", "m2", "length", "kappa", "bar_length", "i2")
 # Numbers of an asperite and rows of tables that follow from the parameters.
 OF_ASPERITE = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "y")
@@ -37,22 +45,114 @@ def parameters_of(layout: Layout) -> np.ndarray:
     return table
 
 
+def sines_of(layout: Layout) -> np.ndarray:
+    """The numbers of all schedules that are sines, (1 + schedules, 6), as rows of their table.
+
+    Rows of other schedules are 0.
+    """
+    numbers = scheduled_numbers(layout.scene)
+    table = np.zeros((1 + len(numbers), SINES))
+    for row, each in enumerate(numbers, start=1):
+        own = each.schedule
+        if own.is_sine:
+            is_integral = float(each.is_integral)
+            table[row] = own.period, own.mean, own.amplitude, own.phase, is_integral, each.drift
+    return table
+
+
+class Hung(NamedTuple):
+    """Oscillators of baths, which start at their bars, or drawn about these.
+
+    A pendulum that starts with a swing displaces its bar, if that can move.
+    """
+
+    displaced: Any  # (2, asperites) of the bars in the start that `y` has, along x and y
+    oscillators: Any  # (n, 3) asperite, axis, and place in y of each coordinate
+    y: Any  # the state
+
+
+@inlined
+def displaced_bar(a, swing):
+    """The displacement of a bar by the swing of its pendulum; 0 where the bar is held."""
+    arm = (a.l2 - a.pivot) * a.facing
+    half = math.sin(0.5 * swing)
+    return -arm * math.sin(swing), -arm * 2.0 * (half * half)
+
+
+def hung_in(layout: Layout, y: np.ndarray) -> Hung:
+    """The oscillators of a scene whose start stands in `y`, as its loop has it."""
+    scene = layout.scene
+    swings = layout.start.tolist()
+    bars = [
+        displaced_bar.py_func(a, swing)
+        for a, swing in zip(layout.asperites, swings[: scene.count], strict=True)
+    ]
+    found = []
+    for surface, part in zip(scene.surfaces, scene.parts.values(), strict=True):
+        own = layout.asperites[part]
+        for axis, slots in enumerate(bath_slots(own, surface.bath)[:2]):
+            for i, each in enumerate(layout.places.q[slots].tolist(), start=part.start):
+                found += [(i, axis, place) for place in each]
+    return Hung(np.array(bars).T.copy(), np.array(found, np.int64).reshape(-1, 3), y)
+
+
+@kernel
+def hang_baths(scene, hung):
+    """Displace oscillators with their bars."""
+    before = hung.displaced
+    for n in range(hung.oscillators.shape[0]):
+        i = hung.oscillators[n, 0]
+        place = hung.oscillators[n, 2]
+        now = displaced_bar(scene.asperites[i], hung.y[scene.swings[i]])
+        axis = hung.oscillators[n, 1]
+        change = now[0] - before[0, i] if axis == 0 else now[1] - before[1, i]
+        hung.y[place] += change
+    for i in range(scene.asperites.shape[0]):
+        x, y = displaced_bar(scene.asperites[i], hung.y[scene.swings[i]])
+        before[0, i] = x
+        before[1, i] = y
+
+
+@kernel
+def set_sine(table, sine):
+    """Set a row of a table of schedules from the numbers of a sine, or of its integral."""
+    mean, amplitude, phase = sine[MEAN], sine[AMPLITUDE], sine[PHASE]
+    frequency = 2.0 * math.pi / sine[PERIOD]
+    table[schedule.FREQUENCY] = frequency
+    if sine[IS_INTEGRAL] > 0.0:
+        swing = amplitude / frequency
+        table[schedule.C0] = swing * math.cos(phase)
+        table[schedule.C1] = mean - sine[DRIFT]
+        table[schedule.AMPLITUDE] = swing
+        table[schedule.PHASE] = phase - 0.5 * math.pi
+    else:
+        table[schedule.C0] = mean
+        table[schedule.C1] = -sine[DRIFT]
+        table[schedule.AMPLITUDE] = amplitude
+        table[schedule.PHASE] = phase
+
+
 @kernel
 def set_constants(constants, i, mass, inertia, l1, l2, parameters, pivot, turns):
-    """Set a column of the table of constants; driven bars keep their infinite mass."""
+    """Set a column of the table of constants.
+
+    Driven bars keep their infinite mass, and rigid asperites their infinite inertia and no kappa.
+    """
     if not math.isinf(constants[rows.MASS, i]):
         constants[rows.MASS, i] = mass
-    about = inertia + mass * (pivot * pivot)
+    is_rigid = math.isinf(constants[rows.INERTIA, i])
+    kappa = 0.0 if is_rigid else parameters[KAPPA]
+    about = constants[rows.INERTIA, i] if is_rigid else inertia + mass * (pivot * pivot)
     mobility = 1.0 / about
     if turns:
         mobility += 1.0 / parameters[I2]
     constants[rows.INERTIA, i] = about
-    constants[rows.KAPPA, i] = parameters[KAPPA]
+    constants[rows.KAPPA, i] = kappa
     constants[rows.L1, i] = l1 + pivot
     constants[rows.L2, i] = 0.0 if pivot > 0.0 else l2
     constants[rows.I2, i] = parameters[I2]
     constants[rows.BAR_LENGTH, i] = parameters[BAR_LENGTH]
-    constants[rows.FREQUENCY, i] = math.sqrt(parameters[KAPPA] * mobility)
+    constants[rows.FREQUENCY, i] = math.sqrt(kappa * mobility)
     constants[rows.INVERSE_MASS, i] = 1.0 / constants[rows.MASS, i]
     constants[rows.INVERSE_INERTIA, i] = 1.0 / about
     constants[rows.INVERSE_BAR_LENGTH, i] = 1.0 / parameters[BAR_LENGTH]
@@ -68,7 +168,7 @@ def set_asperite(model, scene, table, i):
     pivot = l2 if a.pivot > 0.0 else 0.0
     a.mass = mass
     a.inertia = inertia
-    a.kappa = parameters[KAPPA]
+    a.kappa = 0.0 if s.fixed > 0 else parameters[KAPPA]
     a.l1 = l1
     a.l2 = l2
     a.i2 = parameters[I2]
@@ -87,8 +187,13 @@ def set_asperite(model, scene, table, i):
     return mass
 
 
-def live_setup(model, scene, table):
-    """Set all that follows from the table of parameters."""
+def live_setup(model, scene, table, sines, hung):
+    """Set all that follows from the parameters of asperites, the numbers of sines, and swings."""
+    for row in range(sines.shape[0]):
+        if sines[row, PERIOD] > 0.0:
+            for leg in range(scene.legs.tables.shape[0]):
+                set_sine(scene.legs.tables[leg, row], sines[row])
+    set_leg(model, scene.legs, 0)
     i = 0
     for n in range(scene.surfaces.shape[0]):
         mass = 0.0
@@ -101,4 +206,5 @@ def live_setup(model, scene, table):
         own.mass = theirs.mass = mass
         own.total_mass = theirs.total_mass = whole
         own.inverse_total_mass = theirs.inverse_total_mass = 1.0 / whole
+    hang_baths(scene, hung)
     return 0

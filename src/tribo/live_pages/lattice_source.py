@@ -32,11 +32,14 @@ KNOWN = {
     *(Effect.CONTACT, Effect.SWING, Effect.SLIDING, Effect.CLAMPED_ENDS, Effect.CUTOFF),
     *(Effect.DRIVEN_BARS, Effect.TURNING_BARS, Effect.PULL, Effect.PUSH, Effect.LOAD),
     *(Effect.SPRINGS, Effect.FIELD, Effect.CONTACT_WITHIN, Effect.PERIODIC),
+    *(Effect.BATH, Effect.TORSIONAL_BATH, Effect.SCHEDULE, Effect.RIGID),
+    *(Effect.MOVED_PENDULUMS, Effect.BLOCK, Effect.BLOCK_OF_PENDULUMS, Effect.DAMPED_BLOCK),
+    *(Effect.TILTING_BLOCK, Effect.OWN_DRIVE, Effect.OWN_ENDS),
 }
 MOST_ASPERITES = 200
 MOST_SAMPLES = 1001
-# Methods with equal steps, the cheapest first.
-METHODS = ("blanes-moan-6", METHOD)
+# Methods with equal steps, the cheapest first; the last refuses no scene.
+METHODS = ("blanes-moan-6", METHOD, "rk4")
 
 
 def why_not(scene: Scene, layout: Layout) -> str | None:
@@ -47,8 +50,6 @@ def why_not(scene: Scene, layout: Layout) -> str | None:
         return f"it has {effect} ({reason_for(scene, effect)})"
     if scene.output.ledger != "asperites":
         return f'output.ledger is "{scene.output.ledger}", not "asperites"'
-    if layout.legs.kinks.size > 0 or layout.calculator_calls:
-        return "it has numbers that follow schedules, or a calculator"
     if len(scene.times) > MOST_SAMPLES:
         return f"it has {len(scene.times)} samples, and rows have at most {MOST_SAMPLES}"
     return None
@@ -132,6 +133,7 @@ def _drawn(surface: Surface) -> dict[str, Any]:
         "barLength": values["bar_length"].tolist(),
         "depth": surface.resting_bobs()[:, 2].tolist(),
         "centre": (values["m1"] / (values["m1"] + values["m2"])).tolist(),
+        "hasBath": bool(surface.bath),
         "twisted": bool(np.any(has_spring(surface))),
         "bonds": np.asarray(joined_bars(surface)).ravel().tolist(),
     }

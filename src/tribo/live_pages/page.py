@@ -91,9 +91,9 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
     Parameters
     ----------
     scene : Scene
-        Up to 200 asperites, with any potential: one on one, or rows and grids with springs, fields,
-        loads, pulled, pushed or driven bars; without baths, reservoirs, schedules, rigid asperites,
-        blocks and elastic bodies.
+        Up to 200 asperites, with any potential: one on one, or rows and grids with any drive,
+        springs, fields, loads, schedules and baths; without reservoirs, elastic bodies and
+        calculators.
     path : str or Path
         The file, which is replaced if it exists.
     controls : mapping or str or Path, optional

@@ -93,6 +93,7 @@ ONLY_HERE = {
     **dict.fromkeys(("p1", "p1_cm", "p2", "p2_cm"), "power"),
     **dict.fromkeys(("vx_bob", "vy_bob", "vx_bar", "vy_bar"), "velocity"),
     "distance": "length",
+    "energy_bath": "energy",
 }
 DIMENSIONS = ("angle", "rate", "length", "velocity", "energy", "force", "power")
 

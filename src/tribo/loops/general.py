@@ -129,8 +129,11 @@ class GeneralLoop(TimeLoop):
             self._assist(self._kept, self._lists, *self._held[:2])
 
     def arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
-        """All arguments of the compiled loop."""
-        return self._kept, *self._arguments(times, columns, budget)
+        """All arguments of the compiled loop in another memory, where nothing draws noise.
+
+        Steps about reservoirs and baths read the generator all the same, there at address 0.
+        """
+        return self._kept, *self._arguments(times, columns, budget, (0,) * len(self._noise))
 
     @property
     def neighbours(self) -> Neighbours:
@@ -144,14 +147,16 @@ class GeneralLoop(TimeLoop):
         if size > self._neighbours.index.size:
             self._set_neighbours(self._neighbours._replace(index=np.zeros(size, np.int32)))
 
-    def _arguments(self, times: np.ndarray, columns: Columns, budget: int) -> tuple[Any, ...]:
-        """The arguments of the loop, behind the model."""
+    def _arguments(
+        self, times: np.ndarray, columns: Columns, budget: int, noise: tuple[int, ...] = ()
+    ) -> tuple[Any, ...]:
+        """The arguments of the loop, behind the model; `noise` in place of its own generator."""
         self._make_room()
         record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
         state, *scratch = self._held
         run = self.clocks, state, times, record, budget
-        noise = map(as_argument, self._noise)
-        return self._lists, *self._constants, *run, *noise, *scratch
+        drawn_from = noise or map(as_argument, self._noise)
+        return self._lists, *self._constants, *run, *drawn_from, *scratch
 
     def _make_room(self) -> None:
         """Give the list of neighbours more room if it has too little."""

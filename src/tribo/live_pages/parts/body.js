@@ -44,7 +44,7 @@ const BODY = `
   </div>
   <div role="tabpanel" tabindex="0" data-part="numbersPanel" data-tab="Numbers" hidden>
     <label class="observer">Observer’s velocity <input type="range" min="-1" max="1" step="0.01" value="0" data-part="observer"> <output data-part="observerShown">0</output></label>
-    <div class="scroll"><table><thead><tr><th scope="col">Quantity</th><th scope="col" data-part="now"></th><th scope="col">at the end</th><th scope="col">error up to</th></tr></thead><tbody data-part="table"></tbody></table></div>
+    <div class="scroll" tabindex="0" role="region" aria-label="Quantities"><table><thead><tr><th scope="col">Quantity</th><th scope="col" data-part="now"></th><th scope="col">at the end</th><th scope="col">error up to</th></tr></thead><tbody data-part="table"></tbody></table></div>
   </div>
   <div role="tabpanel" tabindex="0" data-part="startsPanel" data-tab="Many starts" hidden>
     <label>Starts <select data-part="startsKind"><option value="temperature">in thermal equilibrium</option><option value="amplitude">with swings of equal energy</option></select></label>

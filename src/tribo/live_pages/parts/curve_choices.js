@@ -1,6 +1,9 @@
 // The choice of curves: of a surface or of the system, and which quantities.
 
-const OFFERED = { surface: ["w1", "w1_ps", "w2", "w2_ps", "wL", "wR", "w", "delta_k_trans", "delta_e_int"], system: ["contact_energy", "total_energy_change", "applied_work"] };
+const OFFERED = { surface: ["w1", "w1_ps", "w2", "w2_ps", "wL", "wR", "w", "delta_k_trans", "delta_e_int", "heat_bath"], system: ["contact_energy", "total_energy_change", "applied_work"] };
+
+// Heat is that of a bath, which not every surface has.
+const isKnown = (surface, name) => name !== "heat_bath" || Boolean(surface?.hasBath);
 
 function makeCurveChoices({ part, source, update }) {
   const drawn = new Set(["w1", "w1_ps", "w2", "w2_ps", "total_energy_change", "applied_work"]);
@@ -9,7 +12,9 @@ function makeCurveChoices({ part, source, update }) {
   part("group").add(new Option("system"));
 
   function offer() {
-    part("drawn").replaceChildren(...OFFERED[group === "system" ? "system" : "surface"].map((name) => {
+    const surface = source.surfaces.find(({ name }) => name === group);
+    const offered = OFFERED[surface ? "surface" : "system"].filter((name) => isKnown(surface, name));
+    part("drawn").replaceChildren(...offered.map((name) => {
       const label = document.createElement("label");
       const tick = Object.assign(document.createElement("input"), { type: "checkbox", checked: drawn.has(name) });
       label.title = source.meanings[name];

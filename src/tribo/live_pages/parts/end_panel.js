@@ -18,8 +18,8 @@ function makeEndPanel({ part, source, state, isOpen, change, showAll, short, obs
       pointAt = at && ((px) => ({ [x.key]: at(px) }));
     }
   });
-  source.surfaces.forEach(({ name }) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans"].forEach((quantity) => {
-    part("endQuantity").add(new Option(`${quantity} of ${name}`, `${name}.${quantity}`));
+  source.surfaces.forEach((surface) => ["w1", "w1_ps", "w2", "w2_ps", "delta_e_int", "delta_k_trans", "heat_bath"].filter((name) => isKnown(surface, name)).forEach((quantity) => {
+    part("endQuantity").add(new Option(`${quantity} of ${surface.name}`, `${surface.name}.${quantity}`));
   }));
   for (const { key, label } of source.controls) if (!state.choices.has(key)) ["endKey", "endSecond"].forEach((name) => part(name).add(new Option(label, key)));
   part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;

@@ -12,6 +12,7 @@ function energyRows(run, k) {
     { label: "springs", value: all("e_torsion", "e_springs"), paint: "rod" },
     { label: "contact", value: potential("contact_energy") + potential("field_energy"), paint: "w1" },
   ];
+  if (run.source.surfaces.some(({ hasBath }) => hasBath)) rows.push({ label: "baths", value: change("energy_bath"), paint: "heat" });
   rows.push({ label: "sum", value: rows.reduce((sum, { value }) => sum + value, 0), paint: "ink", line: true });
   rows.push({ label: "work put in", value: system.applied_work[k], paint: "w2" });
   return rows;
@@ -42,6 +43,7 @@ function makeEnergyPanel({ part, source, isOpen, showAll, run, time }) {
   const scale = { energy: 0, power: 0 };
   source.surfaces.forEach(({ name }, index) => part("powerSurface").add(new Option(name, index)));
   part("powerSurface").value = source.subject;
+  part("energy").classList.toggle("baths", source.surfaces.some(({ hasBath }) => hasBath));
   part("powerSurface").addEventListener("change", showAll);
   return function show(isNew) {
     if (!isOpen("energyPanel")) return;
