@@ -52,6 +52,8 @@ def test_command(tmp_path, capsys, monkeypatch):
     assert "it has langevin" in capsys.readouterr().err and not (tmp_path / "row.html").exists()
 
 
+# Milliseconds between looks at a page; frames may stop in a tab that is not seen.
+POLLING = 50
 LAWS = {"label": "law", "own": "strong", "values": {"weak": tribo.Coulomb(0.1)}}
 
 
@@ -108,7 +110,7 @@ def test_in_a_browser(page):
         tab.on("pageerror", lambda error: problems.append(str(error)))
         tab.on("request", lambda request: requests.append(request.url))
         tab.goto(page.as_uri() + "#upper.velocity=0.4")
-        tab.wait_for_function("window.tribo")
+        tab.wait_for_function("window.tribo", polling=POLLING)
         assert tab.evaluate("tribo.values['upper.velocity']") == 0.4
         for values in ({}, {"upper.velocity": 0.5, "interaction.strength": 0.1}):
             check_run(tab, {"upper.velocity": 0.4} | values)
@@ -150,18 +152,18 @@ def check_laws(browser, path, problems):
     tab = browser.new_page()
     tab.on("pageerror", lambda error: problems.append(str(error)))
     tab.goto(path.as_uri() + "#upper.velocity=0.4")
-    tab.wait_for_function("window.tribo")
+    tab.wait_for_function("window.tribo", polling=POLLING)
     tab.locator("[data-part=law]").select_option("weak")
-    tab.wait_for_function("tribo.law === 'weak'")
+    tab.wait_for_function("tribo.law === 'weak'", polling=POLLING)
     assert tab.url.endswith("#interaction=weak&upper.velocity=0.4")
     want = with_values(scene, {"interaction.strength": 0.1, "upper.velocity": 0.4})
     work = tribo.simulate(want, accuracy=1e-9)["upper"].w1[-1, 0]
     for _ in range(2):  # as chosen, and from the address
         assert tab.evaluate("tribo.run().end.upper.w1") == pytest.approx(work, abs=1e-7)
         tab.reload()
-        tab.wait_for_function("window.tribo")
+        tab.wait_for_function("window.tribo", polling=POLLING)
     tab.locator("[data-part=reset]").click()
-    tab.wait_for_function("tribo.law === 'strong'")
+    tab.wait_for_function("tribo.law === 'strong'", polling=POLLING)
     assert tab.evaluate("tribo.values['upper.velocity']") == 0.5 and "#" not in tab.url
 
 
