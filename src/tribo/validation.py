@@ -134,10 +134,10 @@ def vector(
         value = np.asarray(value)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
+        for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
+            number(f"{field}[{k}]", array[k], ANY, unit)
     else:
         array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
-    for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
-        number(f"{field}[{k}]", array[k], ANY, unit)
     if condition is not ANY:
         wrong = np.flatnonzero(~condition[1](array))
         if wrong.size:
@@ -175,6 +175,8 @@ def is_list(value: object) -> TypeGuard[Sequence[Any] | np.ndarray]:
     """Whether the value is a list, a tuple or an array, as of numpy or xarray, with an axis."""
     if isinstance(value, (int, float)):
         return False
+    if isinstance(value, (tuple, list)):
+        return True
     if hasattr(value, "ndim"):
         return bool(value.ndim > 0)
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import Scales, largest_of_runs, scales_of
+from tribo.accuracy.scales import Scales, largest_of_runs, scales_of, without_surfaces
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
@@ -23,6 +23,8 @@ class FineRuns:
 
     def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
         self._accuracy = accuracy
+        self._asked = observables(accuracy)
+        self._kinds = frozenset(without_surfaces(self._asked)) or None
         self._complete = runs.complete
         layout, self._samples = _at_few_times(runs)
         self._layouts = {1: layout}  # for all members so many times
@@ -41,11 +43,8 @@ class FineRuns:
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
         # The scales depend on all quantities, and differences on those that are asked for.
-        asked = observables(self._accuracy)
-        only = None
-        if asked and self._scales is not None:
-            only = {name.rpartition(".")[2] for name in asked}
-        table = series_table(layout, group, asked, only)
+        only = self._kinds if self._scales is not None else None
+        table = series_table(layout, group, self._asked, only)
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
             self._scales = _scales(layout, group, _with(table, values[:, 0]), members)

@@ -346,8 +346,9 @@ def lay_out(scene: Scene) -> Layout:
     staged = (physics["stage_schedule"] > 0) & kept
     physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
     shared += int(np.sum(staged))
-    mine = slots.number(scene, physics, shared, width=1)
-    theirs = slots.number(scene, physics, shared, LANES)
+    wanted = slots.wanted_slots(scene, physics)
+    mine = slots.number(scene, physics, wanted, shared, width=1)
+    theirs = slots.number(scene, physics, wanted, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
     if scene.output.ledger == "surfaces":
         for name in slots.GROUPS:  # only lanes have accounts

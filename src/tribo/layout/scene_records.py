@@ -58,11 +58,12 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         initial = surface.initial_of_each
         for name in ("phi", "nu"):
             own[name] = initial[name]
-        record["mass"] = np.sum(own["mass"])
-        record["total_mass"] = record["mass"] + surface.count * float(np.sum(surface.bath.masses))
+        record["mass"] = np.add.reduce(own["mass"])
+        bath = float(np.add.reduce(surface.bath.masses))
+        record["total_mass"] = record["mass"] + surface.count * bath
         record["inverse_total_mass"] = 1.0 / record["total_mass"]
-        record["turning"] = np.any(own["nu"] != 0.0)
-        record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
+        record["turning"] = (own["nu"] != 0.0).any()
+        record["tilted"] = record["turning"] | (own["phi"] != 0.0).any()
     for row, each in enumerate(scheduled, start=1):
         if each.field >= 0:
             continue

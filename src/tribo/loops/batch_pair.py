@@ -14,7 +14,7 @@ from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
-from tribo.loops.pair import Pair, factors_of, record_of
+from tribo.loops.pair import Pair, entry_of, factors_of, record_of
 from tribo.loops.setting import Setting
 from tribo.pair import lanes
 from tribo.pair.forces import PAIR_NUMBERS, PairScene
@@ -39,7 +39,7 @@ class PairMembers:
         self._clocks = np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(self._record, self._numbers, starts)
-        self._loop = pair.entry_of_members(pair_members, None, (pair.units,), examples)
+        self._loop = entry_of(pair_members, "members", (pair.units,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members; those whose start the loop cannot have are PAUSED."""
@@ -124,7 +124,7 @@ class PairLanes:
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
         fixed = PairScene(*record.item()), pair.units_in_lanes(own_numbers)
-        self._loop = pair.entry_of_members(pair_members_in_lanes, own_numbers, fixed, examples)
+        self._loop = entry_of(pair_members_in_lanes, own_numbers, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""

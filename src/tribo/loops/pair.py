@@ -45,6 +45,7 @@ from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_members
 from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
 from tribo.pair.step import table
+from tribo.plugins.sources import is_own
 from tribo.threads.kernel_model import Known
 from tribo.threads.writable_memory import shared_loop
 
@@ -188,6 +189,25 @@ def is_pair(layout: Layout) -> bool:
     )
 
 
+# The units of potentials by class, whether members have numbers of their own, and whether in lanes.
+_UNITS: dict[Hashable, PotentialUnits] = {}
+# The code of loops over pairs, by loop and kind of arguments.
+_ENTRIES: dict[Hashable, EntryPoint] = {}
+
+
+def entry_of(
+    loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+) -> EntryPoint:
+    """The code of a loop over pairs, which is the same for all scenes.
+
+    It is looked up once for each `kind` of its arguments, which tells their types.
+    """
+    key = loop, kind
+    if key not in _ENTRIES:
+        _ENTRIES[key] = EntryPoint(shared_loop(loop), fixed, examples)
+    return _ENTRIES[key].with_fixed(*fixed)
+
+
 class Beginning(NamedTuple):
     """The memory of a loop before a run with some tolerances."""
 
@@ -209,14 +229,7 @@ class Pair:
         self.record = _record_of(layout)
         self.potential = layout.model.contacts[0].potential
         self._potential_memory, self.numbers = memory_of((self.potential,))
-        known = Known(layout.scene, self.potential)
-        distance = known.kind, types.float64, *CHARGES, types.int64
-        self.units = PotentialUnits(
-            force=known.unit(force_unit, (known.kind, lanes, *CHARGES), lanes),
-            clearance=known.unit(clearance_unit, distance),
-            energy=known.unit(energy_unit, distance),
-            numbers=self.numbers[0],
-        )
+        self.units = self._units(own=False, in_lanes=False)
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step = FIRST_STEP_FACTOR * first_step
@@ -230,9 +243,8 @@ class Pair:
         own_memory = (self._rows, np.zeros(1, CLOCK))
         examples = (*own_memory, layout.start[None], np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = self.units, self.record, self.numbers
-        self.entry = EntryPoint(shared_loop(pair_members), fixed, examples)
+        self.entry = entry_of(pair_members, "single", fixed, examples)
         self._beginnings: tuple[Beginning, ...] = ()
-        self._members: dict[Hashable, EntryPoint] = {}
         self.compile_seconds = time.perf_counter() - began
 
     def displaced(self, layout: Layout) -> Pair:
@@ -245,24 +257,35 @@ class Pair:
 
     def units_in_lanes(self, own_numbers: bool) -> PotentialUnits:
         """The units of the potential for members side by side, which may have `own_numbers`."""
-        numbers = own_numbers and bool(numbers_of(self.potential))
-        known = Known(self.layout.scene, self.potential, in_lanes=numbers)
-        charges = (lanes, lanes) if own_numbers else CHARGES
-        return PotentialUnits(
+        return self._units(own_numbers, in_lanes=True)
+
+    def _units(self, own: bool, in_lanes: bool) -> PotentialUnits:
+        """The units of the potential for one run, or in lanes, whose members may have `own` numbers.
+
+        They are looked up once for each class of this package whose fields are floats: types of
+        plug-ins take longer to find than a short run.
+        """
+        cls = type(self.potential)
+        plain = is_own(cls) and set(map(type, self.potential)) <= {float}
+        key = (cls, own, in_lanes) if plain else None
+        if key in _UNITS:
+            return _UNITS[key]._replace(numbers=self.numbers[0])
+        known = Known(self.layout.scene, self.potential, own and bool(numbers_of(self.potential)))
+        charges = (lanes, lanes) if own else CHARGES
+        distance = known.kind, types.float64, *CHARGES, types.int64
+        if in_lanes:
+            clearance = known.unit(clearances_unit, (known.kind, lanes, *charges), lanes)
+        else:
+            clearance = known.unit(clearance_unit, distance)
+        units = PotentialUnits(
             force=known.unit(force_unit, (known.kind, lanes, *charges), lanes),
-            clearance=known.unit(clearances_unit, (known.kind, lanes, *charges), lanes),
-            energy=known.unit(energy_unit, (known.kind, types.float64, *CHARGES, types.int64)),
+            clearance=clearance,
+            energy=known.unit(energy_unit, distance),
             numbers=self.numbers[0],
         )
-
-    def entry_of_members(
-        self, loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
-    ) -> EntryPoint:
-        """The code of a loop over members, looked up once for each kind of its arguments."""
-        key = loop, kind
-        if key not in self._members:
-            self._members[key] = EntryPoint(shared_loop(loop), fixed, examples)
-        return self._members[key].with_fixed(*fixed)
+        if key is not None:
+            _UNITS[key] = units
+        return units
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
