@@ -89,9 +89,9 @@ def _in_units(
     """The largest of differences (names, runs x members) in their units, (runs, members)."""
     asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
     places = [place for place, name in enumerate(names) if name in asked]
-    units = np.stack(
-        [np.broadcast_to(asked[names[k]] * scales.of(names[k]), members) for k in places]
-    )
+    units = np.empty((len(places), members))
+    for unit, place in zip(units, places, strict=True):
+        unit[:] = asked[names[place]] * scales.of(names[place])
     chosen = gaps[places].reshape(len(places), -1, members)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])

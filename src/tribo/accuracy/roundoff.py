@@ -123,8 +123,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
     """The torque of clamped ends by twist and length of the bar, (asperites,); None without any."""
     a = layout.together.asperites
-    clamped = layout.surfaces.acc_ends[a.surface] >= 0
-    return np.where(clamped, a.kappa / a.bar_length, 0.0) if np.any(clamped) else None
+    clamped = np.asarray(layout.surfaces)["acc_ends"][a.surface] >= 0
+    return np.where(clamped, a.kappa / a.bar_length, 0.0) if clamped.any() else None
 
 
 @once_per_layout

@@ -24,7 +24,7 @@ from tribo.layout.scene_records import (
     resting_bobs,
     scene_records,
 )
-from tribo.layout.span import Asperites, Span, span_of, spans_of
+from tribo.layout.span import SPAN_SIZE, Asperites, Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.model.identity import loaded
@@ -241,6 +241,13 @@ class Layout:
         }
         velocity = np.moveaxis(self._rows(self.numbers.velocity[:, mine]), 2, 0)
         return replace(one, asperites=Asperites(**vars(one.asperites) | own), velocity=velocity)
+
+    @cached_property
+    def whole_spans(self) -> tuple[Span, ...]:
+        """The asperites of all surfaces, in as few spans as they fit."""
+        whole = self.together
+        count = self.scene.count
+        return (whole,) if count <= SPAN_SIZE else spans_of(whole, slice(0, count))
 
     @cached_property
     def spans(self) -> tuple[tuple[Span, ...], ...]:

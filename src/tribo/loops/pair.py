@@ -335,7 +335,7 @@ class Pair:
         everything = np.concatenate([tolerance.y, tolerance.s])
         factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
-            own = np.min(everything[:, None] / factors, axis=0)
+            own = np.minimum.reduce(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = [step_rows.OF_V1, step_rows.OF_V2, step_rows.OF_J]
         both[0, rates] = own[[step_rows.V1, step_rows.V2, step_rows.J]]
