@@ -72,7 +72,7 @@ def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
 
 def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
     """The scales of the first runs of a group, as many as there are members."""
-    tops = dict(zip(table.names, table.largest(members), strict=True))
+    tops = table.largest(members)
     (motion,) = group.motions
     mean = mean_velocity(layout)
     runs = group.samples.runs
@@ -80,7 +80,7 @@ def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: 
         largest_of_runs(each, runs)[:members]
         for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
     )
-    return scales_of(layout, tops, speed, internal, path)
+    return scales_of(layout, table.names, tops, speed, internal, path)
 
 
 def _in_units(

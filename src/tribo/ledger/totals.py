@@ -301,7 +301,8 @@ class SurfaceSeries(AsperiteSeries):
         """The sum over the asperites of a quantity; see :func:`_sum`."""
         motions = self.motions
         if len(motions) == 1:
-            return np.asarray(0.0 + np.add.reduce(value(motions[0]), axis=1))
+            total: np.ndarray = 0.0 + np.add.reduce(value(motions[0]), axis=1)
+            return total
         return _sum(value(motion) for motion in motions)
 
 
