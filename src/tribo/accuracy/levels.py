@@ -142,24 +142,29 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.accounted.asperites
+    span = layout.accounted
+    a = span.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
-        present = getattr(a, name) >= 0
+        if name not in span.present:
+            continue
+        slots = getattr(a, name)
+        present = slots >= 0
         for k in offsets:
-            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
+            weights[(slots + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
+            weights[(slots + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    vx, vy = _relative_velocity(layout, layout.accounted).T
+    span = layout.accounted
+    vx, vy = _relative_velocity(layout, span).T
     highest = 0.0
     for name, offsets in IMPULSES.items():
-        for k in offsets[::2]:
-            jx, jy = account_columns(layout.accounted, name, (k, k + 1), s)
+        for k in offsets[::2] if name in span.present else ():
+            jx, jy = account_columns(span, name, (k, k + 1), s)
             highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 

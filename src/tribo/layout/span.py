@@ -28,8 +28,11 @@ class Span:
     @cached_property
     def present(self) -> frozenset[str]:
         """Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has."""
-        groups = ((k, v) for k, v in vars(self.asperites).items() if k[:4] in ("acc_", "dof_"))
-        return frozenset(name for name, slots in groups if np.maximum.reduce(slots) >= 0)
+        found = []
+        for name, slots in vars(self.asperites).items():
+            if name[:4] in ("acc_", "dof_") and np.maximum.reduce(slots) >= 0:
+                found.append(name)
+        return frozenset(found)
 
     @cached_property
     def consecutive(self) -> frozenset[str]:

@@ -25,12 +25,6 @@ class Account:
     jy: Part
     pseudo: Part  # pseudowork in the surface's first frame
 
-    @property
-    def acts(self) -> bool:
-        """Whether any asperite has the force."""
-        parts = self.about, self.jx, self.jy, self.pseudo
-        return any(isinstance(part, np.ndarray) for part in parts)
-
     def pseudowork(self, velocity: np.ndarray) -> Part:
         """In the laboratory, where the surface's first velocity is `velocity` (2, asperites)."""
         return self.pseudo + self.boost(velocity)
@@ -61,7 +55,7 @@ class Accounts(dict[str, Account]):
     ) -> np.ndarray:
         """The sum of a part of the accounts of some forces, (times, asperites)."""
         total: Part = 0.0
-        acting = _acting(self.span.present)
+        acting = forces_with_accounts(self.span.present)
         for name in names:
             if name in acting:
                 total = total + part(self[name], self.span.velocity)
@@ -93,7 +87,7 @@ class Integrals(dict[Span, Accounts]):
 
 
 @lru_cache
-def _acting(present: frozenset[str]) -> frozenset[str]:
+def forces_with_accounts(present: frozenset[str]) -> frozenset[str]:
     """The forces that have any of the groups of accounts, by the names of their works."""
     return frozenset([name for name, groups in GROUPS.items() if present.intersection(groups)])
 
