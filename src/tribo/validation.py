@@ -134,14 +134,15 @@ def vector(
         value = np.asarray(value)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
-        for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
+        usable = np.abs(array) <= LARGEST_NUMBER
+        for k in () if usable.all() else np.flatnonzero(~usable):
             number(f"{field}[{k}]", array[k], ANY, unit)
     else:
         array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
     if condition is not ANY:
-        wrong = np.flatnonzero(~condition[1](array))
-        if wrong.size:
-            i = int(wrong[0])
+        met = np.asarray(condition[1](array))
+        if not met.all():
+            i = int(met.argmin())
             raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {float(array[i])}")
     array.flags.writeable = False
     return array

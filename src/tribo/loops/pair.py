@@ -10,6 +10,7 @@ import itertools
 import time
 from collections.abc import Hashable
 from copy import copy
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ from tribo.kernels.potential_units import clearance_unit, energy_unit
 from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.general import numbers_of_clock
 from tribo.loops.integrate import (
@@ -208,6 +210,24 @@ def entry_of(
     return _ENTRIES[key].with_fixed(*fixed)
 
 
+class MembersOfPair:
+    """What all runs of some members share that have numbers of their own."""
+
+    def __init__(self, layout: Layout, numbers: MemberNumbers) -> None:
+        self.numbers = numbers
+        self.record = record_of(layout, numbers.asperites, numbers.charges)
+        self.factors = factors_of(layout, numbers.asperites)
+        self._layout = layout
+        self._layouts: dict[int, Layout] = {}
+
+    def layout(self, times: int) -> Layout:
+        """The layout of samples at so many times."""
+        if times not in self._layouts:
+            own = replace(self._layout, numbers=self.numbers, member_times=times)
+            self._layouts[times] = own
+        return self._layouts[times]
+
+
 class Beginning(NamedTuple):
     """The memory of a loop before a run with some tolerances."""
 
@@ -245,6 +265,7 @@ class Pair:
         fixed = self.units, self.record, self.numbers
         self.entry = entry_of(pair_members, "single", fixed, examples)
         self._beginnings: tuple[Beginning, ...] = ()
+        self._members: MembersOfPair | None = None
         self.compile_seconds = time.perf_counter() - began
 
     def displaced(self, layout: Layout) -> Pair:
@@ -252,6 +273,7 @@ class Pair:
         pair = copy(self)
         pair.layout = layout
         pair.record = _record_of(layout)
+        pair._members = None
         pair.entry = self.entry.with_fixed(self.units, pair.record, self.numbers)
         return pair
 
@@ -286,6 +308,14 @@ class Pair:
         if key is not None:
             _UNITS[key] = units
         return units
+
+    def members(self, numbers: MemberNumbers) -> MembersOfPair:
+        """What runs of members with these numbers share; the last ones are kept."""
+        known = self._members
+        if known is None or known.numbers is not numbers:
+            known = MembersOfPair(self.layout, numbers)
+            self._members = known
+        return known
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
