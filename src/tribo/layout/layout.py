@@ -71,6 +71,7 @@ class Layout:
     room: tuple[int, int]  # coordinates and accounts of the kernels
     origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
     calculator_calls: tuple[Call, ...]
+    scheduled: tuple[Scheduled, ...]  # numbers that follow schedules
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
     # (surfaces + fields, BEGUN) when the own times of each drive and of the others were zero.
@@ -99,7 +100,7 @@ class Layout:
     @cached_property
     def legs(self) -> Legs:
         """The times between kinks of schedules; one leg without any."""
-        return legs_of(self.scene, self.begun)
+        return legs_of(self.scene, self.scheduled, self.begun)
 
     @cached_property
     def stops(self) -> np.ndarray:
@@ -147,14 +148,10 @@ class Layout:
 
     def stage_moved(self, index: int, t: Any) -> Any:
         """How far the pulling stage of a surface is from its anchor at times t, likewise."""
-        for each in self._scheduled:
+        for each in self.scheduled:
             if each.surface == index and each.name == "stage":
                 return each.at(t, begun_of(each, self.begun))
         return self.number_of(index, "speed") * np.asarray(t)
-
-    @cached_property
-    def _scheduled(self) -> tuple[Scheduled, ...]:
-        return scheduled_numbers(self.scene)
 
     def begun_at(self, begun: np.ndarray, anchors: np.ndarray) -> Layout:
         """The same layout with drives and ends that began at other times.
@@ -344,15 +341,17 @@ def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    asperites, physics = scene_records(scene, bobs)
+    scheduled = scheduled_numbers(scene)
+    asperites, physics = scene_records(scene, bobs, scheduled)
     origin = np.array(scene.surfaces[0].first_bob[:2])
     kept = scene.output.ledger != "none"
     sliding = slots.slide(scene) & kept
-    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
-    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
+    accounts = int(sliding.sum()) if kept else None
+    fields, shared = fields_on_surfaces(scene, origin, accounts, scheduled)
+    physics["acc_block"] = np.where(sliding, sliding.cumsum() - 1, -1)
     staged = (physics["stage_schedule"] > 0) & kept
-    physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
-    shared += int(np.sum(staged))
+    physics["acc_stage"] = np.where(staged, shared + staged.cumsum() - 1, -1)
+    shared += int(staged.sum())
     wanted = slots.wanted_slots(scene, physics)
     mine = slots.number(scene, physics, wanted, shared, width=1)
     theirs = slots.number(scene, physics, wanted, shared, LANES)
@@ -398,6 +397,7 @@ def lay_out(scene: Scene) -> Layout:
         room=(theirs.coordinates, theirs.accounts),
         origin=origin,
         calculator_calls=calls,
+        scheduled=scheduled,
         rows=rows,
         skin=skin,
         begun=np.zeros((len(scene.surfaces) + len(scene.fields), len(BEGUN))),

@@ -12,7 +12,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.records import Custom, FieldOn, Springs
-from tribo.layout.legs import scheduled_numbers
+from tribo.layout.legs import Scheduled
 from tribo.model.fields import Field, period_of
 from tribo.model.scene import Scene
 from tribo.model.schedule import constant
@@ -42,10 +42,11 @@ class MemberNumbers(NamedTuple):
         return self._replace(asperites=asperites)
 
 
-def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def scene_records(
+    scene: Scene, bobs: list[np.ndarray], scheduled: tuple[Scheduled, ...]
+) -> tuple[np.ndarray, np.ndarray]:
     """The asperites, whose surfaces have `bobs` (n, 3), and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
-    scheduled = scheduled_numbers(scene)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         own = asperites[scene.parts[surface.name]]
@@ -131,7 +132,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
 
 
 def fields_on_surfaces(
-    scene: Scene, origin: np.ndarray, accounts: int | None
+    scene: Scene, origin: np.ndarray, accounts: int | None, scheduled: tuple[Scheduled, ...]
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
     """The external fields, and how many accounts there are with one for each that moves.
 
@@ -141,7 +142,7 @@ def fields_on_surfaces(
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
-    each = enumerate(scheduled_numbers(scene), start=1)
+    each = enumerate(scheduled, start=1)
     rows = {one.field: row for row, one in each if one.field >= 0}
     for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)

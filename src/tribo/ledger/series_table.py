@@ -185,18 +185,18 @@ def _columns_of(kind: Kind) -> Columns:
     found = reported(kind.ledger, kind.present)
     tables = {ASPERITES: found.asperites, SURFACES: found.blocks, SYSTEM: found.system}
     widths = {ASPERITES: kind.parts[-1][2], SURFACES: len(kind.parts), SYSTEM: 1}
-    each = [(name, one.of, kind) for kind, table in tables.items() for name, one in table.items()]
+    each = [(name, one.of, taken) for taken, table in tables.items() for name, one in table.items()]
     each.sort(key=lambda item: not isinstance(item[1], Linear))
     linear = []
     others = []
-    for _, of, kind in each:
+    for _, of, taken in each:
         if isinstance(of, Linear):
-            linear.append((of.value, kind))
+            linear.append((of.value, taken))
         elif isinstance(of, Moving):
             others.append((of.value, MOTION))
         else:
-            others.append((of.value if isinstance(of, Summed) else of, kind))
-    columns = tuple([widths[kind] for _, _, kind in each])
+            others.append((of.value if isinstance(of, Summed) else of, taken))
+    columns = tuple([widths[taken] for _, _, taken in each])
     return Columns(
         names=tuple([name for name, _, _ in each]),
         widths=columns,

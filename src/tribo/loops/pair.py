@@ -282,7 +282,7 @@ class Pair:
         return self._units(own_numbers, in_lanes=True)
 
     def _units(self, own: bool, in_lanes: bool) -> PotentialUnits:
-        """The units of the potential for one run, or in lanes, whose members may have `own` numbers.
+        """The units of the potential for one run or, in lanes, members with `own` numbers or not.
 
         They are looked up once for each class of this package whose fields are floats: types of
         plug-ins take longer to find than a short run.

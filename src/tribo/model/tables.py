@@ -80,7 +80,9 @@ def _of_toml(value: Any) -> Any:
     return table_of(value) if is_dataclass(value) else value
 
 
-@cache
-def field_names(kind: Any) -> tuple[str, ...]:
+def _field_names(kind: Any) -> tuple[str, ...]:
     """The fields of a class of dataclasses, of which tables and keyword arguments have the keys."""
     return tuple(each.name for each in fields(kind))
+
+
+field_names: Callable[[Any], tuple[str, ...]] = cache(_field_names)
