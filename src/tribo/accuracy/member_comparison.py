@@ -48,9 +48,9 @@ class FineRuns:
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
             self._scales = _scales(layout, group, _with(table, values[:, 0]), members)
-        with np.errstate(invalid="ignore"):  # of two infinite energies
+        with np.errstate(divide="ignore", invalid="ignore"):  # of infinite energies, by no scale
             gaps = _with(table, values[:, :1] - values[:, 1:]).largest(members * len(others))
-        worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
+            worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
         complete = self._complete & [each.complete for each in others]
         return self._scales, np.where(complete & np.isfinite(worst), worst, np.inf)
 
@@ -93,8 +93,7 @@ def _in_units(
     for unit, place in zip(units, places, strict=True):
         unit[:] = asked[names[place]] * scales.of(names[place])
     chosen = gaps[places].reshape(len(places), -1, members)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
+    relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
     return np.asarray(relative.max(axis=0, initial=0.0))
 
 
