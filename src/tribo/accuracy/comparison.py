@@ -159,8 +159,8 @@ def error_bounds(
     Errors of a `rough` run fall irregularly with the step, also if the scene's forces are smooth.
     """
     found = extremes(layout, fine, coarser, observables(accuracy))
-    tops = dict(zip(found.names, found.tops.tolist(), strict=True))
-    scales = scales_of(layout, tops, float(found.speed), float(found.internal), float(found.path))
+    motion = float(found.speed), float(found.internal), float(found.path)
+    scales = scales_of(layout, found.names, found.tops, *motion)
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))

@@ -11,7 +11,7 @@ from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger import quantities
-from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part
+from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part, forces_with_accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.row_products import row_product
 from tribo.model.fields import period_of
@@ -54,6 +54,8 @@ def _table_of_sums() -> tuple[tuple[str, ...], np.ndarray]:
 
 
 SUMS, MEMBERS = _table_of_sums()
+# Whether each sum is over the asperites of a surface, or of the system.
+IS_TOTAL = np.isin(SUMS, (*OF_SURFACES, APPLIED_WORK))
 
 
 def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, float]:
@@ -123,8 +125,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
     """The torque of clamped ends by twist and length of the bar, (asperites,); None without any."""
     a = layout.together.asperites
-    clamped = layout.surfaces.acc_ends[a.surface] >= 0
-    return np.where(clamped, a.kappa / a.bar_length, 0.0) if np.any(clamped) else None
+    clamped = np.asarray(layout.surfaces)["acc_ends"][a.surface] >= 0
+    return np.where(clamped, a.kappa / a.bar_length, 0.0) if clamped.any() else None
 
 
 @once_per_layout
@@ -147,14 +149,15 @@ def _acting(layout: Layout) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarra
 
     The table (terms, sums) is a part of MEMBERS.
     """
-    accounts = Accounts(layout.accounted, np.zeros((1, layout.accounts)))
-    forces = tuple(name for name in FORCES if accounts[name].acts)
+    # The terms of contact and drives are arrays, of zeros where a ledger has no accounts.
+    acting = {"w1", "w2"} | forces_with_accounts(layout.accounted.present)
+    forces = tuple([name for name in FORCES if name in acting])
     rows = [PARTS * list(FORCES).index(name) + part for name in forces for part in range(PARTS)]
     if "w_T" in forces:
         rows += [TERMS - 2, TERMS - 1]
     own = MEMBERS[rows]
-    present = own.any(axis=0) | np.isin(SUMS, (*OF_SURFACES, APPLIED_WORK))
-    names = tuple(name for name, its in zip(SUMS, present, strict=True) if its)
+    present = own.any(axis=0) | IS_TOTAL
+    names = tuple([SUMS[place] for place in np.flatnonzero(present).tolist()])
     return forces, names, own[:, present]
 
 

@@ -1,6 +1,6 @@
 """The scales that errors are relative to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ EPSILON = float(np.finfo(float).eps)
 ROLES = {name: quantity.role for name, quantity in quantities.QUANTITIES.items()}
 # Those whose errors are relative to a common scale.  Others change no bound but their own.
 COMMON = tuple(name for name, role in ROLES.items() if role.scale != OWN)
+SINGLE = tuple(name for name in ROLES if name not in COMMON)
 
 
 def measures_of(scale: str) -> tuple[str, ...]:
@@ -108,41 +109,49 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         speed = max(speed, float(np.max(np.hypot(*bob))))
         x, y = (table[name] - table[name][0] for name in ("x_bob", "y_bob"))
         path = max(path, largest(np.hypot(x - mean[0] * later, y - mean[1] * later)))
-    return scales_of(layout, tops, speed, internal, path)
+    return scales_of(layout, tuple(tops), np.array([*tops.values()]), speed, internal, path)
 
 
 def scales_of(
-    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values, path: Values
+    layout: Layout,
+    names: tuple[str, ...],
+    tops: np.ndarray,
+    speed: Values,
+    internal: Values,
+    path: Values,
 ) -> Scales:
-    """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
+    """The scales of a run, or of members (members,), from largest magnitudes: see Extremes.
+
+    `tops` are those of quantities with some names, (names,) or (names, members).
+    """
     body = _largest_body(layout)
     runs = np.size(speed)
     inertia = body.inertia[:runs]
     mass = body.mass[:runs]
     length = body.rod[:runs]
     soft = body.soft
-    highest = _highest(tops, ENERGIES)
-    works = not tops.keys().isdisjoint(WORKS)
-    work = _highest(tops, WORKS) if works else highest
-    potential = _highest(tops, POTENTIALS) / body.number
+    highest = _highest(names, tops, ENERGIES)
+    works = _places(names, WORKS).size > 0
+    work = _highest(names, tops, WORKS) if works else highest
+    potential = _highest(names, tops, POTENTIALS) / body.number
     energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
     # Where nothing happens, what the motion or a pendulum that turns by 1 rad could exchange.
     for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
         energy = np.where(energy > 0.0, energy, possible)
     scales: dict[str, Any] = {
-        "rate": resolved(_highest(tops, RATES), np.sqrt(potential / inertia)),
+        "rate": resolved(_highest(names, tops, RATES), np.sqrt(potential / inertia)),
         "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
-        "total": np.maximum(energy, _highest(tops, TOTALS)),
+        "total": np.maximum(energy, _highest(names, tops, TOTALS)),
         "work": work if works else np.zeros_like(work),
         "angle": np.ones(1),
     }
-    own = {name: tops[name] for name in tops if name in ROLES and name not in COMMON}
-    single = np.ndim(speed) == 0
-    return Scales(
-        **{scale: each.item() if single else each for scale, each in scales.items()}, own=own
-    )
+    own = {names[place]: tops[place] for place in _places(names, SINGLE).tolist()}
+    if np.ndim(speed) == 0:
+        scales = {scale: each.item() for scale, each in scales.items()}
+        own = {name: each.item() for name, each in own.items()}
+    return Scales(**scales, own=own)
 
 
 class _LargestBody(NamedTuple):
@@ -176,10 +185,16 @@ def are_lost(work: Values, energy: Values) -> np.ndarray:
     return ~(work > EPSILON * np.asarray(energy))
 
 
-def _highest(tops: Mapping[str, Values], names: Sequence[str]) -> np.ndarray:
-    """The largest of some quantities, of those that there are; 0 without any."""
-    values = [tops[name] for name in names if name in tops]
-    return np.asarray(np.maximum.reduce(np.array(values))) if values else np.zeros(())
+@lru_cache
+def _places(names: tuple[str, ...], chosen: tuple[str, ...]) -> np.ndarray:
+    """The places of the chosen quantities, of those that there are, among some names."""
+    return np.array([names.index(name) for name in chosen if name in names], int)
+
+
+def _highest(names: tuple[str, ...], tops: np.ndarray, chosen: tuple[str, ...]) -> Any:
+    """The largest of the chosen quantities, of those that there are; 0 without any."""
+    places = _places(names, chosen)
+    return np.maximum.reduce(tops[places]) if places.size > 0 else np.zeros(tops.shape[1:])
 
 
 def resolved(measured: Values, possible: Values) -> np.ndarray:

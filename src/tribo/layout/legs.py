@@ -102,9 +102,11 @@ def begun_of(number: Scheduled, begun: np.ndarray) -> float:
     return float(begun[number.surface, BEGUN.index(number.clock)])
 
 
-def legs_of(scene: Scene, begun: np.ndarray) -> Legs:
-    """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`."""
-    numbers = scheduled_numbers(scene)
+def legs_of(scene: Scene, numbers: tuple[Scheduled, ...], begun: np.ndarray) -> Legs:
+    """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`.
+
+    `numbers` are its :func:`scheduled_numbers`.
+    """
     same = SAME * scene.duration
     starts = [begun_of(each, begun) for each in numbers]
     times = [

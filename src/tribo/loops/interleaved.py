@@ -47,7 +47,8 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     surfaces = mine.copy()
     for name in ("acc_block", "acc_stage"):
         surfaces[name] *= np.where(surfaces[name] >= 0, LANES, 1)
-    theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
+    wanted = slots.wanted_slots(scene, surfaces)
+    theirs = slots.number(scene, surfaces, wanted, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
     places = []
     for lane in range(LANES):
