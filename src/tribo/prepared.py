@@ -182,7 +182,7 @@ class Simulation:
         Raises InputError if there was none, as the step was given.
         """
         if self.plan.pilot is not None:
-            return self.plan.pilot
+            return self.plan.pilot.run
         if self.plan.tuned is None or not self.plan.tuned.runs:
             raise InputError("accuracy", "is missing; with a given step, no run finds the settings")
         return self.plan.tuned.runs[-1]

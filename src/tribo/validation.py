@@ -9,8 +9,7 @@ import dataclasses
 import difflib
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -134,14 +133,15 @@ def vector(
         value = np.asarray(value)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
         array = value.astype(float)
+        usable = np.abs(array) <= LARGEST_NUMBER
+        for k in () if usable.all() else np.flatnonzero(~usable):
+            number(f"{field}[{k}]", array[k], ANY, unit)
     else:
         array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
-    for k in np.flatnonzero(~(np.abs(array) <= LARGEST_NUMBER)):
-        number(f"{field}[{k}]", array[k], ANY, unit)
     if condition is not ANY:
-        wrong = np.flatnonzero(~condition[1](array))
-        if wrong.size:
-            i = int(wrong[0])
+        met = np.asarray(condition[1](array))
+        if not met.all():
+            i = int(met.argmin())
             raise InputError(f"{field}[{i}]", f"{condition[0]}{_in(unit)}, got {float(array[i])}")
     array.flags.writeable = False
     return array
@@ -175,6 +175,8 @@ def is_list(value: object) -> TypeGuard[Sequence[Any] | np.ndarray]:
     """Whether the value is a list, a tuple or an array, as of numpy or xarray, with an axis."""
     if isinstance(value, (int, float)):
         return False
+    if isinstance(value, (tuple, list)):
+        return True
     if hasattr(value, "ndim"):
         return bool(value.ndim > 0)
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
@@ -284,10 +286,19 @@ def as_path(value: object) -> Path:
     return Path(value)
 
 
-@contextmanager
-def inside(prefix: str) -> Iterator[None]:
-    """A context whose InputErrors are about fields that are parts of `prefix`."""
-    try:
-        yield
-    except InputError as error:
-        raise error.under(prefix) from None
+class inside:  # noqa: N801 (is used as a function)
+    """A context whose InputErrors are about fields that are parts of `prefix`.
+
+    A class, as scenes are checked in many: those of `contextlib.contextmanager` take three times as
+    long.
+    """
+
+    def __init__(self, prefix: str) -> None:
+        self._prefix = prefix
+
+    def __enter__(self) -> None:
+        """Nothing is prepared."""
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        if isinstance(error, InputError):
+            raise error.under(self._prefix) from None

@@ -145,7 +145,7 @@ def test_columns_are_the_series(result):
     samples = raw_samples(simulation.compute().ledger)
     layout = simulation.layout
     group = AsperiteSeries(layout, samples, (layout.together,))
-    columns = series_table(layout, group, ["upper.W", "lower.w1"])
+    columns = series_table(layout, group, ("upper.W", "lower.w1"))
     ledger = assemble(layout, samples)
     stops = [*columns.starts[1:], columns.values.shape[1]]
     assert set(columns.names) == {*ledger.names, "upper.W", "lower.w1"}

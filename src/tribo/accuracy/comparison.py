@@ -103,12 +103,12 @@ class Errors(NamedTuple):
 
 
 def strictest(accuracy: Accuracy) -> float:
-    return min(accuracy.values()) if isinstance(accuracy, Mapping) else accuracy
+    return accuracy if isinstance(accuracy, float) else min(accuracy.values())
 
 
 def observables(accuracy: Accuracy) -> tuple[str, ...]:
     """The quantities that an accuracy names; none if it is for everything."""
-    return tuple(accuracy) if isinstance(accuracy, Mapping) else ()
+    return () if isinstance(accuracy, float) else tuple(accuracy)
 
 
 def check_observables(layout: Layout, names: Iterable[str], field: str = "accuracy") -> None:
@@ -159,8 +159,8 @@ def error_bounds(
     Errors of a `rough` run fall irregularly with the step, also if the scene's forces are smooth.
     """
     found = extremes(layout, fine, coarser, observables(accuracy))
-    tops = dict(zip(found.names, found.tops.tolist(), strict=True))
-    scales = scales_of(layout, tops, float(found.speed), float(found.internal), float(found.path))
+    motion = float(found.speed), float(found.internal), float(found.path)
+    scales = scales_of(layout, found.names, found.tops, *motion)
     rough = rough or bool(np.isfinite(layout.scene.smoothness))
     # The rounding of the start, which all runs share, is relative to its angles.
     grown = (amplification or 0.0) * max(1.0, largest(layout.start[: layout.asperites.size]))
@@ -280,8 +280,8 @@ def growth(amplification: float) -> str:
 
 def weak_notes(work: Values, energy: Values, accuracy: Accuracy) -> list[str]:
     """A note for each run whose errors of works are relative to energies of the motion; else ""."""
-    work = np.atleast_1d(work)
-    energy = np.atleast_1d(energy)
+    work = np.array(work, ndmin=1)
+    energy = np.array(energy, ndmin=1)
     asked = [scale_of(name) for name in observables(accuracy)]
     if asked and not {"energy", "total"} & set(asked):
         return [""] * work.size

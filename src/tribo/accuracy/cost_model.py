@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tribo.accuracy.levels import NEAR
+from tribo.accuracy.scales import largest
 from tribo.integrators.methods import METHODS, Cost, Method, refusal
 from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.kinematics import rod_position
@@ -65,6 +66,13 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
     scene = layout.scene
     steps = max(steps_towards(layout), float(scene.times.size))
     fast = FAST * layout.run_time * bath_frequency(layout)
+    radians = layout.run_time / unit_step(layout)
+    steepest = ROUGH_SLOPE if np.isfinite(scene.smoothness) else np.inf
+
+    def at_accuracy(each: float, slope: float) -> float:
+        """Evaluations with so many for each radian at 1e-6."""
+        return radians * each * (accuracy / 1e-6) ** (-1.0 / min(slope, steepest))
+
     found = []
     for method in METHODS.values():
         if method.cost is None or refusal(method, scene) is not None:
@@ -72,23 +80,15 @@ def estimates(layout: Layout, accuracy: float) -> list[Estimate]:
         if method.smoothness > scene.smoothness and method.adaptive:
             continue
         rate = rate_of(layout, method)
-        count = max(_at_accuracy(layout, rate.evaluations, rate.slope, accuracy), rate.step * steps)
+        count = max(at_accuracy(rate.evaluations, rate.slope), rate.step * steps)
         if count < fast and method.splits:
-            count = max(count, _at_accuracy(layout, *method.cost.fast_bath, accuracy))
+            count = max(count, at_accuracy(*method.cost.fast_bath))
         elif not method.splits:
             count = max(count, fast)
         found.append(Estimate(method, count, 1e-9 * count * _each(layout, rate)))
     found.sort(key=lambda item: item.seconds)
     adaptive = [item for item in found if item.method.adaptive]
     return adaptive if adaptive and adaptive[0].evaluations > fast else found
-
-
-def _at_accuracy(layout: Layout, each: float, slope: float, accuracy: float) -> float:
-    """Evaluations with so many for each radian at 1e-6."""
-    scene = layout.scene
-    radians = layout.run_time / unit_step(layout)
-    slope = min(slope, ROUGH_SLOPE) if np.isfinite(scene.smoothness) else slope
-    return radians * each * (accuracy / 1e-6) ** (-1.0 / slope)
 
 
 def rate_of(layout: Layout, method: Method) -> Cost:
@@ -148,7 +148,7 @@ def steps_towards(layout: Layout) -> float:
     tx, ty = swing_direction(a.facing, layout.start[:count])
     places = np.column_stack([*rod_position(a.x, a.y, a.l1, tx, ty), layout.depths])
     in_place, box = in_box(layout, places)
-    swinging = float(np.max(a.l1 * np.abs(layout.start[layout.coordinates :][:count])))
+    swinging = largest(a.l1 * layout.start[layout.coordinates :][:count])
     parts = list(layout.parts.values())
     times = np.linspace(layout.beginning, layout.scene.duration, TIMES)
     rates = [0.0]
@@ -156,7 +156,9 @@ def steps_towards(layout: Layout) -> float:
         for one, other in contact.pairs:
             mine = parts[one]
             theirs = parts[other]
-            first = np.linspace(mine.start, mine.stop - 1, min(FOLLOWED, mine.stop - mine.start))
+            first = np.arange(mine.start, mine.stop)
+            if first.size > FOLLOWED:
+                first = np.linspace(mine.start, mine.stop - 1, FOLLOWED)
             drift = layout.velocities[one] - layout.velocities[other]
             moved = places[first.astype(int)] + np.outer(times, [*drift, 0.0])[:, None]
             candidates = in_place[theirs]
@@ -165,9 +167,10 @@ def steps_towards(layout: Layout) -> float:
                 clear = _clearances(contact.potential, near)
             except Exception:  # of the user's code, whose line the compiler names
                 continue
-            if np.max(clear) > 0.0:  # bobs that stay at one place have no run
+            widest = clear.max()
+            if widest > 0.0:  # bobs that stay at one place have no run
                 speed = float(np.hypot(*drift)) + 2.0 * swinging
-                rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * np.max(clear)))))
+                rates.append(float(np.mean(speed / np.maximum(clear, 1e-3 * widest))))
     return max(rates) * layout.run_time / NEAR
 
 

@@ -24,6 +24,8 @@ FLOOR = 2e-15
 # finer runs would take the same steps: one of 450 random scenes had an error of 4.1e-12 of a rate,
 # for an estimate of 1.4e-12.
 BELOW_ROUNDING = 0.25
+# The smallest normal number.
+TINY = float(np.finfo(float).tiny)
 # Places of the impulses (x, y, ...) in each group of accounts.
 IMPULSES = {
     "acc_contact": (0, 1),
@@ -76,12 +78,13 @@ def first_guess(layout: Layout) -> ToleranceScales:
     a = layout.together.asperites
     relative = _relative_velocity(layout, layout.together)
     frequency = np.sqrt(a.kappa / a.inertia)
-    omega = np.max(np.abs(layout.start[layout.coordinates :][: layout.scene.count]))
-    velocity = float(np.max(np.hypot(relative[:, 0], relative[:, 1])) + np.max(a.l1) * omega)
-    velocity = velocity or float(np.max(frequency * a.l1)) or 1.0
-    rate = float(max(omega, largest(a.nu), np.max(frequency), velocity / np.max(a.l1)))
-    energy = float(np.max(a.mass)) * velocity**2
-    rod = float(np.max(a.l1 + a.l2))
+    omega = largest(layout.start[layout.coordinates :][: layout.scene.count])
+    arm = largest(a.l1)
+    velocity = largest(np.hypot(relative[:, 0], relative[:, 1])) + arm * omega
+    velocity = velocity or largest(frequency * a.l1) or 1.0
+    rate = max(omega, largest(a.nu), largest(frequency), velocity / max(arm, TINY))
+    energy = largest(a.mass) * velocity**2
+    rod = largest(a.l1 + a.l2)
     return ToleranceScales(velocity, energy, energy / velocity, rate, rate, 1.0, rod)
 
 
@@ -89,7 +92,7 @@ def _relative_velocity(layout: Layout, span: Span) -> np.ndarray:
     """Initial velocity of each asperite relative to the mean of the surfaces' (asperites, 2)."""
     velocities = layout.velocities
     first = velocities[0]  # less this all is exact where all surfaces move fast
-    mean = np.mean(velocities - first, axis=0)
+    mean = (velocities - first).mean(axis=0)
     return np.asarray((span.velocity.T - first) - mean)
 
 
@@ -101,7 +104,7 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     relative = _relative_velocity(layout, span)
     vx, vy = motion.vx + relative[:, 0], motion.vy + relative[:, 1]
     bob = rod_velocity(vx, vy, motion.omega, span.asperites.l1, *motion.direction)
-    velocity = max(guess.velocity, float(np.max(np.hypot(*bob))))
+    velocity = max(guess.velocity, largest(np.hypot(*bob)))
     torsion = motion.swing - motion.phi
     internal = motion.energy
     highest = largest(internal)
@@ -110,14 +113,14 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
     turn = largest(motion.nu)
     twist = largest(torsion)
     weights = _account_weights(layout)
-    top = np.max(np.abs(samples.s), axis=0, initial=0.0)
+    top = np.maximum.reduce(np.abs(samples.s), axis=0, initial=0.0)
     # Works in the laboratory are reported at the scene's times; in between they may be far larger.
     reported = samples.s[are_among(samples.t, layout.times)]
     work = max(largest(top * weights), _work_of_impulses(layout, reported))
     # Where nothing does work, the change of an energy is round-off.
     energy = max(work, change) if work > 0.0 or top.size == 0 else highest
     potential = max(largest(samples.contact), largest(samples.field)) / layout.scene.count
-    inertia = float(np.max(span.asperites.inertia))
+    inertia = largest(span.asperites.inertia)
     lost = rounding_of_forces(layout, motion)
     path = largest(motion.bob_path(mean_velocity(layout)))
     return ToleranceScales(
@@ -139,24 +142,29 @@ def tolerance_scales(layout: Layout, samples: Samples) -> ToleranceScales:
 def _account_weights(layout: Layout) -> np.ndarray:
     """The factor that makes a work of each account; 0 for impulses. Shape (accounts,)."""
     weights = np.ones(layout.accounts)
-    a = layout.accounted.asperites
+    span = layout.accounted
+    a = span.asperites
     length = a.l1 + a.l2
     for name, offsets in IMPULSES.items():
-        present = getattr(a, name) >= 0
+        if name not in span.present:
+            continue
+        slots = getattr(a, name)
+        present = slots >= 0
         for k in offsets:
-            weights[(getattr(a, name) + k * a.stride)[present]] = 0.0
+            weights[(slots + k * a.stride)[present]] = 0.0
         for k in WITHOUT_ARM.get(name, ()):
-            weights[(getattr(a, name) + k * a.stride)[present]] = length[present]
+            weights[(slots + k * a.stride)[present]] = length[present]
     return weights
 
 
 def _work_of_impulses(layout: Layout, s: np.ndarray) -> float:
     """The largest V . J of an impulse J, where V is relative to the surfaces' mean velocity."""
-    vx, vy = _relative_velocity(layout, layout.accounted).T
+    span = layout.accounted
+    vx, vy = _relative_velocity(layout, span).T
     highest = 0.0
     for name, offsets in IMPULSES.items():
-        for k in offsets[::2]:
-            jx, jy = account_columns(layout.accounted, name, (k, k + 1), s)
+        for k in offsets[::2] if name in span.present else ():
+            jx, jy = account_columns(span, name, (k, k + 1), s)
             highest = max(highest, largest(vx * jx + vy * jy))
     return highest
 
@@ -173,15 +181,16 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     a = layout.together.asperites
     energy = float(_slower_below(level * scales.energy, scales.lost_energy))
     speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
-    q = np.full(layout.coordinates, level * scales.length)
-    v = np.full(layout.coordinates, speed)
+    y = np.empty(2 * layout.coordinates)
+    q = y[: layout.coordinates]
+    v = y[layout.coordinates :]
+    q[:] = level * scales.length
+    v[:] = speed
     swing = slice(0, layout.scene.count)
     # An error of a rate matters to the energy by the rate itself, or else by its own square.
     spin = np.maximum(scales.spin, np.sqrt(energy / a.inertia))
-    tiny = np.finfo(float).tiny
-    with np.errstate(over="ignore"):  # infinite where a torsion or a rate is tiny
-        angle = np.minimum(level, energy / np.maximum(a.kappa * scales.twist, tiny))
-        omega = np.minimum(level * scales.rate, energy / np.maximum(a.inertia * spin, tiny))
+    angle = np.minimum(level, _over(energy, a.kappa * scales.twist))
+    omega = np.minimum(level * scales.rate, _over(energy, a.inertia * spin))
     q[swing] = _slower_below(angle, scales.lost_angle)
     v[swing] = _slower_below(omega, scales.lost_rate)
     turning = a.dof_phi >= 0
@@ -194,10 +203,16 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
         v[slots[live]] = _slower_below(slow, scales.lost_speed)
     weights = _account_weights(layout)
     # An impulse whose work is a small difference has no digits beyond its own round-off.
-    lost = max(FLOOR * scales.impulse, float(np.max(a.mass)) * scales.lost_speed)
+    lost = max(FLOOR * scales.impulse, largest(a.mass) * scales.lost_speed)
     impulse = _slower_below(level * min(scales.impulse, scales.energy / scales.velocity), lost)
     s = np.where(weights > 0.0, energy / np.where(weights > 0.0, weights, 1.0), impulse)
-    return Tolerance(np.concatenate([q, v]), s, level, near)
+    return Tolerance(y, s, level, near)
+
+
+@np.errstate(over="ignore")
+def _over(energy: float, value: np.ndarray) -> np.ndarray:
+    """An energy over a torsion or a momentum, infinite where that is tiny."""
+    return energy / np.maximum(value, TINY)
 
 
 def _slower_below(tolerance: float | np.ndarray, lost: float) -> float | np.ndarray:

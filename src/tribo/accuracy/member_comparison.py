@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import Scales, largest_of_runs, scales_of
+from tribo.accuracy.scales import Scales, largest_of_runs, scales_of, without_surfaces
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
@@ -23,6 +23,8 @@ class FineRuns:
 
     def __init__(self, runs: MemberRuns, accuracy: Accuracy) -> None:
         self._accuracy = accuracy
+        self._asked = observables(accuracy)
+        self._kinds = frozenset(without_surfaces(self._asked)) or None
         self._complete = runs.complete
         layout, self._samples = _at_few_times(runs)
         self._layouts = {1: layout}  # for all members so many times
@@ -41,17 +43,14 @@ class FineRuns:
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
         # The scales depend on all quantities, and differences on those that are asked for.
-        asked = observables(self._accuracy)
-        only = None
-        if asked and self._scales is not None:
-            only = {name.rpartition(".")[2] for name in asked}
-        table = series_table(layout, group, asked, only)
+        only = self._kinds if self._scales is not None else None
+        table = series_table(layout, group, self._asked, only)
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
             self._scales = _scales(layout, group, _with(table, values[:, 0]), members)
-        with np.errstate(invalid="ignore"):  # of two infinite energies
+        with np.errstate(divide="ignore", invalid="ignore"):  # of infinite energies, by no scale
             gaps = _with(table, values[:, :1] - values[:, 1:]).largest(members * len(others))
-        worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
+            worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
         complete = self._complete & [each.complete for each in others]
         return self._scales, np.where(complete & np.isfinite(worst), worst, np.inf)
 
@@ -73,7 +72,7 @@ def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
 
 def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
     """The scales of the first runs of a group, as many as there are members."""
-    tops = dict(zip(table.names, table.largest(members), strict=True))
+    tops = table.largest(members)
     (motion,) = group.motions
     mean = mean_velocity(layout)
     runs = group.samples.runs
@@ -81,7 +80,7 @@ def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: 
         largest_of_runs(each, runs)[:members]
         for each in (motion.bob_speed(mean), motion.energy, motion.bob_path(mean))
     )
-    return scales_of(layout, tops, speed, internal, path)
+    return scales_of(layout, table.names, tops, speed, internal, path)
 
 
 def _in_units(
@@ -90,12 +89,11 @@ def _in_units(
     """The largest of differences (names, runs x members) in their units, (runs, members)."""
     asked = accuracy if isinstance(accuracy, Mapping) else dict.fromkeys(names, accuracy)
     places = [place for place, name in enumerate(names) if name in asked]
-    units = np.stack(
-        [np.broadcast_to(asked[names[k]] * scales.of(names[k]), members) for k in places]
-    )
+    units = np.empty((len(places), members))
+    for unit, place in zip(units, places, strict=True):
+        unit[:] = asked[names[place]] * scales.of(names[place])
     chosen = gaps[places].reshape(len(places), -1, members)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
+    relative = np.where(chosen == 0.0, 0.0, chosen / units[:, None])
     return np.asarray(relative.max(axis=0, initial=0.0))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from tribo.accuracy.choose_method import Choice
 from tribo.accuracy.comparison import Accuracy, error_bounds, strictest
 from tribo.accuracy.cost_model import counted, evaluation_time
 from tribo.accuracy.decision import LONG_RUN
-from tribo.accuracy.levels import setting_at, tolerance_scales, work
+from tribo.accuracy.levels import ToleranceScales, setting_at, tolerance_scales, work
 from tribo.accuracy.noisy_step import resolving_step
 from tribo.accuracy.search import TIGHT, FoundSettings, find_settings
 from tribo.accuracy.search_runs import PARTS, Announce, SearchRuns, StopTimes
@@ -35,6 +36,13 @@ LOOSE_EXCESS = 1.875
 MORE = 1.05
 
 
+class Pilot(NamedTuple):
+    """A run that shows the scales of a scene, and these."""
+
+    run: Integration
+    scales: ToleranceScales
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """How a scene is run; it fits any other scene of the same kind."""
@@ -49,8 +57,8 @@ class Plan:
     # Of a run without an error estimate, at the scene's times alone; None if none is cheaper.
     single: Setting | None = None
     automatic: bool = False  # whether a step was chosen, and is shortened if it is too long
-    # Of members that are compared with finer runs of their own: a run that shows their scales.
-    pilot: Integration | None = None
+    # Of members that are compared with finer runs of their own.
+    pilot: Pilot | None = None
     # Steps divide it: members that record no samples take the steps of those that do [time].
     interval: float | None = None
 
@@ -103,13 +111,13 @@ def plan_of_members(choice: Choice, integrator: Integrator) -> Plan | None:
     if accuracy is None or strictest(accuracy) < TIGHT:
         return None
     stops = StopTimes.for_samples(_compared(layout))
-    setting, pilot, _ = SearchRuns(integrator, None).pilot(stops.fine)
-    if pilot.status == Status.INTERRUPTED:
+    setting, run, scales = SearchRuns(integrator, None).pilot(stops.fine)
+    if run.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
-    if pilot.status != Status.COMPLETED:
+    if run.status != Status.COMPLETED:
         return None
     name = choice.method.name
-    return Plan(name, choice.why, setting, stops.fine, accuracy, pilot=pilot)
+    return Plan(name, choice.why, setting, stops.fine, accuracy, pilot=Pilot(run, scales))
 
 
 def _compared(layout: Layout) -> np.ndarray:

@@ -11,7 +11,7 @@ from tribo.accuracy.scales import EPSILON, largest
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger import quantities
-from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part
+from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part, forces_with_accounts
 from tribo.ledger.motion import Motion
 from tribo.ledger.row_products import row_product
 from tribo.model.fields import period_of
@@ -54,6 +54,8 @@ def _table_of_sums() -> tuple[tuple[str, ...], np.ndarray]:
 
 
 SUMS, MEMBERS = _table_of_sums()
+# Whether each sum is over the asperites of a surface, or of the system.
+IS_TOTAL = np.isin(SUMS, (*OF_SURFACES, APPLIED_WORK))
 
 
 def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, float]:
@@ -123,8 +125,8 @@ def _of_ends(layout: Layout, motion: Motion, count: float) -> dict[str, float]:
 def _stiffness_of_ends(layout: Layout) -> np.ndarray | None:
     """The torque of clamped ends by twist and length of the bar, (asperites,); None without any."""
     a = layout.together.asperites
-    clamped = layout.surfaces.acc_ends[a.surface] >= 0
-    return np.where(clamped, a.kappa / a.bar_length, 0.0) if np.any(clamped) else None
+    clamped = np.asarray(layout.surfaces)["acc_ends"][a.surface] >= 0
+    return np.where(clamped, a.kappa / a.bar_length, 0.0) if clamped.any() else None
 
 
 @once_per_layout
@@ -132,7 +134,7 @@ def _of_cutoffs(layout: Layout) -> dict[str, float]:
     """The rounding of what cutoffs subtract from energies, which may be far larger than these."""
     scene = layout.scene
     found = {"total_energy_change": 0.0}
-    charge = max(float(np.max(np.abs(surface.each["charge"]))) for surface in scene.surfaces)
+    charge = max(float(np.abs(surface.each["charge"]).max()) for surface in scene.surfaces)
     for name, within in (("contact_energy", None), ("delta_E_int", True)):
         contacts = [contact for contact in layout.model.contacts if contact.within is within]
         energy = sum(contact.potential.energy_subtracted(charge) for contact in contacts)
@@ -147,14 +149,15 @@ def _acting(layout: Layout) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarra
 
     The table (terms, sums) is a part of MEMBERS.
     """
-    accounts = Accounts(layout.accounted, np.zeros((1, layout.accounts)))
-    forces = tuple(name for name in FORCES if accounts[name].acts)
+    # The terms of contact and drives are arrays, of zeros where a ledger has no accounts.
+    acting = {"w1", "w2"} | forces_with_accounts(layout.accounted.present)
+    forces = tuple([name for name in FORCES if name in acting])
     rows = [PARTS * list(FORCES).index(name) + part for name in forces for part in range(PARTS)]
     if "w_T" in forces:
         rows += [TERMS - 2, TERMS - 1]
     own = MEMBERS[rows]
-    present = own.any(axis=0) | np.isin(SUMS, (*OF_SURFACES, APPLIED_WORK))
-    names = tuple(name for name, its in zip(SUMS, present, strict=True) if its)
+    present = own.any(axis=0) | IS_TOTAL
+    names = tuple([SUMS[place] for place in np.flatnonzero(present).tolist()])
     return forces, names, own[:, present]
 
 
@@ -169,7 +172,10 @@ def _terms(accounts: Accounts, forces: tuple[str, ...]) -> np.ndarray:
     if "w_T" in forces:
         thermal = accounts["w_T"]
         terms += [x * thermal.jx, y * thermal.jy]
-    return np.stack([accounts.whole(term) for term in terms], axis=2)
+    found = np.empty((*accounts.shape, len(terms)))
+    for k, term in enumerate(terms):
+        found[:, :, k] = term
+    return found
 
 
 def _of_energies(layout: Layout, motion: Motion) -> dict[str, float]:
@@ -236,10 +242,16 @@ def _shortest_length(layout: Layout, motion: Motion) -> float:
     lengths = list(_features(layout))
     sample = np.abs(motion.samples.contact).argmax()
     parts = list(layout.parts.values())
-    x, y = (place[sample] for place in motion.bob)
+    x = motion.bob[0][sample]
+    y = motion.bob[1][sample]
     for contact in layout.model.contacts:
-        for one, other in ((parts[i], parts[j]) for i, j in contact.pairs if i != j):
-            dx, dy = (p[one][:MOST_BOBS, None] - p[other][:MOST_BOBS] for p in (x, y))
+        for i, j in contact.pairs:
+            if i == j:
+                continue
+            one = parts[i]
+            other = parts[j]
+            dx = x[one][:MOST_BOBS, None] - x[other][:MOST_BOBS]
+            dy = y[one][:MOST_BOBS, None] - y[other][:MOST_BOBS]
             nearest = np.minimum.reduce(np.hypot(dx, dy), axis=None)
             lengths.append(float(contact.potential.clearance_between(nearest, 1.0, 1.0)))
     return min((length for length in lengths if length > 0.0), default=np.inf)

@@ -1,6 +1,6 @@
 """The scales that errors are relative to."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -108,41 +108,49 @@ def reported_scales(layout: Layout, ledger: Ledger) -> Scales:
         speed = max(speed, float(np.max(np.hypot(*bob))))
         x, y = (table[name] - table[name][0] for name in ("x_bob", "y_bob"))
         path = max(path, largest(np.hypot(x - mean[0] * later, y - mean[1] * later)))
-    return scales_of(layout, tops, speed, internal, path)
+    return scales_of(layout, tuple(tops), np.array([*tops.values()]), speed, internal, path)
 
 
 def scales_of(
-    layout: Layout, tops: Mapping[str, Values], speed: Values, internal: Values, path: Values
+    layout: Layout,
+    names: tuple[str, ...],
+    tops: np.ndarray,
+    speed: Values,
+    internal: Values,
+    path: Values,
 ) -> Scales:
-    """The scales of a run, or of members (members,), from largest magnitudes: see Extremes."""
+    """The scales of a run, or of members (members,), from largest magnitudes: see Extremes.
+
+    `tops` are those of quantities with some names, (names,) or (names, members).
+    """
     body = _largest_body(layout)
     runs = np.size(speed)
     inertia = body.inertia[:runs]
     mass = body.mass[:runs]
     length = body.rod[:runs]
     soft = body.soft
-    highest = _highest(tops, ENERGIES)
-    works = not tops.keys().isdisjoint(WORKS)
-    work = _highest(tops, WORKS) if works else highest
-    potential = _highest(tops, POTENTIALS) / body.number
+    highest = _highest(names, tops, ENERGIES)
+    works = _places(names, WORKS).size > 0
+    work = _highest(names, tops, WORKS) if works else highest
+    potential = _highest(names, tops, POTENTIALS) / body.number
     energy = resolved(np.where(are_lost(work, internal), internal, highest), potential)
     # Where nothing happens, what the motion or a pendulum that turns by 1 rad could exchange.
     for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
         energy = np.where(energy > 0.0, energy, possible)
     scales: dict[str, Any] = {
-        "rate": resolved(_highest(tops, RATES), np.sqrt(potential / inertia)),
+        "rate": resolved(_highest(names, tops, RATES), np.sqrt(potential / inertia)),
         "length": length_scale(path, length),
         "velocity": resolved(speed, np.sqrt(potential / mass)),
         "energy": energy,
-        "total": np.maximum(energy, _highest(tops, TOTALS)),
+        "total": np.maximum(energy, _highest(names, tops, TOTALS)),
         "work": work if works else np.zeros_like(work),
         "angle": np.ones(1),
     }
-    own = {name: tops[name] for name in tops if name in ROLES and name not in COMMON}
-    single = np.ndim(speed) == 0
-    return Scales(
-        **{scale: each.item() if single else each for scale, each in scales.items()}, own=own
-    )
+    own = {names[place]: tops[place] for place in _with_own_scale(names)}
+    if np.ndim(speed) == 0:
+        scales = {scale: each.item() for scale, each in scales.items()}
+        own = {name: each.item() for name, each in own.items()}
+    return Scales(**scales, own=own)
 
 
 class _LargestBody(NamedTuple):
@@ -161,7 +169,7 @@ def _largest_body(layout: Layout) -> _LargestBody:
     inertia, mass, rod = (
         np.atleast_2d(each).max(axis=1) for each in (a.inertia, a.mass, a.l1 + a.l2)
     )
-    soft = float(np.min(np.where(np.isfinite(a.kappa), a.kappa, 0.0)))
+    soft = float(np.where(np.isfinite(a.kappa), a.kappa, 0.0).min())
     return _LargestBody(inertia, mass, rod, soft, layout.scene.count)
 
 
@@ -176,10 +184,22 @@ def are_lost(work: Values, energy: Values) -> np.ndarray:
     return ~(work > EPSILON * np.asarray(energy))
 
 
-def _highest(tops: Mapping[str, Values], names: Sequence[str]) -> np.ndarray:
-    """The largest of some quantities, of those that there are; 0 without any."""
-    values = [tops[name] for name in names if name in tops]
-    return np.asarray(np.maximum.reduce(np.array(values))) if values else np.zeros(())
+@lru_cache
+def _places(names: tuple[str, ...], chosen: tuple[str, ...]) -> np.ndarray:
+    """The places of the chosen quantities, of those that there are, among some names."""
+    return np.array([names.index(name) for name in chosen if name in names], int)
+
+
+@lru_cache
+def _with_own_scale(names: tuple[str, ...]) -> tuple[int, ...]:
+    """The places of quantities, without those of single surfaces, that have scales of their own."""
+    return tuple(k for k, name in enumerate(names) if name in ROLES and name not in COMMON)
+
+
+def _highest(names: tuple[str, ...], tops: np.ndarray, chosen: tuple[str, ...]) -> Any:
+    """The largest of the chosen quantities, of those that there are; 0 without any."""
+    places = _places(names, chosen)
+    return np.maximum.reduce(tops[places]) if places.size > 0 else np.zeros(tops.shape[1:])
 
 
 def resolved(measured: Values, possible: Values) -> np.ndarray:

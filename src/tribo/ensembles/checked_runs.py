@@ -241,7 +241,11 @@ def _steppers(simulation: Simulation, own_numbers: bool) -> dict[str, Stepper]:
 def checked_plan(runs: CheckedRuns, variation: Variation, count: int, threads: int) -> CheckedPlan:
     """The plan of an ensemble of `count` members; the own plan of `runs` is not used."""
     simulation = runs.simulation
-    scales = tolerance_scales(simulation.layout, simulation.finest.samples)
+    pilot = simulation.plan.pilot
+    if pilot is not None:
+        scales = pilot.scales
+    else:
+        scales = tolerance_scales(simulation.layout, simulation.finest.samples)
     chosen = _cheapest(runs, variation, count, scales)
     if runs.own_numbers:  # each member is compared with a run at the level that is chosen
         return chosen._replace(level=max(FLOOR, chosen.level / ROUGHER))

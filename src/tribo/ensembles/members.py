@@ -256,7 +256,10 @@ class Variation:
 
     def _drawn(self, draw: Draw | SeedDraw, key: str, numbers: np.ndarray) -> np.ndarray:
         """Values of members whose numbers ascend, from those of whole blocks of members."""
-        blocks, firsts = np.unique(numbers // draw.block, return_index=True)
+        within = numbers // draw.block
+        if numbers.size > 0 and within[0] == within[-1]:  # of all members of a small ensemble
+            return self._block(draw, int(within[0]))[key][numbers % draw.block]
+        blocks, firsts = np.unique(within, return_index=True)
         parts = np.split(numbers % draw.block, firsts[1:])
         pairs = zip(blocks.tolist(), parts, strict=True)
         return np.concatenate([self._block(draw, block)[key][part] for block, part in pairs])

@@ -70,7 +70,7 @@ def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -
     potential = interaction.potential
     if interaction.calculator is not None:
         return True
-    charges = [float(np.max(np.abs(scene.surfaces[k].each["charge"]))) for k in pair]
+    charges = [float(np.abs(scene.surfaces[k].each["charge"]).max()) for k in pair]
     try:
         return bool(potential.acts_between(*charges) or not potential.acts_between(1.0, 1.0))
     except Exception:  # of the user's code, whose line the compiler names

@@ -1,7 +1,8 @@
 """Initial states of a layout, with some initial values changed."""
 
-from collections.abc import Mapping
-from functools import cache, partial
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,21 @@ Start = Mapping[str, ArrayLike]
 COORDINATES = {"phi": "dof_phi", "nu": "dof_phi"}
 COORDINATES |= {"x": "dof_x", "vx": "dof_x", "y": "dof_y", "vy": "dof_y"}
 RATES = ("omega", "nu", "vx", "vy")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 Values = dict[str, float | np.ndarray]  # the same: one number, or (members, 1 or asperites)
+
+
+class Known(dict[Key, Value]):
+    """The values of a function, each of which is computed when it is first needed."""
+
+    def __init__(self, function: Callable[[Key], Value]) -> None:
+        super().__init__()
+        self._function = function
+
+    def __missing__(self, key: Key) -> Value:
+        value = self[key] = self._function(key)
+        return value
 
 
 class InitialState:
@@ -38,9 +53,9 @@ class InitialState:
         drawn = any(s.initial.temperature for s in layout.scene.surfaces)
         self._is_drawn = drawn and not continues
         self._scene = layout.asperites, layout.scene
-        self._slots = cache(partial(_slots, layout))
-        self._bound = cache(partial(_bound, layout.scene))
-        self._following = cache(partial(_following, layout.scene, continues))
+        self._slots = Known(partial(_slots, layout))
+        self._bound = Known(partial(_bound, layout.scene))
+        self._following = Known(partial(_following, layout.scene, continues))
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
         """The state (2 coordinates,) with these initial values.
@@ -52,8 +67,8 @@ class InitialState:
         if type(start) is not dict and not isinstance(start, Mapping):
             raise InputError("start", f"must map names to values, got {start!r}")
         values: Values = {}
-        for key, given in self._bound(tuple(start)):
-            slots, _ = self._slots(key)
+        for key, given in self._bound[tuple(start)]:
+            slots, _ = self._slots[key]
             values[key] = own = number_or_array(key, start[given])
             count = slots.stop - slots.start
             if type(own) is not float and np.size(own) != count:
@@ -76,10 +91,10 @@ class InitialState:
         if self._is_drawn and seeds:
             draw_starts(*self._scene, y, seeds)
         for key in values:
-            slots, rest = self._slots(key)
+            slots, rest = self._slots[key]
             y[:, slots] = values[key] - rest
-        for name in self._following(tuple(values)):
-            y[:, self._slots(f"{name}.swing")[0]] = y[:, self._slots(f"{name}.phi")[0]]
+        for name in self._following[tuple(values)]:
+            y[:, self._slots[f"{name}.swing"][0]] = y[:, self._slots[f"{name}.phi"][0]]
         if self._starts_baths and (values or seeds):
             start_baths(*self._scene, y, seeds or [self._layout.scene.seed])
 

@@ -25,7 +25,7 @@ from tribo.layout.scene_records import (
     resting_bobs,
     scene_records,
 )
-from tribo.layout.span import Asperites, Span, span_of, spans_of
+from tribo.layout.span import SPAN_SIZE, Asperites, Span, span_of, spans_of
 from tribo.layout.start import start_of
 from tribo.layout.tables import columns_of_constants, model_tables
 from tribo.model.identity import loaded
@@ -72,6 +72,7 @@ class Layout:
     room: tuple[int, int]  # coordinates and accounts of the kernels
     origin: np.ndarray  # (2,) the point that positions are relative to, in the laboratory
     calculator_calls: tuple[Call, ...]
+    scheduled: tuple[Scheduled, ...]  # numbers that follow schedules
     rows: int  # of the neighbour list, 0 without one
     skin: float  # how much farther than a cutoff the list reaches
     # (surfaces + fields, BEGUN) when the own times of each drive and of the others were zero.
@@ -100,7 +101,7 @@ class Layout:
     @cached_property
     def legs(self) -> Legs:
         """The times between kinks of schedules; one leg without any."""
-        return legs_of(self.scene, self.begun)
+        return legs_of(self.scene, self.scheduled, self.begun)
 
     @cached_property
     def stops(self) -> np.ndarray:
@@ -148,14 +149,10 @@ class Layout:
 
     def stage_moved(self, index: int, t: Any) -> Any:
         """How far the pulling stage of a surface is from its anchor at times t, likewise."""
-        for each in self._scheduled:
+        for each in self.scheduled:
             if each.surface == index and each.name == "stage":
                 return each.at(t, begun_of(each, self.begun))
         return self.number_of(index, "speed") * np.asarray(t)
-
-    @cached_property
-    def _scheduled(self) -> tuple[Scheduled, ...]:
-        return scheduled_numbers(self.scene)
 
     def begun_at(self, begun: np.ndarray, anchors: np.ndarray) -> Layout:
         """The same layout with drives and ends that began at other times.
@@ -242,6 +239,13 @@ class Layout:
         }
         velocity = np.moveaxis(self._rows(self.numbers.velocity[:, mine]), 2, 0)
         return replace(one, asperites=Asperites(**vars(one.asperites) | own), velocity=velocity)
+
+    @cached_property
+    def whole_spans(self) -> tuple[Span, ...]:
+        """The asperites of all surfaces, in as few spans as they fit."""
+        whole = self.together
+        count = self.scene.count
+        return (whole,) if count <= SPAN_SIZE else spans_of(whole, slice(0, count))
 
     @cached_property
     def spans(self) -> tuple[tuple[Span, ...], ...]:
@@ -336,11 +340,13 @@ def lay_out(scene: Scene) -> Layout:
     """The flat arrays of a scene, in which absent effects have no slots."""
     scene = loaded(scene)
     bobs = [resting_bobs(scene, k) for k in range(len(scene.surfaces))]
-    asperites, physics = scene_records(scene, bobs)
+    scheduled = scheduled_numbers(scene)
+    asperites, physics = scene_records(scene, bobs, scheduled)
     origin = np.array(scene.surfaces[0].first_bob[:2])
-    fields, shared = number_shared_accounts(scene, physics, origin)
-    mine = slots.number(scene, physics, shared, width=1)
-    theirs = slots.number(scene, physics, shared, LANES)
+    fields, shared = number_shared_accounts(scene, physics, origin, scheduled)
+    wanted = slots.wanted_slots(scene, physics)
+    mine = slots.number(scene, physics, wanted, shared, width=1)
+    theirs = slots.number(scene, physics, wanted, shared, LANES)
     slots.give_slots(asperites, mine.surfaces, ("dof_", "acc_"))
     if scene.output.ledger == "surfaces":
         for name in slots.GROUPS:  # only lanes have accounts
@@ -352,7 +358,9 @@ def lay_out(scene: Scene) -> Layout:
     orders = slots.orders_of_bobs(scene, bobs, compact=rows > 0 and not calls)
     places = slots.places(mine, theirs, np.arange(shared), orders)
     ends = plugin_forces(scene, origin, lambda surface: surface.plugin_at_ends)
-    model = model_tables(scene, asperites, theirs, places.columns[:, None], False)._replace(
+    columns = places.columns[:, None]
+    z = np.concatenate(depths)
+    model = model_tables(scene, asperites, z, theirs, columns, apart=False)._replace(
         contacts=found,
         inner=True if any(contact.within for contact in found) else None,
         calculators=calculators,
@@ -377,6 +385,7 @@ def lay_out(scene: Scene) -> Layout:
         room=(theirs.coordinates, theirs.accounts),
         origin=origin,
         calculator_calls=calls,
+        scheduled=scheduled,
         rows=rows,
         skin=skin,
         begun=np.zeros((len(scene.surfaces) + len(scene.fields), len(BEGUN))),

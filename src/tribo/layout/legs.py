@@ -102,13 +102,18 @@ def begun_of(number: Scheduled, begun: np.ndarray) -> float:
     return float(begun[number.surface, BEGUN.index(number.clock)])
 
 
-def legs_of(scene: Scene, begun: np.ndarray, until: float | None = None) -> Legs:
+def legs_of(
+    scene: Scene,
+    numbers: tuple[Scheduled, ...],
+    begun: np.ndarray,
+    until: float | None = None,
+) -> Legs:
     """The legs of a scene whose drives and reservoirs began at some times, of `Layout.begun`.
 
-    The last ends at a time `until`, by default the duration.
+    `numbers` are its :func:`scheduled_numbers`.  The last leg ends at a time `until`, by default
+    the duration.
     """
     until = scene.duration if until is None else until
-    numbers = scheduled_numbers(scene)
     same = SAME * scene.duration
     starts = [begun_of(each, begun) for each in numbers]
     times = [

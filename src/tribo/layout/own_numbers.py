@@ -1,7 +1,6 @@
 """The numbers in which members of an ensemble may differ, and these from the values of keys."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from tribo.layout.slots import slide
 from tribo.model.asperite import Asperite
 from tribo.model.parameters import INTERACTION, reservoir_part, with_values
 from tribo.model.surface import Surface
+from tribo.model.tables import field_names
 from tribo.validation import inside
 
 # Keys of a surface whose numbers may differ between members: its velocity, and a part of it.
@@ -28,15 +28,36 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     Whatever else refers to a velocity, or to the numbers of an asperite, is that of the scene.  The
     loop of a pair takes no mass of a surface from the scene.
     """
-    surfaces = layout.scene.surfaces
+    scene = layout.scene
+    surfaces = scene.surfaces
     if not all(each.is_uniform for surface in surfaces for each in surface.reservoirs):
         return False  # the table of numbers has those of each asperite
-    slides = slide(layout.scene) & (not by_pair_loop)
-    plain = [
-        f"{surface.name}.{ASPERITE_PART}."
-        for surface, slides_too in zip(surfaces, slides, strict=True)
-        if _is_plain(surface) and not slides_too
+    keys = tuple(keys)
+    # Surfaces without charges are no pair of a layout whose potential acts between charges.
+    if any(key.endswith(".charge") for key in keys):
+        for interaction in scene.interactions:
+            if not all(are_coupled(scene, interaction, pair) for pair in scene.pairs(interaction)):
+                return False
+    plain = tuple([name for name, slides in _plain_parts(layout) if by_pair_loop or not slides])
+    known = _known_numbers(layout)
+    return all(key in known or key.startswith(plain) for key in keys)
+
+
+@once_per_layout
+def _plain_parts(layout: Layout) -> list[tuple[str, bool]]:
+    """What keys of plain asperites begin with, and whether their surfaces can slide."""
+    surfaces = layout.scene.surfaces
+    return [
+        (f"{surface.name}.{ASPERITE_PART}.", slides)
+        for surface, slides in zip(surfaces, slide(layout.scene).tolist(), strict=True)
+        if _is_plain(surface)
     ]
+
+
+@once_per_layout
+def _known_numbers(layout: Layout) -> set[str]:
+    """Keys of numbers in which members may differ, but for those of asperites."""
+    surfaces = layout.scene.surfaces
     known = {f"{INTERACTION}.{name}" for name in _names_of_potential(layout)}
     for index, surface in enumerate(surfaces):
         known |= {f"{surface.name}.{name}" for name in _numbers_of_parts(layout, index)}
@@ -48,14 +69,7 @@ def can_differ(layout: Layout, keys: Iterable[str], by_pair_loop: bool) -> bool:
     fixed = fixed or any(surface.drive.gives_motion for surface in surfaces)
     if not (layout.model.fields or layout.model.drives or layout.model.ends or fixed):
         known |= {f"{name}.{VELOCITY}" for name in layout.parts}
-    # Surfaces without charges are no pair of a layout whose potential acts between charges.
-    scene = layout.scene
-    keys = tuple(keys)
-    if any(key.endswith(".charge") for key in keys):
-        for interaction in scene.interactions:
-            if not all(are_coupled(scene, interaction, pair) for pair in scene.pairs(interaction)):
-                return False
-    return all(key in known or key.startswith(tuple(plain)) for key in keys)
+    return known
 
 
 def _numbers_of_parts(layout: Layout, index: int) -> dict[str, str]:
@@ -112,7 +126,7 @@ def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumber
         asperites[:, part] = own.reshape(rows)
         charges[:, part] = each["charge"].reshape(rows)
         velocity[:, index] = values.get(f"{surface.name}.{VELOCITY}", surface.velocity)
-    own_velocity = velocity[:, layout.asperites.surface] - velocity[:, :1]
+    own_velocity = velocity[:, np.asarray(layout.asperites)["surface"]] - velocity[:, :1]
     asperites["vx"] = own_velocity[..., 0]
     asperites["vy"] = own_velocity[..., 1]
     others = _of_surfaces(layout, velocity, values), _potentials(layout, members, values)
@@ -122,8 +136,9 @@ def member_numbers(layout: Layout, members: int, values: Values) -> MemberNumber
 def _of_surfaces(layout: Layout, velocity: np.ndarray, values: Values) -> np.ndarray:
     """The numbers of drives and reservoirs, (members, surfaces, numbers)."""
     table = np.empty((*velocity.shape[:2], len(OF_MEMBERS)))
+    surfaces = np.asarray(layout.surfaces)
     for row, name in enumerate(OF_MEMBERS):
-        table[..., row] = layout.surfaces[name]
+        table[..., row] = surfaces[name]
     table[..., :2] = velocity - velocity[:, :1]
     for index, surface in enumerate(layout.scene.surfaces):
         stage = surface.drive.stage
@@ -167,18 +182,17 @@ def parameters_of_members(surface: Surface, members: int, values: Values) -> dic
     """Every parameter of the asperites of a surface, (members x count,)."""
     before = f"{surface.name}.{ASPERITE_PART}."
     count = surface.count
-    own = {
+    own: dict[str, float | np.ndarray] = {
         key.removeprefix(before): np.repeat(v[:, 0], count)
         for key, v in values.items()
         if key.startswith(before)
     }
-    common = {
-        each.name: np.tile(surface.each[each.name], members)
-        for each in fields(Asperite)
-        if each.name not in own
-    }
+    for name in field_names(Asperite):
+        if name not in own:
+            common = getattr(surface.asperite, name)
+            own[name] = common if isinstance(common, float) else np.tile(common, members)
     with inside(before[:-1]):
-        return Asperite(**common, **own).for_each(members * count)
+        return Asperite(**own).for_each(members * count)
 
 
 def _potentials(layout: Layout, members: int, values: Values) -> np.ndarray:

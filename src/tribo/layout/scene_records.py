@@ -12,7 +12,7 @@ from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.model import Custom, FieldOn, Springs
-from tribo.layout.legs import scheduled_numbers
+from tribo.layout.legs import Scheduled
 from tribo.layout.slots import slide
 from tribo.model.fields import Field, period_of
 from tribo.model.number import constant
@@ -43,10 +43,11 @@ class MemberNumbers(NamedTuple):
         return self._replace(asperites=asperites)
 
 
-def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def scene_records(
+    scene: Scene, bobs: list[np.ndarray], scheduled: tuple[Scheduled, ...]
+) -> tuple[np.ndarray, np.ndarray]:
     """The asperites, whose surfaces have `bobs` (n, 3), and the surfaces, but for their slots."""
     asperites = np.zeros(scene.count, records.ASPERITE)
-    scheduled = scheduled_numbers(scene)
     surfaces = np.zeros(len(scene.surfaces), records.SURFACE)
     for k, surface in enumerate(scene.surfaces):
         own = asperites[scene.parts[surface.name]]
@@ -59,11 +60,12 @@ def scene_records(scene: Scene, bobs: list[np.ndarray]) -> tuple[np.ndarray, np.
         initial = surface.initial_of_each
         for name in ("phi", "nu"):
             own[name] = initial[name]
-        record["mass"] = np.sum(own["mass"])
-        record["total_mass"] = record["mass"] + surface.count * float(np.sum(surface.bath.masses))
+        record["mass"] = np.add.reduce(own["mass"])
+        bath = float(np.add.reduce(surface.bath.masses))
+        record["total_mass"] = record["mass"] + surface.count * bath
         record["inverse_total_mass"] = 1.0 / record["total_mass"]
-        record["turning"] = np.any(own["nu"] != 0.0)
-        record["tilted"] = record["turning"] | np.any(own["phi"] != 0.0)
+        record["turning"] = (own["nu"] != 0.0).any()
+        record["tilted"] = record["turning"] | (own["phi"] != 0.0).any()
     for row, each in enumerate(scheduled, start=1):
         if each.field >= 0:
             continue
@@ -131,7 +133,7 @@ def _fill_surface(record: np.ndarray, surface: Surface, first: Surface) -> None:
 
 
 def fields_on_surfaces(
-    scene: Scene, origin: np.ndarray, accounts: int | None
+    scene: Scene, origin: np.ndarray, accounts: int | None, scheduled: tuple[Scheduled, ...]
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
     """The external fields, and how many accounts there are with one for each that moves.
 
@@ -141,7 +143,7 @@ def fields_on_surfaces(
     velocity = np.array(scene.surfaces[0].velocity)
     fields = []
     count = accounts or 0
-    each = enumerate(scheduled_numbers(scene), start=1)
+    each = enumerate(scheduled, start=1)
     rows = {one.field: row for row, one in each if one.field >= 0}
     for number, item in enumerate(scene.fields):
         drift = np.array(item.velocity)
@@ -164,7 +166,7 @@ def fields_on_surfaces(
 
 
 def number_shared_accounts(
-    scene: Scene, physics: np.ndarray, origin: np.ndarray
+    scene: Scene, physics: np.ndarray, origin: np.ndarray, scheduled: tuple[Scheduled, ...]
 ) -> tuple[tuple[FieldOn, ...] | None, int]:
     """Give slots to accounts that are of no asperite, which come first; the fields, and how many.
 
@@ -173,11 +175,12 @@ def number_shared_accounts(
     """
     kept = scene.output.ledger != "none"
     sliding = slide(scene) & kept
-    physics["acc_block"] = np.where(sliding, np.cumsum(sliding) - 1, -1)
-    fields, shared = fields_on_surfaces(scene, origin, int(np.sum(sliding)) if kept else None)
+    physics["acc_block"] = np.where(sliding, sliding.cumsum() - 1, -1)
+    accounts = int(sliding.sum()) if kept else None
+    fields, shared = fields_on_surfaces(scene, origin, accounts, scheduled)
     staged = (physics["stage_schedule"] > 0) & kept
-    physics["acc_stage"] = np.where(staged, shared + np.cumsum(staged) - 1, -1)
-    return fields, shared + int(np.sum(staged))
+    physics["acc_stage"] = np.where(staged, shared + staged.cumsum() - 1, -1)
+    return fields, shared + int(staged.sum())
 
 
 def _in_frame_of(field: Field, origin: np.ndarray) -> np.ndarray:

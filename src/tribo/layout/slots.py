@@ -19,6 +19,8 @@ from tribo.model.surface import Surface
 # How many accounts each group has, of one number an asperite or a lane each.
 SIZES = CONTACT, SLIDE, DRIVE, ENDS, USER_ENDS, POINT, POINT, POINT, SWING
 GROUPS = dict(zip(records.GROUPS, SIZES, strict=True))
+# Coordinates that an asperite may have beside its swing.
+COORDINATES = ("dof_phi", "dof_x", "dof_y")
 
 
 @dataclass(frozen=True)
@@ -36,34 +38,40 @@ class Numbering:
         return int(self.surfaces["stop"][-1])
 
 
+# Of each group of slots, as "dof_x" or "acc_contact", whether each surface has it.
+Wanted = dict[str, list[bool]]
+
+
 def number(
-    scene: Scene, surfaces: np.ndarray, shared: int, width: int, members: int = 1
+    scene: Scene,
+    surfaces: np.ndarray,
+    wanted: Wanted,
+    shared: int,
+    width: int,
+    members: int = 1,
 ) -> Numbering:
     """Number everything in blocks of `width`, behind `shared` accounts that are of no asperite.
 
-    `surfaces` has all but the slots; it is copied.  Each asperite stands for so many `members`.
+    `surfaces` has all but the slots, which are `wanted`; it is copied.  Each asperite stands for so
+    many `members`.
     """
     surfaces = surfaces.copy()
     counts = members * np.array([surface.count for surface in scene.surfaces])
-    stops = np.cumsum(_whole(counts, width))
+    stops = _whole(counts, width).cumsum()
     surfaces["start"] = stops - _whole(counts, width)
     surfaces["stop"] = stops
     surfaces["end"] = surfaces["start"] + counts
     for name, first in (("oscillators", "first_oscillator"), ("torsionals", "first_torsional")):
         surfaces[name] = _whole(surfaces[name], width)
-        surfaces[first] = np.cumsum(surfaces[name]) - surfaces[name]
-    own = scene.surfaces
+        surfaces[first] = surfaces[name].cumsum() - surfaces[name]
     core = int(stops[-1])
-    for name, wanted in (  # after the swings
-        ("dof_phi", [s.turns_bars for s in own]),
-        ("dof_x", [scene.slides_along_x(s) for s in own]),
-        ("dof_y", [scene.slides_along_y(s) for s in own]),
-    ):
-        surfaces[name], core = _slots(wanted, surfaces["stop"] - surfaces["start"], core)
+    widths = (stops - surfaces["start"]).tolist()
+    for name in COORDINATES:  # after the swings
+        surfaces[name], core = _slots(wanted[name], widths, core)
     sizes = counts * (2 * surfaces["oscillators"] + surfaces["torsionals"])
-    ends = core + np.cumsum(sizes)
+    ends = core + sizes.cumsum()
     surfaces["dof_bath"] = np.where(sizes > 0, ends - sizes, -1)
-    accounts = _number_accounts(scene, surfaces, int(_whole(np.array(shared), width)))
+    accounts = _number_accounts(scene, surfaces, wanted, int(_whole(np.array(shared), width)))
     return Numbering(surfaces, core, int(ends[-1]), accounts)
 
 
@@ -72,12 +80,13 @@ def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
     return -(-sizes // width) * width
 
 
-def _slots(wanted: list[bool] | np.ndarray, sizes: np.ndarray, first: int) -> tuple[list[int], int]:
+def _slots(wanted: list[bool], sizes: list[int], first: int) -> tuple[list[int], int]:
     """First slot of each surface, with so many `sizes`, or -1; and the first slot after all."""
-    slots = []
-    for is_wanted, size in zip(wanted, sizes.tolist(), strict=True):
-        slots.append(first if is_wanted else -1)
-        first += size if is_wanted else 0
+    slots = [-1] * len(wanted)
+    for k, size in enumerate(sizes):
+        if wanted[k]:
+            slots[k] = first
+            first += size
     return slots, first
 
 
@@ -87,26 +96,48 @@ def slide(scene: Scene) -> np.ndarray:
     return np.array([scene.slides_along_x(s) or scene.slides_along_y(s) for s in own])
 
 
-def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
-    """Assign the slots of s that asperites have, from `stop` on; returns the number of all.
+def _number_accounts(scene: Scene, surfaces: np.ndarray, wanted: Wanted, stop: int) -> int:
+    """Assign the slots of s that asperites have, from `stop` on; returns the number of all."""
+    sums = scene.output.ledger == "surfaces"
+    size = surfaces["stop"] - surfaces["start"]
+    surfaces["account_stride"] = np.minimum(size, LANES) if sums else size
+    surfaces["account_mask"] = LANES - 1 if sums else -1
+    strides = surfaces["account_stride"].tolist()
+    for name, width in GROUPS.items():
+        surfaces[name], stop = _slots(wanted[name], [width * each for each in strides], stop)
+    return stop
+
+
+def wanted_slots(scene: Scene, surfaces: np.ndarray) -> Wanted:
+    """The coordinates beside the swings, and the groups of accounts, that each surface has.
 
     Sums over surfaces have accounts for what follows, asperite by asperite, from other accounts:
     the work of drives on arms of different shapes, and the pseudowork of contact on driven bars.
     """
     own = scene.surfaces
-    ledger = scene.output.ledger
-    sums = ledger == "surfaces"
-    bars = surfaces["drive"] == BARS
-    size = surfaces["stop"] - surfaces["start"]
-    surfaces["account_stride"] = np.minimum(size, LANES) if sums else size
-    surfaces["account_mask"] = LANES - 1 if sums else -1
-    wanted = {
-        "acc_contact": [True for _ in own],
-        "acc_slide": slide(scene) | (bars & sums),
-        "acc_drive": np.array([s.drive.has_account or s.moves_as_one for s in own])
-        | (surfaces["loaded"] == 1)
-        | (sums & np.array([np.ptp(arm_ratios(s)) > 0.0 for s in own])),
-        "acc_ends": [not s.turns_bars and bool(np.any(s.each["kappa"] > 0.0)) for s in own],
+    coordinates = {
+        "dof_phi": [s.turns_bars for s in own],
+        "dof_x": [scene.slides_along_x(s) for s in own],
+        "dof_y": [scene.slides_along_y(s) for s in own],
+    }
+    if scene.output.ledger == "none":
+        return coordinates | dict.fromkeys(GROUPS, [False] * len(own))
+    sums = scene.output.ledger == "surfaces"
+    slides = slide(scene)
+    if sums:
+        slides |= surfaces["drive"] == BARS
+    loaded = surfaces["loaded"].tolist()
+    return coordinates | {
+        "acc_contact": [True] * len(own),
+        "acc_slide": slides.tolist(),
+        "acc_drive": [
+            s.drive.has_account
+            or s.moves_as_one
+            or loaded[k] == 1
+            or (sums and bool(np.ptp(arm_ratios(s)) > 0.0))
+            for k, s in enumerate(own)
+        ],
+        "acc_ends": [not s.turns_bars and bool((s.each["kappa"] > 0.0).any()) for s in own],
         "acc_user_ends": [s.plugin_at_ends is not None for s in own],
         "acc_internal": [
             bool(
@@ -118,10 +149,6 @@ def _number_accounts(scene: Scene, surfaces: np.ndarray, stop: int) -> int:
         "acc_thermal": [s.reservoir("bar") is not None for s in own],
         "acc_swing": [s.reservoir("swing") is not None for s in own],
     }
-    for name, width in GROUPS.items():
-        present = wanted[name] if ledger != "none" else np.zeros(len(own), bool)
-        surfaces[name], stop = _slots(present, width * surfaces["account_stride"], stop)
-    return stop
 
 
 def give_slots(asperites: np.ndarray, surfaces: np.ndarray, groups: tuple[str, ...]) -> None:

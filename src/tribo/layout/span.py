@@ -28,22 +28,26 @@ class Span:
     @cached_property
     def present(self) -> frozenset[str]:
         """Groups of slots, as "dof_x" and "acc_slide", that any of the asperites has."""
-        groups = ((k, v) for k, v in vars(self.asperites).items() if k[:4] in ("acc_", "dof_"))
-        return frozenset(name for name, slots in groups if np.maximum.reduce(slots) >= 0)
+        found = []
+        for name, slots in vars(self.asperites).items():
+            if name[:4] in ("acc_", "dof_") and np.maximum.reduce(slots) >= 0:
+                found.append(name)
+        return frozenset(found)
 
     @cached_property
     def consecutive(self) -> frozenset[str]:
         """Groups whose slots follow one another, with one stride for all of them."""
         strides = self.asperites.stride
-        if np.any(strides != strides[0]):
+        if (strides != strides[0]).any():
             return frozenset()
         place = np.arange(strides.size)
-        groups = ((name, getattr(self.asperites, name)) for name in self.present)
-        return frozenset(
-            name
-            for name, slots in groups
-            if slots[0] >= 0 and np.array_equal(slots, slots[0] + place)
-        )
+        each = vars(self.asperites)
+        found = []
+        for name in self.present:
+            slots = each[name]
+            if slots[0] >= 0 and (slots - slots[0] == place).all():
+                found.append(name)
+        return frozenset(found)
 
 
 def spans_of(whole: Span, part: slice) -> tuple[Span, ...]:

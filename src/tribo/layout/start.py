@@ -122,7 +122,7 @@ def hang_baths(asperites: np.ndarray, scene: Scene, q: np.ndarray) -> None:
         x = -arm * np.sin(swing)
         y = -arm * 2.0 * np.sin(0.5 * swing) ** 2
         for bars, slots in ((x, own["dof_x"]), (y, own["dof_y"])):
-            if np.all(slots >= 0):
+            if (slots >= 0).all():
                 bars += q[..., slots]
         along_x, along_y, torsional = bath_slots(own, surface.bath)
         q[..., along_x] = x[..., None]

@@ -7,7 +7,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.kernels import records
 from tribo.kernels.model import Box, Tables
 from tribo.layout import contacts
-from tribo.layout.scene_records import resting_bobs, springs
+from tribo.layout.scene_records import springs
 from tribo.layout.slots import Numbering
 from tribo.model.scene import Scene
 
@@ -21,11 +21,17 @@ OF_FILLING = np.array(
 
 
 def model_tables(
-    scene: Scene, asperites: np.ndarray, numbering: Numbering, columns: np.ndarray, apart: bool
+    scene: Scene,
+    asperites: np.ndarray,
+    depths: np.ndarray,
+    numbering: Numbering,
+    columns: np.ndarray,
+    apart: bool,
 ) -> Tables:
     """The tables of the kernels; contacts, fields and forces of plug-ins are still absent.
 
-    Asperites have the columns (n, members); where they are `apart`, each has constants of its own.
+    Asperites, with bobs at `depths` (n,), have the columns (n, members); where they are `apart`,
+    each has constants of its own.
     """
     n = numbering.columns
     _place_constants(numbering.surfaces, asperites, apart)
@@ -42,7 +48,7 @@ def model_tables(
     on_swings = any(surface.reservoir("swing") for surface in scene.surfaces)
     return Tables(
         constants=_table(constants_of(scene, asperites), numbering.surfaces, shared, OF_FILLING),
-        each=_each(scene, asperites, columns, n),
+        each=_each(scene, asperites, depths, columns, n),
         surfaces=numbering.surfaces.view(np.recarray),
         core=numbering.core,
         ledger=None if scene.output.ledger == "none" else True,
@@ -128,14 +134,15 @@ def columns_of_constants(
     return np.asarray(surfaces["first_constants"][owners] + place)
 
 
-def _each(scene: Scene, asperites: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+def _each(
+    scene: Scene, asperites: np.ndarray, depths: np.ndarray, columns: np.ndarray, count: int
+) -> np.ndarray:
     """The table of constants that differ between asperites that are alike otherwise."""
     table = room((records.EACH_ROWS, count))
-    depths = [resting_bobs(scene, k)[:, 2] for k in range(len(scene.surfaces))]
     values = {
         records.X_START: asperites["x"],
         records.Y_START: asperites["y"] + asperites["facing"] * asperites["pivot"],
-        records.Z: np.concatenate(depths),
+        records.Z: depths,
         records.CHARGE: np.concatenate([s.each["charge"] for s in scene.surfaces]),
         records.PRESENT: np.ones(asperites.size),
     }

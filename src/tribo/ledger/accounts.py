@@ -6,13 +6,12 @@ work = (about the centre of mass) + V . J + (pseudowork in that frame).
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from tribo.layout.span import Span, columns
-from tribo.ledger.lazy import lazy_property
 
 Part = np.ndarray | float  # of an account
 
@@ -25,12 +24,6 @@ class Account:
     jx: Part  # impulse
     jy: Part
     pseudo: Part  # pseudowork in the surface's first frame
-
-    @property
-    def acts(self) -> bool:
-        """Whether any asperite has the force."""
-        parts = self.about, self.jx, self.jy, self.pseudo
-        return any(isinstance(part, np.ndarray) for part in parts)
 
     def pseudowork(self, velocity: np.ndarray) -> Part:
         """In the laboratory, where the surface's first velocity is `velocity` (2, asperites)."""
@@ -51,25 +44,21 @@ class Accounts(dict[str, Account]):
     def __init__(self, span: Span, s: np.ndarray) -> None:
         super().__init__()
         self.span = span
+        self.shape = len(s), span.held.size  # (times, asperites)
         self._s = s
 
     def __missing__(self, name: str) -> Account:
         account = self[name] = FORCES[name](self.span, self._s)
         return account
 
-    @lazy_property
-    def acting(self) -> frozenset[str]:
-        """The forces that act on any of the asperites, by the names of their works."""
-        present = self.span.present
-        return frozenset(name for name, groups in GROUPS.items() if present.intersection(groups))
-
     def total(
         self, names: Iterable[str], part: Callable[[Account, np.ndarray], Part]
     ) -> np.ndarray:
         """The sum of a part of the accounts of some forces, (times, asperites)."""
         total: Part = 0.0
+        acting = forces_with_accounts(self.span.present)
         for name in names:
-            if name in self.acting:
+            if name in acting:
                 total = total + part(self[name], self.span.velocity)
         return self.whole(total)
 
@@ -80,10 +69,9 @@ class Accounts(dict[str, Account]):
 
     def whole(self, part: Part) -> np.ndarray:
         """A part, or a sum of parts, of all asperites, (times, asperites)."""
-        shape = len(self._s), self.span.held.size
-        if isinstance(part, np.ndarray) and part.shape == shape:
+        if isinstance(part, np.ndarray) and part.shape == self.shape:
             return part if part.base is None else part.copy()  # users may change it
-        return np.full(shape, part)
+        return np.full(self.shape, part)
 
 
 class Integrals(dict[Span, Accounts]):
@@ -96,6 +84,12 @@ class Integrals(dict[Span, Accounts]):
     def __missing__(self, span: Span) -> Accounts:
         accounts = self[span] = Accounts(span, self.s)
         return accounts
+
+
+@lru_cache
+def forces_with_accounts(present: frozenset[str]) -> frozenset[str]:
+    """The forces that have any of the groups of accounts, by the names of their works."""
+    return frozenset([name for name, groups in GROUPS.items() if present.intersection(groups)])
 
 
 def account_columns(span: Span, group: str, places: Iterable[int], s: np.ndarray) -> list[Part]:

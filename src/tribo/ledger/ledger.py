@@ -22,7 +22,7 @@ from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.quantities import EVERY_QUANTITY, QUANTITIES
 from tribo.ledger.quantity import Quantity, Table
-from tribo.ledger.reported import Reported, needs_accounts, present_names, reported
+from tribo.ledger.reported import Reported, names_by_surface, needs_accounts, reported
 from tribo.ledger.samples import Samples
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
@@ -286,9 +286,7 @@ class Contents(NamedTuple):
 @once_per_layout
 def contents(layout: Layout) -> Contents:
     scene = layout.scene
-    found = tuple(
-        reported(scene.output.ledger, present_names(scene, surface)) for surface in scene.surfaces
-    )
+    found = tuple([reported(scene.output.ledger, names) for names in names_by_surface(layout)])
     each = enumerate(zip(scene.surfaces, found, strict=True))
     surfaces = {one.name: ({**of.asperites, **of.blocks}, index) for index, (one, of) in each}
     return Contents(found, surfaces)

@@ -160,7 +160,7 @@ class Motion:
         """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
         a = self.span.asperites
         held = a.dof_x < 0  # on a block, centres of mass have slots
-        held = held | (self._layout.surfaces.drive[a.surface] == MOVED)
+        held = held | (np.asarray(self._layout.surfaces)["drive"][a.surface] == MOVED)
         driven = np.where(held, a.pivot, 0.0)
         return np.asarray(self.energy + 0.5 * a.mass * (driven * self.omega) ** 2)
 

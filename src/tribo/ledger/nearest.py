@@ -33,6 +33,8 @@ def _by_distances(
     between = places[..., None, :] - others
     for axis in np.flatnonzero(box):
         between[..., axis] -= box[axis] * np.round(between[..., axis] / box[axis])
-    distances = np.sqrt(np.sum(between**2, axis=-1))
-    indices = np.argsort(distances, axis=-1, kind="stable")[..., rank - 1]
+    distances = np.sqrt(np.add.reduce(between**2, axis=-1))
+    if len(others) == 1:
+        return distances[..., 0], np.zeros(distances.shape[:-1], int)
+    indices = distances.argsort(axis=-1, kind="stable")[..., rank - 1]
     return np.take_along_axis(distances, indices[..., None], axis=-1)[..., 0], indices

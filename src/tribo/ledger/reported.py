@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
@@ -25,6 +26,13 @@ from tribo.model.surface import Surface
 def needs_accounts(name: str) -> bool:
     """Whether a quantity is a work, a pseudowork or the heat, which not all ledgers have."""
     return name in EVERY_QUANTITY and isinstance(EVERY_QUANTITY[name].of, Linear)
+
+
+@once_per_layout
+def names_by_surface(layout: Layout) -> tuple[frozenset[str], ...]:
+    """The :func:`present_names` of each surface."""
+    scene = layout.scene
+    return tuple([present_names(scene, surface) for surface in scene.surfaces])
 
 
 def present_names(scene: Scene, surface: Surface) -> frozenset[str]:
@@ -67,7 +75,7 @@ def quantity_of(name: str, whole: bool) -> Quantity:
     return summed or EVERY_QUANTITY[name]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reported:
     """The quantities that a scene reports: of asperites, of surfaces as wholes, of the system."""
 

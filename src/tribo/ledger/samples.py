@@ -47,7 +47,10 @@ class Samples:
     @classmethod
     def at_zero(cls, layout: Layout) -> Samples:
         """One sample at t = 0, of which all values are zero."""
-        return cls(np.zeros(1), *map(np.zeros_like, sample_columns(layout, 1)))
+        columns = sample_columns(layout, 1)
+        for column in columns:
+            column[...] = 0.0
+        return cls(np.zeros(1), *columns)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All arrays by the names of the fields."""

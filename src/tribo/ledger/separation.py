@@ -20,7 +20,7 @@ import numpy as np
 from tribo.kernels.kinematics import nearest_image, rod_position
 from tribo.kernels.model import Contact
 from tribo.layout.layout import Layout, once_per_layout
-from tribo.ledger.motion import motions
+from tribo.ledger.motion import Motion
 from tribo.ledger.nearest import MOST_PAIRS, nearest
 from tribo.ledger.samples import Samples
 from tribo.model.interaction import Interaction
@@ -62,7 +62,7 @@ def closest_bobs(layout: Layout, sample: Samples) -> Closest | None:
 def closest_of_contacts(layout: Layout, sample: Samples) -> Iterator[tuple[Closest, Contact]]:
     """The closest bobs of each two surfaces in contact; nothing where a position is not finite."""
     places = bob_places(layout, sample)[0]
-    if not np.all(np.isfinite(places)):
+    if not np.isfinite(places).all():
         return
     places, box = in_box(layout, places)
     parts = list(layout.parts.values())
@@ -106,13 +106,13 @@ def bob_places(layout: Layout, samples: Samples) -> np.ndarray:
     """Positions of all bobs at all times, (times, n, 3), in the frame of the first surface."""
     places = np.empty((samples.t.size, layout.asperites.size, 3))
     places[..., 2] = layout.depths
-    for index in range(len(layout.scene.surfaces)):
-        for motion in motions(layout, samples, index):
-            a = motion.span.asperites
-            x = a.x + a.vx * motion.t + motion.x
-            y = a.y + a.vy * motion.t + motion.y
-            mine = places[:, motion.span.place]
-            mine[..., 0], mine[..., 1] = rod_position(x, y, a.l1, *motion.direction)
+    for span in layout.whole_spans:
+        motion = Motion(layout, span, samples)
+        a = span.asperites
+        x = a.x + a.vx * motion.t + motion.x
+        y = a.y + a.vy * motion.t + motion.y
+        mine = places[:, span.place]
+        mine[..., 0], mine[..., 1] = rod_position(x, y, a.l1, *motion.direction)
     return places
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.quantities import BLOCK_QUANTITIES, OPTIONAL_QUANTITIES
-from tribo.ledger.reported import needs_accounts, present_names, reported
+from tribo.ledger.reported import Reported, names_by_surface, needs_accounts, reported
 from tribo.ledger.totals import (
     AsperiteSeries,
     Linear,
@@ -22,6 +23,8 @@ from tribo.ledger.totals import (
 
 # What the formula of a column takes: the motion of all asperites, these, each surface, the system.
 MOTION, ASPERITES, SURFACES, SYSTEM = range(4)
+# Kinds of scenes, and choices of quantities, whose columns are kept.
+COLUMNS_KEPT = 64
 
 
 class SeriesTable(NamedTuple):
@@ -49,19 +52,17 @@ class SeriesTable(NamedTuple):
 def series_table(
     layout: Layout,
     group: AsperiteSeries,
-    names: Iterable[str] = (),
-    only: Collection[str] | None = None,
+    names: tuple[str, ...] = (),
+    only: frozenset[str] | None = None,
 ) -> SeriesTable:
     """All series of a run, whose `group` is all asperites, and further ones by `names`, "upper.W".
 
     What is linear in the integrals is computed together: its last bits may differ from one alone.
     Quantities that are not among `only` are left out, if that is given, where this changes no bits.
     """
-    of = _columns(layout)
     samples = group.samples
     (motion,) = group.motions
-    if only is not None:
-        of = of.of_some(only, samples.linear_alike)
+    of = _columns(layout, names, only, samples.linear_alike)
     wholes = tuple([SurfaceSeries(layout, samples, k, motion) for k in range(len(layout.parts))])
     sources = (motion,), (group,), wholes, (SystemSeries(layout, samples, wholes),)
 
@@ -69,15 +70,17 @@ def series_table(
         count = len(integrals.s)
         values = [value(each, integrals) for value, kind in of.linear for each in sources[kind]]
         none = np.empty((count, 0))
-        return np.concatenate([none, *(value.reshape(count, -1) for value in values)], axis=1)
+        return np.concatenate([none, *[value.reshape(count, -1) for value in values]], axis=1)
 
     columns = [samples.linear("columns", together)]
     # In a run that stopped because values were not finite, the last are infinite or NaN.
     with np.errstate(over="ignore", invalid="ignore"):
         series = [value(each) for value, kind in of.others for each in sources[kind]]
     columns += [each if each.ndim == 2 else each[:, None] for each in series]
-    table = SeriesTable(of.names, of.starts, np.concatenate(columns, axis=1))
-    return _with(layout, table, names)
+    values = np.concatenate(columns, axis=1)
+    if of.copied.size > 0:
+        values = np.concatenate([values, values[:, of.copied]], axis=1)
+    return SeriesTable(of.names, of.starts, values)
 
 
 class Columns(NamedTuple):
@@ -88,6 +91,7 @@ class Columns(NamedTuple):
     starts: np.ndarray  # (names,) the first of these
     linear: tuple[tuple[Callable[..., np.ndarray], int], ...]  # formulas, and what they take
     others: tuple[tuple[Callable[..., np.ndarray], int], ...]
+    copied: np.ndarray  # columns that follow once more, as those of "upper.w1" alone
 
     def of_some(self, names: Collection[str], of_linear: bool) -> Columns:
         """Those of the quantities that are named, and all linear ones unless some `of_linear`."""
@@ -102,6 +106,17 @@ class Columns(NamedTuple):
             starts=_starts(widths),
             linear=tuple([self.linear[k] for k in linear]),
             others=tuple([self.others[k - len(self.linear)] for k in others]),
+            copied=self.copied,
+        )
+
+    def with_copies(self, names: tuple[str, ...], of_each: list[np.ndarray]) -> Columns:
+        """The same with quantities of single surfaces, whose columns among all are given."""
+        widths = (*self.widths, *map(len, of_each))
+        return self._replace(
+            names=(*self.names, *names),
+            widths=widths,
+            starts=_starts(widths),
+            copied=np.concatenate([self.copied, *of_each]),
         )
 
 
@@ -112,52 +127,81 @@ def _starts(widths: tuple[int, ...]) -> np.ndarray:
 
 def names_with_accuracy(layout: Layout) -> tuple[str, ...]:
     """The quantities that runs of a scene are compared by."""
-    return _columns(layout).names
+    return _columns_of(_kind_of(layout)).names
+
+
+class Kind(NamedTuple):
+    """What the columns of a layout depend on."""
+
+    reported: Reported  # quantities with an accuracy
+    parts: tuple[tuple[str, int, int], ...]  # surfaces: names, and places of their asperites
+    sums: bool  # works are sums over surfaces
 
 
 @once_per_layout
-def _columns(layout: Layout) -> Columns:
-    """The columns of the quantities that a scene reports."""
-    scene = layout.scene
-    present = frozenset[str]().union(*(present_names(scene, each) for each in scene.surfaces))
-    found = reported(scene.output.ledger, present.intersection(OPTIONAL_QUANTITIES))
+def _kind_of(layout: Layout) -> Kind:
+    present = frozenset[str]().union(*names_by_surface(layout)).intersection(OPTIONAL_QUANTITIES)
+    parts = tuple([(name, part.start, part.stop) for name, part in layout.parts.items()])
+    found = reported(layout.scene.output.ledger, present)
+    return Kind(found, parts, layout.model.sums is not None)
+
+
+def _columns(
+    layout: Layout, names: tuple[str, ...], only: frozenset[str] | None, linear_alike: bool
+) -> Columns:
+    """The columns of the quantities that a scene reports, or of `only` some, and further ones."""
+    kind = _kind_of(layout)
+    if not names and only is None:
+        return _columns_of(kind)
+    return _columns_with(kind, names, only, linear_alike)
+
+
+@lru_cache(COLUMNS_KEPT)
+def _columns_with(
+    kind: Kind, names: tuple[str, ...], only: frozenset[str] | None, linear_alike: bool
+) -> Columns:
+    """The same for scenes of one kind."""
+    found = _columns_of(kind)
+    if only is not None:
+        found = found.of_some(only, linear_alike)
+    places = {name: (k, start, stop) for k, (name, start, stop) in enumerate(kind.parts)}
+    chosen: list[str] = []
+    copied: list[np.ndarray] = []
+    for full in names:
+        surface, _, name = full.rpartition(".")
+        if surface:
+            index, start, stop = places[surface]
+            if name in BLOCK_QUANTITIES or (needs_accounts(name) and kind.sums):
+                start = index
+                stop = index + 1
+            chosen.append(full)
+            copied.append(found.starts[found.names.index(name)] + np.arange(start, stop))
+    return found.with_copies(tuple(chosen), copied)
+
+
+@lru_cache(COLUMNS_KEPT)
+def _columns_of(kind: Kind) -> Columns:
+    """The columns of all quantities of scenes of one kind."""
+    found = kind.reported
     tables = {ASPERITES: found.asperites, SURFACES: found.blocks, SYSTEM: found.system}
-    widths = {ASPERITES: scene.count, SURFACES: len(layout.parts), SYSTEM: 1}
-    each = [(name, one.of, kind) for kind, table in tables.items() for name, one in table.items()]
+    widths = {ASPERITES: kind.parts[-1][2], SURFACES: len(kind.parts), SYSTEM: 1}
+    each = [(name, one.of, taken) for taken, table in tables.items() for name, one in table.items()]
     each.sort(key=lambda item: not isinstance(item[1], Linear))
     linear = []
     others = []
-    for _, of, kind in each:
+    for _, of, taken in each:
         if isinstance(of, Linear):
-            linear.append((of.value, kind))
+            linear.append((of.value, taken))
         elif isinstance(of, Moving):
             others.append((of.value, MOTION))
         else:
-            others.append((of.value if isinstance(of, Summed) else of, kind))
-    columns = tuple([widths[kind] for _, _, kind in each])
+            others.append((of.value if isinstance(of, Summed) else of, taken))
+    columns = tuple([widths[taken] for _, _, taken in each])
     return Columns(
         names=tuple([name for name, _, _ in each]),
         widths=columns,
         starts=_starts(columns),
         linear=tuple(linear),
         others=tuple(others),
+        copied=np.empty(0, int),
     )
-
-
-def _with(layout: Layout, columns: SeriesTable, names: Iterable[str]) -> SeriesTable:
-    """The columns with further ones, copies of those of single surfaces."""
-    for full in names:
-        surface, _, name = full.rpartition(".")
-        if surface:
-            start = int(columns.starts[columns.names.index(name)])
-            index = list(layout.parts).index(surface)
-            sums = needs_accounts(name) and layout.model.sums is not None
-            whole = name in BLOCK_QUANTITIES or sums
-            part = slice(index, index + 1) if whole else layout.parts[surface]
-            own = columns.values[:, start + part.start : start + part.stop]
-            columns = SeriesTable(
-                (*columns.names, full),
-                np.append(columns.starts, columns.values.shape[1]),
-                np.concatenate([columns.values, own], axis=1),
-            )
-    return columns

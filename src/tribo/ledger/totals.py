@@ -298,7 +298,12 @@ class SurfaceSeries(AsperiteSeries):
         return _sum([integrals[span].total(names, part) for span in self._accounted])
 
     def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
-        return _sum(value(motion) for motion in self.motions)
+        """The sum over the asperites of a quantity; see :func:`_sum`."""
+        motions = self.motions
+        if len(motions) == 1:
+            total: np.ndarray = 0.0 + np.add.reduce(value(motions[0]), axis=1)
+            return total
+        return _sum(value(motion) for motion in motions)
 
 
 @dataclass(eq=False)

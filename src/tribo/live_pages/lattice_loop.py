@@ -29,7 +29,7 @@ class Legs(NamedTuple):
 
 def legs_of_page(layout: Layout) -> Legs:
     """The legs of a scene, also those that begin after its duration, which a page can change."""
-    numbers = legs_of(layout.scene, layout.begun, np.inf)
+    numbers = legs_of(layout.scene, layout.scheduled, layout.begun, np.inf)
     return Legs(numbers.kinks, numbers.tables, np.array([layout.scene.duration]))
 
 

@@ -1,6 +1,5 @@
 """Many runs of one scene of two asperites: one after another, or in the lanes of registers."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
 from tribo.ledger.pair_samples import PairSamples
 from tribo.loops.batch import MemberRuns, MemberStarts
-from tribo.loops.pair import Pair, factors_of, record_of
+from tribo.loops.pair import Pair, entry_of
 from tribo.loops.setting import Setting
 from tribo.pair import lanes
 from tribo.pair.forces import PAIR_NUMBERS, PairScene
@@ -39,7 +38,7 @@ class PairMembers:
         self._clocks = np.zeros(1, CLOCK)
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(self._record, self._numbers, starts)
-        self._loop = pair.entry_of_members(pair_members, None, (pair.units,), examples)
+        self._loop = entry_of(pair_members, "members", (pair.units,), examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members; those whose start the loop cannot have are PAUSED."""
@@ -50,7 +49,7 @@ class PairMembers:
         addresses = self._numbers
         numbers = starts.numbers
         if numbers is not None:
-            record = record_of(self._pair.layout, numbers.asperites, numbers.charges)
+            record = self._pair.members(numbers).record
             potential = np.ascontiguousarray(numbers.potential)
             addresses = addresses.repeat(len(potential))
             if potential.shape[1] > 0:
@@ -83,8 +82,8 @@ def _pair_runs(
     found = PairSamples(each_time, samples.reshape(-1, COLUMNS), samples[0], pair.factors)
     if numbers is None:
         return MemberRuns(layout, found, counts)
-    own = found.with_factors(*factors_of(layout, numbers.asperites))
-    return MemberRuns.of(replace(layout, numbers=numbers, member_times=times.size), own, counts)
+    own = pair.members(numbers)
+    return MemberRuns.of(own.layout(times.size), found.with_factors(*own.factors), counts)
 
 
 def has_lanes(pair: Pair) -> bool:
@@ -124,7 +123,7 @@ class PairLanes:
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
         fixed = PairScene(*record.item()), pair.units_in_lanes(own_numbers)
-        self._loop = pair.entry_of_members(pair_members_in_lanes, own_numbers, fixed, examples)
+        self._loop = entry_of(pair_members_in_lanes, own_numbers, fixed, examples)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""
@@ -133,7 +132,7 @@ class PairLanes:
         scenes = None
         others = self._pair.lacks(y)
         if numbers is not None:
-            records = record_of(self._pair.layout, numbers.asperites, numbers.charges)
+            records = self._pair.members(numbers).record
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         arguments = self._arguments(scenes, self._limits(setting.of_adaptive_steps()), y)

@@ -47,7 +47,8 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     surfaces = mine.copy()
     for name in ("acc_block", "acc_stage"):
         surfaces[name] *= np.where(surfaces[name] >= 0, LANES, 1)
-    theirs = slots.number(scene, surfaces, LANES * shared, LANES, LANES)
+    wanted = slots.wanted_slots(scene, surfaces)
+    theirs = slots.number(scene, surfaces, wanted, LANES * shared, LANES, LANES)
     numbering = slots.Numbering(mine, layout.core, layout.coordinates, layout.accounts)
     places = []
     for lane in range(LANES):
@@ -56,7 +57,7 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
         places.append(slots.places(numbering, theirs, of_all, of_surfaces))
     columns = np.stack([each.columns for each in places], axis=1)
     asperites = np.asarray(layout.asperites)
-    tables = model_tables(scene, asperites, theirs, columns, own_numbers)
+    tables = model_tables(scene, asperites, layout.depths, theirs, columns, own_numbers)
     eight = old._replace(
         **{name: getattr(tables, name) for name in OF_COLUMNS},
         contacts=tuple(map(_unlisted, old.contacts)),

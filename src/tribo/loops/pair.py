@@ -10,6 +10,7 @@ import itertools
 import time
 from collections.abc import Hashable
 from copy import copy
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ from tribo.kernels.potential_units import clearance_unit, energy_unit
 from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.scene_records import MemberNumbers
 from tribo.ledger.pair_samples import Factors, PairSamples
 from tribo.loops.general import numbers_of_clock
 from tribo.loops.integrate import (
@@ -45,6 +47,7 @@ from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_members
 from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
 from tribo.pair.step import table
+from tribo.plugins.sources import is_own
 from tribo.threads.kernel_model import Known
 from tribo.threads.writable_memory import shared_loop
 
@@ -188,6 +191,43 @@ def is_pair(layout: Layout) -> bool:
     )
 
 
+# The units of potentials by class, whether members have numbers of their own, and whether in lanes.
+_UNITS: dict[Hashable, PotentialUnits] = {}
+# The code of loops over pairs, by loop and kind of arguments.
+_ENTRIES: dict[Hashable, EntryPoint] = {}
+
+
+def entry_of(
+    loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+) -> EntryPoint:
+    """The code of a loop over pairs, which is the same for all scenes.
+
+    It is looked up once for each `kind` of its arguments, which tells their types.
+    """
+    key = loop, kind
+    if key not in _ENTRIES:
+        _ENTRIES[key] = EntryPoint(shared_loop(loop), fixed, examples)
+    return _ENTRIES[key].with_fixed(*fixed)
+
+
+class MembersOfPair:
+    """What all runs of some members share that have numbers of their own."""
+
+    def __init__(self, layout: Layout, numbers: MemberNumbers) -> None:
+        self.numbers = numbers
+        self.record = record_of(layout, numbers.asperites, numbers.charges)
+        self.factors = factors_of(layout, numbers.asperites)
+        self._layout = layout
+        self._layouts: dict[int, Layout] = {}
+
+    def layout(self, times: int) -> Layout:
+        """The layout of samples at so many times."""
+        if times not in self._layouts:
+            own = replace(self._layout, numbers=self.numbers, member_times=times)
+            self._layouts[times] = own
+        return self._layouts[times]
+
+
 class Beginning(NamedTuple):
     """The memory of a loop before a run with some tolerances."""
 
@@ -209,14 +249,7 @@ class Pair:
         self.record = _record_of(layout)
         self.potential = layout.model.contacts[0].potential
         self._potential_memory, self.numbers = memory_of((self.potential,))
-        known = Known(layout.scene, self.potential)
-        distance = known.kind, types.float64, *CHARGES, types.int64
-        self.units = PotentialUnits(
-            force=known.unit(force_unit, (known.kind, lanes, *CHARGES), lanes),
-            clearance=known.unit(clearance_unit, distance),
-            energy=known.unit(energy_unit, distance),
-            numbers=self.numbers[0],
-        )
+        self.units = self._units(own=False, in_lanes=False)
         driven = layout if layout.model.pivots is not None else None
         self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
         self._first_step = FIRST_STEP_FACTOR * first_step
@@ -230,9 +263,9 @@ class Pair:
         own_memory = (self._rows, np.zeros(1, CLOCK))
         examples = (*own_memory, layout.start[None], np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = self.units, self.record, self.numbers
-        self.entry = EntryPoint(shared_loop(pair_members), fixed, examples)
+        self.entry = entry_of(pair_members, "single", fixed, examples)
         self._beginnings: tuple[Beginning, ...] = ()
-        self._members: dict[Hashable, EntryPoint] = {}
+        self._members: MembersOfPair | None = None
         self.compile_seconds = time.perf_counter() - began
 
     def displaced(self, layout: Layout) -> Pair:
@@ -240,29 +273,49 @@ class Pair:
         pair = copy(self)
         pair.layout = layout
         pair.record = _record_of(layout)
+        pair._members = None
         pair.entry = self.entry.with_fixed(self.units, pair.record, self.numbers)
         return pair
 
     def units_in_lanes(self, own_numbers: bool) -> PotentialUnits:
         """The units of the potential for members side by side, which may have `own_numbers`."""
-        numbers = own_numbers and bool(numbers_of(self.potential))
-        known = Known(self.layout.scene, self.potential, in_lanes=numbers)
-        charges = (lanes, lanes) if own_numbers else CHARGES
-        return PotentialUnits(
+        return self._units(own_numbers, in_lanes=True)
+
+    def _units(self, own: bool, in_lanes: bool) -> PotentialUnits:
+        """The units of the potential for one run or, in lanes, members with `own` numbers or not.
+
+        They are looked up once for each class of this package whose fields are floats: types of
+        plug-ins take longer to find than a short run.
+        """
+        cls = type(self.potential)
+        plain = is_own(cls) and set(map(type, self.potential)) <= {float}
+        key = (cls, own, in_lanes) if plain else None
+        if key in _UNITS:
+            return _UNITS[key]._replace(numbers=self.numbers[0])
+        known = Known(self.layout.scene, self.potential, own and bool(numbers_of(self.potential)))
+        charges = (lanes, lanes) if own else CHARGES
+        distance = known.kind, types.float64, *CHARGES, types.int64
+        if in_lanes:
+            clearance = known.unit(clearances_unit, (known.kind, lanes, *charges), lanes)
+        else:
+            clearance = known.unit(clearance_unit, distance)
+        units = PotentialUnits(
             force=known.unit(force_unit, (known.kind, lanes, *charges), lanes),
-            clearance=known.unit(clearances_unit, (known.kind, lanes, *charges), lanes),
-            energy=known.unit(energy_unit, (known.kind, types.float64, *CHARGES, types.int64)),
+            clearance=clearance,
+            energy=known.unit(energy_unit, distance),
             numbers=self.numbers[0],
         )
+        if key is not None:
+            _UNITS[key] = units
+        return units
 
-    def entry_of_members(
-        self, loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
-    ) -> EntryPoint:
-        """The code of a loop over members, looked up once for each kind of its arguments."""
-        key = loop, kind
-        if key not in self._members:
-            self._members[key] = EntryPoint(shared_loop(loop), fixed, examples)
-        return self._members[key].with_fixed(*fixed)
+    def members(self, numbers: MemberNumbers) -> MembersOfPair:
+        """What runs of members with these numbers share; the last ones are kept."""
+        known = self._members
+        if known is None or known.numbers is not numbers:
+            known = MembersOfPair(self.layout, numbers)
+            self._members = known
+        return known
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
@@ -312,7 +365,7 @@ class Pair:
         everything = np.concatenate([tolerance.y, tolerance.s])
         factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
-            own = np.min(everything[:, None] / factors, axis=0)
+            own = np.minimum.reduce(everything[:, None] / factors, axis=0)
         both = np.zeros((2, LANES))
         rates = [step_rows.OF_V1, step_rows.OF_V2, step_rows.OF_J]
         both[0, rates] = own[[step_rows.V1, step_rows.V2, step_rows.J]]

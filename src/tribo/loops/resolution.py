@@ -12,7 +12,6 @@ from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.elastic_body import stiffest
 from tribo.layout.layout import Layout, once_per_layout
-from tribo.layout.legs import scheduled_numbers
 from tribo.layout.scene_records import MemberNumbers, stiffness_at_bars
 from tribo.layout.tables import constants_of
 from tribo.model.fields import curvature_of
@@ -66,8 +65,7 @@ def bath_frequency(layout: Layout) -> float:
 
 def schedule_frequency(layout: Layout) -> float:
     """The largest angular frequency of a schedule that is a sine [rad / time]; or 0."""
-    numbers = scheduled_numbers(layout.scene)
-    return max((each.schedule.frequency for each in numbers), default=0.0)
+    return max((each.schedule.frequency for each in layout.scheduled), default=0.0)
 
 
 def corrugation_frequency(layout: Layout) -> float:
@@ -75,7 +73,7 @@ def corrugation_frequency(layout: Layout) -> float:
     mobility = _mobility(layout.constants, row.L1)
     fastest = 0.0
     # The largest factors on fields, by the rows of their schedules.
-    numbers = enumerate(scheduled_numbers(layout.scene), start=1)
+    numbers = enumerate(layout.scheduled, start=1)
     factors = {row: each.schedule.largest for row, each in numbers}
     for field in layout.model.fields or ():
         curvature = curvature_of(field.potential) * factors.get(field.modulation, 1.0)
@@ -98,7 +96,7 @@ def first_step(layout: Layout, members: MemberNumbers | None = None) -> float:
     own = np.asarray(layout.asperites) if members is None else members.asperites
     a = {name: own[name] for name in ("kappa", "inertia", "i2")}
     mobility = np.maximum(1.0 / a["inertia"], 1.0 / a["i2"])
-    pendulum = float(np.max(np.sqrt(a["kappa"] * mobility)))
+    pendulum = float(np.sqrt(a["kappa"] * mobility).max())
     fastest = max(pendulum, bath_frequency(layout), schedule_frequency(layout))
     return min(0.05 / fastest if fastest > 0.0 else np.inf, 1e-3 * layout.run_time)
 

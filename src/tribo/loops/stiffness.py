@@ -16,7 +16,7 @@ from tribo.integrators.stiffness import EVERY
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
 from tribo.layout.layout import Layout
-from tribo.layout.legs import begun_of, scheduled_numbers
+from tribo.layout.legs import begun_of
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of
 
@@ -164,7 +164,7 @@ def _of_members(layout: Layout, numbers: MemberNumbers | None) -> tuple[np.ndarr
 def _mean_temperatures(layout: Layout, own: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Temperatures of reservoirs, of which those that follow schedules are means over the run."""
     found: dict[str, np.ndarray] = {}
-    for each in scheduled_numbers(layout.scene):
+    for each in layout.scheduled:
         if each.name in TEMPERATURES:
             name = TEMPERATURES[each.name]
             ends = np.array([layout.beginning, layout.scene.duration])

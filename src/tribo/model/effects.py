@@ -73,6 +73,11 @@ Finder = Callable[[Any], Iterator[str]]
 MOST_NAMED = 3
 
 
+def effects_of(scene: Any) -> frozenset[Effect]:
+    """The effects that a scene calls for."""
+    return frozenset([effect for effect, (_, find) in EFFECTS.items() if any(find(scene))])
+
+
 def reason_for(scene: Any, effect: Effect) -> str:
     """The first keys of a scene that call for an effect; empty if the scene does not have it."""
     keys = list(EFFECTS[effect][1](scene))

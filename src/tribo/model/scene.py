@@ -15,7 +15,7 @@ import numpy as np
 from tribo import validation as check
 from tribo.files import replace_file
 from tribo.model import fields, topography
-from tribo.model.effects import Effect, reason_for
+from tribo.model.effects import Effect, effects_of
 from tribo.model.elastic import grid_of
 from tribo.model.fields import Field
 from tribo.model.initial import DISPLACEMENTS, UNITS
@@ -298,7 +298,7 @@ class Scene(ComparedByValue):
     @cached_property
     def effects(self) -> frozenset[Effect]:
         """The effects that the scene calls for; no other is simulated."""
-        return frozenset(effect for effect in Effect if reason_for(self, effect))
+        return effects_of(self)
 
     @property
     def effects_of_positions(self) -> frozenset[Effect]:

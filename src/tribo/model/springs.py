@@ -72,7 +72,8 @@ class Springs:
         return one, other
 
     def __bool__(self) -> bool:
-        return any(k > 0.0 for k in self._both) and self.pairs != ()
+        one, other = self._both
+        return (one > 0.0 or other > 0.0) and self.pairs != ()
 
     @property
     def _both(self) -> tuple[float, float]:

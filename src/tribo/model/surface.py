@@ -156,8 +156,8 @@ class Surface(ComparedByValue):
         object.__setattr__(self, "asperite", drawn)
         for key, kind in (("asperite", Asperite), ("initial", Initial)):
             check.fields(self, **{key: part(partial(from_table, kind))})
-            with inside(key):
-                getattr(self, key).for_each(self.count)
+            with inside(key):  # arrays of another size
+                _ = self.each if key == "asperite" else self.initial_of_each
         self._check_driven_bars()
         self._check_rigid()
         check_block(self)

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
 
 from tribo.model.schedule import Schedule
-from tribo.validation import Check, as_parent, inside, known_keys
+from tribo.validation import Check, InputError, as_parent, known_keys
 
 Kind = TypeVar("Kind")
 
@@ -48,24 +49,28 @@ def part(read: Callable[[Any], object]) -> Check:
     """The check of a field that `read` makes from a table, a word, or another object."""
 
     def check(field: str, value: object) -> object:
-        with inside(field):
+        try:
             return read(value)
+        except InputError as error:
+            raise error.under(field) from None
 
     return check
 
 
 def changed(item: Kind, values: Mapping[str, Any]) -> Kind:
     """A dataclass with other values.  Raises InputError for names that it does not have."""
-    return replace(item, **known_keys(values, field_names(item)))  # type: ignore[type-var]
+    return replace(item, **known_keys(values, field_names(type(item))))  # type: ignore[type-var]
 
 
 def table_of(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that are not None, as values of TOML."""
-    values = {name: getattr(item, name) for name in field_names(item)}
+    values = {name: getattr(item, name) for name in field_names(type(item))}
     return {name: _of_toml(value) for name, value in values.items() if value is not None}
 
 
 def _of_toml(value: Any) -> Any:
+    if type(value) in (float, str, bool, int):
+        return value
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, Schedule):
@@ -75,6 +80,9 @@ def _of_toml(value: Any) -> Any:
     return table_of(value) if is_dataclass(value) else value
 
 
-def field_names(kind: Any) -> list[str]:
-    """The fields of a dataclass, of which tables and keyword arguments have the keys."""
-    return [each.name for each in fields(kind)]
+def _field_names(kind: Any) -> tuple[str, ...]:
+    """The fields of a class of dataclasses, of which tables and keyword arguments have the keys."""
+    return tuple(each.name for each in fields(kind))
+
+
+field_names: Callable[[Any], tuple[str, ...]] = cache(_field_names)

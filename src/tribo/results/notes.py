@@ -294,13 +294,15 @@ def _on_potentials(scene: Scene, method: Method) -> Iterator[str]:
     """Potentials that are less smooth than the method needs them to be."""
     for interaction in scene.interactions:
         smoothness = smoothness_of(interaction.potential)
+        if smoothness >= method.smoothness:
+            continue
         name = short_repr(as_table(interaction.potential)["potential"])
         if smoothness < 0:
             yield (
                 f"the energy of {name} jumps, which no force accounts for: the ledger does not "
                 "close where bobs cross the jump"
             )
-        elif smoothness < method.smoothness:
+        else:
             yield (
                 f"{name} has {smoothness:g} continuous derivatives; {method.name} needs "
                 f"{method.smoothness} for errors of order {method.order}"
