@@ -15,20 +15,20 @@ from scipy import stats
 import tribo
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 48, 792 and 5,690, and two more
+# with an estimate, and of `simulate`; measured: 49, 724 and 4,000, and two more
 # once there are plug-ins of the user's.
 PREPARED = 50
-ESTIMATED = 830
-SIMULATED = 6000
-# Of 100 members, and of 121 points of a grid; measured: 22,440 and 33,200.
-MEMBERS = 23000
-POINTS = 34000
-# Of each further thousand of members that differ in starts; measured: 110.
-EACH_THOUSAND = 160
-# Of each further thousand of members that differ in numbers; measured: 60.
+ESTIMATED = 760
+SIMULATED = 4200
+# Of 100 members, and of 121 points of a grid; measured: 16,020 and 22,600.
+MEMBERS = 16800
+POINTS = 23700
+# Of each further thousand of members that differ in starts; measured: 160.
+EACH_THOUSAND = 200
+# Of each further thousand of members that differ in numbers; measured: 100.
 EACH_THOUSAND_OWN = 160
-# Of each further thousand of points; measured: 390.
-EACH_THOUSAND_POINTS = 600
+# Of each further thousand of points; measured: none.
+EACH_THOUSAND_POINTS = 400
 
 
 def calls(function):
