@@ -31,7 +31,7 @@ import slip as slip_page
 
 import tribo
 from tribo import paper, plotting, potentials, units
-from tribo.compiler.jit import package_stamp
+from tribo.compiler.source_stamps import package_stamp
 from tribo.integrators import methods
 from tribo.kernels.status import MEANINGS
 from tribo.model import roughness

@@ -9,13 +9,13 @@ from numba import config, njit
 from tribo.compiler.jit import (
     EntryPoint,
     cached_files,
-    code_stamp,
     kernel,
     remove_stale,
     time_loop,
 )
 from tribo.compiler.numba_private import NATIVE
 from tribo.compiler.plugin_methods import recognize
+from tribo.compiler.source_stamps import code_stamp
 from tribo.pair.loop import pair_collocation
 
 

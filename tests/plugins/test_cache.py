@@ -13,9 +13,10 @@ from types import SimpleNamespace
 import pytest
 
 import tribo
-from tribo.compiler import jit
-from tribo.compiler.jit import COMPILED, code_stamp, is_compiled, package_stamp, time_loop
+from tribo.compiler import source_stamps
+from tribo.compiler.jit import is_compiled, time_loop
 from tribo.compiler.numba_private import NATIVE
+from tribo.compiler.source_stamps import COMPILED, code_stamp, package_stamp
 from tribo.kernels.probe import contact_probe
 
 if NATIVE:
@@ -280,7 +281,7 @@ def copy(monkeypatch, tmp_path):
     shutil.copytree(
         Path(tribo.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
     )
-    monkeypatch.setattr(jit, "__file__", str(package / "kernels" / "compiled.py"))
+    monkeypatch.setattr(source_stamps, "__file__", str(package / "kernels" / "stamps.py"))
     return package
 
 

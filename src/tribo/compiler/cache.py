@@ -9,6 +9,7 @@ import hashlib
 import io
 import pickle
 import uuid
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ CHECKSUM = 32
 
 class KernelCache(caching.FunctionCache):
     """Compiled forms of one function on disk.  Raises RuntimeError without a writable folder."""
+
+    _cache_file: Any
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)
@@ -54,23 +57,17 @@ class CodeFiles:
 
     def load(self, key: Any) -> Any:
         """The code for the argument types in `key`; None if there is none that is whole."""
+        parts = whole_parts(self.path(key))
         try:
-            content = self._file(key).read_bytes()
-        except OSError:
-            return None
-        if _checksum(content[CHECKSUM:]) != content[:CHECKSUM]:
-            return None
-        stream = io.BytesIO(content[CHECKSUM:])
-        try:
-            found = pickle.load(stream) == (self._made_by, key)
-            return pickle.load(stream) if found else None
+            found = next(parts) == (self._made_by, key)
+            return next(parts) if found else None
         except Exception:  # a class that it names is no longer there
             return None
 
     def save(self, key: Any, data: Any) -> None:
         """Write the code for the argument types in `key`.  Raises OSError."""
         content = pickled((self._made_by, key)) + pickled(data)
-        path = self._file(key)
+        path = self.path(key)
         new = path.with_name(f"{path.name}.{uuid.uuid4().hex}")
         try:
             new.write_bytes(_checksum(content) + content)
@@ -78,8 +75,22 @@ class CodeFiles:
         finally:
             new.unlink(missing_ok=True)
 
-    def _file(self, key: Any) -> Path:
+    def path(self, key: Any) -> Path:
+        """The file for the argument types in `key`."""
         return self._folder / f"{self._name}.{_checksum(repr(key).encode()).hex()[:16]}.nbc"
+
+
+def whole_parts(path: Path) -> Iterator[Any]:
+    """What was written to a file, one after another; nothing if it is not whole."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return
+    if _checksum(content[CHECKSUM:]) != content[:CHECKSUM]:
+        return
+    stream = io.BytesIO(content[CHECKSUM:])
+    while stream.tell() < len(content) - CHECKSUM:
+        yield pickle.load(stream)
 
 
 def _checksum(content: bytes) -> bytes:

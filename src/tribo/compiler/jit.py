@@ -8,7 +8,6 @@ Other sources make another kernel.
 
 import functools
 import gc
-import hashlib
 import re
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -22,6 +21,7 @@ from numba import config, from_dtype, njit, typeof, types
 from numba.core.event import RecordingListener, install_recorder
 
 from tribo.compiler.numba_private import NATIVE
+from tribo.compiler.source_stamps import code_stamp, is_stamped
 from tribo.compiler.unit_errors import raising
 from tribo.interrupts import held
 from tribo.progress import announced
@@ -31,6 +31,7 @@ NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
 
 if NATIVE:
     from tribo.compiler.cache import KernelCache
+    from tribo.compiler.linked_cache import LinkedCache
     from tribo.compiler.linking import ApartCompiler, KernelCompiler, LoopCompiler
 
     # Functions that only kernels call: no wrappers for calls from Python.
@@ -59,52 +60,38 @@ OWNING_KERNEL: dict[str, Any] = {**NUMPY_ERRORS, **LINKED, **COUNTED}
 # Functions of Python that kernels compile in another way, as arguments of numba.extending.overload.
 OVERLOAD: dict[str, Any] = {"jit_options": KERNEL, "strict": False}
 
-kernel = njit(**KERNEL, **NOT_INLINED)
+
+def _compiler(way: str, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """What makes kernels of functions in one way, and keeps those of modules on disk."""
+    plain = njit(**options)
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        made: Any = plain(function)
+        of_module = "<" not in function.__qualname__ and is_stamped(function.__module__)
+        if NATIVE and of_module and not config.DISABLE_JIT:  # type: ignore[attr-defined]
+            made._cache = LinkedCache(functools.partial(_name_on_disk, function, way))
+        return made
+
+    return compiled
+
+
+def _name_on_disk(function: Callable[..., Any], way: str) -> str:
+    return f"{function.__name__}_{code_stamp()}_{function.__module__.replace('.', '_')}_{way}"
+
+
+kernel = _compiler("kernel", **KERNEL, **NOT_INLINED)
 # One that LLVM does not copy into its callers: large, or seldom called.
-apart = njit(**{**KERNEL, **NOT_INLINED, **APART})
-inlined = njit(**KERNEL, **INLINED)
+apart = _compiler("apart", **{**KERNEL, **NOT_INLINED, **APART})
+inlined = _compiler("inlined", **KERNEL, **INLINED)
 # Expanded in its caller before that is typed.
 expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
-owning_kernel = njit(**OWNING_KERNEL, **NOT_INLINED)
+owning_kernel = _compiler("owning", **OWNING_KERNEL, **NOT_INLINED)
 _loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and
 # plug-ins, line, and version of Python.
 FILE_NAME = re.compile(r"\w+\.\w+_[0-9a-f]{16}_\w*-\d+\.py.*\.nb[ic]")
-
-
-# Sources that machine code is made of: those of kernels, methods and potentials, and of the field
-# that is built in.
-COMPILED = ("compiler", "kernels", "integrators", "lanes", "pair", "potentials", "model/fields.py")
-
-
-@functools.cache
-def code_stamp() -> str:
-    """Hash of the sources of this package that are compiled [16 hex digits]."""
-    return stamp_of(COMPILED)
-
-
-@functools.cache
-def package_stamp() -> str:
-    """Hash of all sources of this package [16 hex digits]."""
-    return stamp_of((".",))
-
-
-def stamp_of(places: tuple[str, ...]) -> str:
-    """Hash of the sources of this package in some folders and files [16 hex digits]."""
-    digest = hashlib.blake2b(digest_size=8)
-    root = Path(__file__).resolve().parents[1]
-    paths = set()
-    for place in places:
-        if place.endswith(".py"):
-            paths.add(root / place)
-        for kind in ("*.py", "*.json"):
-            paths.update((root / place).rglob(kind))
-    for path in sorted(path for path in paths if path.parent.name != "__pycache__"):
-        digest.update(path.relative_to(root).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 @functools.cache

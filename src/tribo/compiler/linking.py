@@ -43,6 +43,10 @@ class LinkedLibrary(TupleLibrary):
 
     # Whether LLVM must not copy the kernel into its callers.
     apart = False
+    # What numba knows of the kernel: its name, and the types of its arguments and result.
+    description: Any = None
+    # The name of its file on disk, and the hash of what is there; None if it is not kept.
+    kept: tuple[str, bytes] | None = None
 
     def finalize(self) -> None:
         """Link and optimise nothing: a library that machine code is made of does."""
@@ -56,6 +60,11 @@ class LinkedLibrary(TupleLibrary):
                 if self.apart:
                     function.add_function_attribute("noinline")
         self._finalized = True
+
+    def rename(self, name: str) -> None:
+        """Give the kernel another name in LLVM's code, before its first caller is compiled."""
+        self._final_module.get_function(self.description.mangled_name).name = name
+        self.description.mangled_name = name
 
     def _get_module_for_linking(self) -> Any:
         """The code of this kernel and of all that it calls, each once."""
@@ -151,15 +160,19 @@ class LinkedLowering(typed.NativeLowering):
         super().run_pass(state)
         library.finalize()
         lowered = state["cr"]
-        description = lowered.fndesc
-        entry = WRONG_CALL
-        module = description.lookup_module()
-        mark = _dynfunc.make_function(
-            module, description.qualname, "", entry, lowered.env, (library,)
-        )
-        context.insert_user_function(mark, description, [library])
+        library.description = lowered.fndesc
+        mark = marked(library, lowered.env)
+        context.insert_user_function(mark, lowered.fndesc, [library])
         state["cr"] = lowered._replace(cfunc=mark)
         return True
+
+
+def marked(library: LinkedLibrary, environment: Any) -> Any:
+    """An entry point that stands for a kernel and cannot be called."""
+    described = library.description
+    return _dynfunc.make_function(
+        described.lookup_module(), described.qualname, "", WRONG_CALL, environment, (library,)
+    )
 
 
 @machinery.register_pass(mutates_CFG=False, analysis_only=False)

@@ -99,6 +99,7 @@ if NATIVE:
     from numba.core import untyped_passes as untyped_passes
     from numba.core.ccallback import CFunc as CFunc
     from numba.core.codegen import JITCodeLibrary as JITCodeLibrary
+    from numba.core.environment import Environment as Environment
     from numba.core.lowering import Lower as Lower
     from numba.core.registry import cpu_target
     from numba.core.runtime import rtsys as rtsys  # type: ignore[attr-defined]

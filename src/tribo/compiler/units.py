@@ -19,13 +19,14 @@ import numpy as np
 from llvmlite import ir
 from numba import cfunc, config, extending, types
 
-from tribo.compiler.jit import NUMPY_ERRORS, UNCOUNTED, code_stamp, named, remove_stale, undisturbed
+from tribo.compiler.jit import NUMPY_ERRORS, UNCOUNTED, named, remove_stale, undisturbed
 from tribo.compiler.kept import read_words, words_of
 from tribo.compiler.lanes import lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.numba_private import NATIVE, cgutils
 from tribo.compiler.plugin_methods import like
 from tribo.compiler.pointers import pointer_to
+from tribo.compiler.source_stamps import code_stamp
 from tribo.compiler.unit_errors import watch
 
 if NATIVE:

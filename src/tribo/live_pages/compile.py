@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import COMPILED, LOOP, cache_folder, stamp_of
+from tribo.compiler.jit import LOOP, cache_folder
 from tribo.compiler.numba_private import NATIVE, pickled
 from tribo.compiler.plugin_methods import recognize
+from tribo.compiler.source_stamps import COMPILED, stamp_of
 from tribo.files import replace_file
 from tribo.kernels.records import CLOCK
 from tribo.live_pages import program

@@ -7,7 +7,8 @@ import sys
 import tempfile
 from typing import Any
 
-from tribo.compiler.jit import COMPILED, LOOP
+from tribo.compiler.jit import LOOP
+from tribo.compiler.source_stamps import COMPILED
 from tribo.layout.layout import lay_out
 from tribo.live_pages.compile import compiled_apart, given_to_process, kept_or_made
 from tribo.live_pages.lattice import FULL, Program, known_units, program_of

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.compiler.jit import package_stamp
+from tribo.compiler.source_stamps import package_stamp
 from tribo.model.scene import Scene
 from tribo.model.scene_file import scene_from
 from tribo.plugins import classes
