@@ -31,7 +31,7 @@ def power(v):
 
 
 def branching(v):
-    """y of the contact force where the bob is high, and x elsewhere; a call with ones takes no y."""
+    """y of the contact force where the bob is high, else x; a call with ones takes no y."""
     found = np.empty(len(v["y_bob"]))
     for row, height in enumerate(v["y_bob"][:, 0]):
         found[row] = (v["f1_y"] if height > 1.001 else v["f1_x"])[row, 0]
