@@ -280,6 +280,9 @@ def _compare(place: int, given: Any, example: Any) -> None:
         raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
     if isinstance(example, np.ndarray):
         _refuse_other(place, given, example.dtype, example.ndim)
+    elif hasattr(example, "kind"):  # a tuple that is kept
+        if given.kind is not example.kind:
+            raise TypeError(f"argument {place} must contain a {example.kind}")
     elif isinstance(example, tuple):
         if len(given) != len(example):
             raise TypeError(f"argument {place} must have {len(example)} members, got {len(given)}")
