@@ -264,6 +264,8 @@ def _kind_of(argument: Any) -> Any:
     """numba's type of an argument."""
     if type(argument) is np.ndarray and argument.flags.c_contiguous:
         return _array_kind(argument.dtype, argument.ndim, argument.flags.writeable)
+    if type(argument) is tuple:  # numba would import numpy.ma for arrays in it
+        return types.BaseTuple.from_types(tuple(map(_kind_of, argument)))
     return typeof(argument)
 
 
