@@ -13,6 +13,7 @@ from tribo.compiler.jit import (
     remove_stale,
     time_loop,
 )
+from tribo.compiler.kept import keep
 from tribo.compiler.numba_private import NATIVE
 from tribo.compiler.plugin_methods import recognize
 from tribo.compiler.source_stamps import code_stamp
@@ -29,6 +30,23 @@ def scaled(factor, x, table, count):
 def of_a_tuple(item):
     """A loop whose argument contains arrays."""
     return item[0][0] * item[1][0][0]
+
+
+class One(NamedTuple):
+    """A tuple that is kept."""
+
+    values: np.ndarray
+
+
+class Other(NamedTuple):
+    """Another."""
+
+    values: np.ndarray
+
+
+def of_a_kept_tuple(item):
+    """A loop whose argument contains a tuple that is kept, and an array."""
+    return item[0].values[0] * item[1][0]
 
 
 @kernel
@@ -109,6 +127,16 @@ def test_entry_point_looks_into_tuples(inner, message):
         entry((np.zeros(5), (inner,)))
     with pytest.raises(TypeError, match="must have 2 members, got 1"):
         entry((np.zeros(5),))
+
+
+def test_entry_point_looks_at_kept_tuples_in_tuples():
+    """Whose memory would be read as what it is not."""
+    entry = EntryPoint(
+        time_loop(of_a_kept_tuple, kept=False), (), ((keep(One(np.ones(1))), np.ones(1)),)
+    )
+    assert entry((keep(One(np.full(5, 2.0))), np.full(5, 3.0))) == 6.0
+    with pytest.raises(TypeError, match="argument 0 must contain a One"):
+        entry((keep(Other(np.ones(1))), np.ones(1)))
 
 
 def test_stale_machine_code_is_removed(tmp_path, monkeypatch):

@@ -18,9 +18,10 @@ from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.motion import add_reactions
 from tribo.live_pages.lattice import FULL, SHORT, program_of
+from tribo.live_pages.lattice_asperite import Drawn
 from tribo.live_pages.lattice_compile import module_of
 from tribo.live_pages.lattice_keys import is_alike, words_of_keys
-from tribo.live_pages.lattice_quantities import MEMBERS, Drawn, OfSurface, OfWhole
+from tribo.live_pages.lattice_quantities import MEMBERS, OF_SURFACE, OfWhole
 from tribo.live_pages.lattice_source import METHODS
 from tribo.model.parameters import with_values
 
@@ -242,7 +243,7 @@ def pairs_of(scene, ledger, found):
     for n, surface in enumerate(scene.surfaces):
         table = ledger.of(surface.name)
         block = ledger.blocks[surface.name]
-        for place, name in enumerate(OfSurface._fields):
+        for place, name in enumerate(OF_SURFACE):
             row = series[n * MEMBERS + place]
             if name == "energy_bath" and surface.bath:
                 own = np.asarray(block["k_bath"]) + np.asarray(block["e_bath"])

@@ -17,7 +17,7 @@ from tribo.ledger.ledger import assemble
 from tribo.live_pages import program
 from tribo.live_pages.compile import module_of
 from tribo.live_pages.inputs import inputs_of
-from tribo.live_pages.quantities import MEMBERS, OfAsperite, OfSystem
+from tribo.live_pages.quantities import MEMBERS, OF_ASPERITE, OfSystem
 from tribo.pair import step_rows
 
 
@@ -111,7 +111,7 @@ def compared(scene):
     wanted = {}
     for k, surface in enumerate(scene.surfaces):
         table = ledger.of(surface.name)
-        for place, name in enumerate(OfAsperite._fields):
+        for place, name in enumerate(OF_ASPERITE):
             if name in table:
                 wanted[f"{surface.name}.{name}"] = k * MEMBERS + place, np.asarray(table[name])
     for place, name in enumerate(OfSystem._fields):

@@ -16,6 +16,8 @@ def with_fields(loop):
         return loop(*map(told, arguments))
 
     def told(x):
+        if type(x) is tuple:
+            return tuple(map(told, x))
         is_record = isinstance(x, np.ndarray) and x.dtype.names is not None
         return x.view(np.recarray) if is_record else x
 

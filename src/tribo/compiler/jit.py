@@ -251,6 +251,8 @@ def _kind_of(argument: Any) -> Any:
     """numba's type of an argument."""
     if type(argument) is np.ndarray and argument.flags.c_contiguous:
         return _array_kind(argument.dtype, argument.ndim, argument.flags.writeable)
+    if type(argument) is tuple:  # numba would import numpy.ma for arrays in it
+        return types.BaseTuple.from_types(tuple(map(_kind_of, argument)))
     return typeof(argument)
 
 
@@ -267,6 +269,9 @@ def _compare(place: int, given: Any, example: Any) -> None:
         raise TypeError(f"argument {place} must contain a {kinds[0]}, got a {kinds[1]}")
     if isinstance(example, np.ndarray):
         _refuse_other(place, given, example.dtype, example.ndim)
+    elif hasattr(example, "kind"):  # a tuple that is kept
+        if given.kind is not example.kind:
+            raise TypeError(f"argument {place} must contain a {example.kind}")
     elif isinstance(example, tuple):
         if len(given) != len(example):
             raise TypeError(f"argument {place} must have {len(example)} members, got {len(given)}")

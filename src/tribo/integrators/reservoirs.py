@@ -11,6 +11,8 @@ and the sum over steps makes the drift F / gamma and the diffusion T / gamma, fo
 The reasons for this scheme are in docs/developers/methods.md.
 """
 
+from typing import Any, NamedTuple
+
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, where_less
 from tribo.compiler.lanes_functions import sine_cosine
@@ -62,6 +64,58 @@ def temperature_of(model, schedule, row, number, i, t):
     return where_less(heat, 0.0, 0.0, heat)  # what rounding made negative
 
 
+class Arcs(NamedTuple):
+    """The motion of a block of bars along the arcs of their swings, and what damps it."""
+
+    slip: Any  # velocity relative to the reservoir's, and what the whole kick adds to it
+    gain: Any
+    omega: Any  # of the swings, and what the torsion springs add to it
+    turn_gain: Any
+    across: Any  # inverse mass
+    inverse_inertia: Any
+    lever: Any
+    gamma: Any
+    heat: Any
+
+
+@inlined
+def damp_arcs(arcs, tau, deviates):
+    """Friction and noise on bars along their arcs.
+
+    Returns changes of the momentum along the arcs and of that about them, how far bars and swings
+    jump, and what the swings' reservoir is given.
+    """
+    lever = arcs.lever
+    arc = arcs.across + lever * lever * arcs.inverse_inertia
+    gain = arcs.gain - lever * arcs.turn_gain
+    first, second = deviates
+    along, far = damped_motion(arcs.gamma, arcs.heat, arc, arcs.slip, gain, tau, first, second)
+    # A jump has the directions of the momentum that would cause it.
+    turn = 0.0 - lever * (far / arc) * arcs.inverse_inertia
+    return along, broadcast(0.0), arcs.across * (far / arc), turn, broadcast(0.0)
+
+
+@inlined
+def damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, deviates):
+    """The same with a reservoir on the swings: of the centres of mass, and of the swings."""
+    omega = arcs.omega
+    lever = arcs.lever
+    turned = omega - block(reservoirs.before, i)
+    swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+    number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
+    swing_heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    return damped_arc(
+        (arcs.gamma * arcs.across, swing_gamma * arcs.inverse_inertia),
+        (arcs.heat, swing_heat),
+        (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
+        lever,
+        (arcs.slip + lever * omega, omega),
+        (arcs.gain + 2.0 * lever * turned, arcs.turn_gain + 2.0 * turned),
+        reservoirs.tau,
+        deviates,
+    )
+
+
 @inlined
 def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too.
@@ -78,49 +132,33 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
     gain_y = 2.0 * (vy - old_y)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
-    across = constant(model, rows.INVERSE_MASS, s, i)
-    inverse_inertia = constant(model, rows.INVERSE_INERTIA, s, i)
-    lever = constant(model, rows.L2, s, i)
     count = min(LANES, s.end - i)
-    omega = block(v, i)
     warmest = max(s.temperature, s.swing_temperature)
     deviates = 6 if s.swing_gamma > 0.0 else 4  # of each asperite
     first, second, third, fourth, fifth, sixth = normals(noise, warmest, count, deviates)
-    gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
-    heat = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
-    present = block(model.each[rows.PRESENT], i)
-    slip = tx * x + ty * y
-    gain = tx * gain_x + ty * gain_y
-    turn_gain = torsion_gains(model, s, i, t, tau, q)
-    turning = broadcast(0.0)
-    given = turning
+    arcs = Arcs(
+        slip=tx * x + ty * y,
+        gain=tx * gain_x + ty * gain_y,
+        omega=block(v, i),
+        turn_gain=torsion_gains(model, s, i, t, tau, q),
+        across=constant(model, rows.INVERSE_MASS, s, i),
+        inverse_inertia=constant(model, rows.INVERSE_INERTIA, s, i),
+        lever=constant(model, rows.L2, s, i),
+        gamma=own_number(model.own, rows.OWN_GAMMA, s.gamma, i),
+        heat=temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t),
+    )
     if s.swing_gamma > 0.0:
-        # Of the centre of mass, and of the swing.
-        turn_gain = turn_gain + 2.0 * (omega - block(reservoirs.before, i))
-        gain = gain + 2.0 * lever * (omega - block(reservoirs.before, i))
-        swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-        number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-        swing_heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
-        along, turning, far, turn, given = damped_arc(
-            (gamma * across, swing_gamma * inverse_inertia),
-            (heat, swing_heat),
-            (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
-            lever,
-            (slip + lever * omega, omega),
-            (gain, turn_gain),
-            tau,
-            (first, second, fifth, sixth),
-        )
+        of_arc = first, second, fifth, sixth
+        found = damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, of_arc)
     else:
-        arc = across + lever * lever * inverse_inertia
-        gain = gain - lever * turn_gain
-        along, far = damped_motion(gamma, heat, arc, slip, gain, tau, first, second)
-        # A jump has the directions of the momentum that would cause it.
-        turn = 0.0 - lever * (far / arc) * inverse_inertia
-        far = across * (far / arc)
+        found = damp_arcs(arcs, tau, (first, second))
+    along, turning, far, turn, given = found
     slip = tx * y - ty * x
-    gain = tx * gain_y - ty * gain_x - tau * lever * omega * omega  # the arc is curved
-    side, aside = damped_motion(gamma, heat, across, slip, gain, tau, third, fourth)
+    curved = tau * arcs.lever * arcs.omega * arcs.omega
+    gain = tx * gain_y - ty * gain_x - curved
+    heat = arcs.heat
+    side, aside = damped_motion(arcs.gamma, heat, arcs.across, slip, gain, tau, third, fourth)
+    present = block(model.each[rows.PRESENT], i)
     px = present * (along * tx - side * ty)
     py = present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)

@@ -9,6 +9,7 @@ The identities that must hold, and by which the accounts are audited:
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,9 +21,15 @@ from tribo.kernels.samples import BATH_ROWS
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
-from tribo.ledger.quantities import EVERY_QUANTITY, QUANTITIES
+from tribo.ledger.quantities import EVERY_QUANTITY, FURTHER
 from tribo.ledger.quantity import Quantity, Table
-from tribo.ledger.reported import Reported, names_by_surface, needs_accounts, reported
+from tribo.ledger.reported import (
+    Reported,
+    names_by_surface,
+    needs_accounts,
+    reported,
+    with_inputs,
+)
 from tribo.ledger.samples import Samples
 from tribo.ledger.totals import SurfaceSeries, SystemSeries
 from tribo.validation import InputError, must_be
@@ -324,8 +331,8 @@ def check_keep(layout: Layout) -> None:
             table = ledger.of(surface)
         if name not in table:
             first = next(iter(layout.parts))
-            further = name in EVERY_QUANTITY and name not in QUANTITIES
-            series = ' (this one may need output.series = ["forces", "energies"])' * further
+            words = [word for word, group in FURTHER.items() if with_inputs([name]) & group.keys()]
+            series = f" (this one may need output.series = {json.dumps(words)})" if words else ""
             raise must_be(
                 f"output.keep[{i}]",
                 f'a quantity of a surface that the scene reports, as "{first}.W" or "{first}.x_cm",'

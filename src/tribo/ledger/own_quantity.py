@@ -2,14 +2,18 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
+from tribo.layout.layout import Layout
 from tribo.ledger import quantities
 from tribo.ledger import quantity as entries
+from tribo.ledger.ledger import Series
 from tribo.ledger.quantities import (
     ASPERITE,
     EVERY_QUANTITY,
+    FURTHER,
     INPUTS,
     OF,
     OWN_SERIES,
@@ -27,24 +31,44 @@ from tribo.validation import InputError, choice, is_list, must_be
 PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length")
 # Relative difference of two values that differ by round-off alone.
 ROUNDING = 1e-9
+OF_NO_SURFACE = "cannot be taken of the system, but of a surface"
 Source = SurfaceSeries | SystemSeries
 
 
-class Values(Mapping[str, np.ndarray]):
-    """What a formula takes: the series that its quantity uses, and parameters of asperites.
+class NotRecordedError(InputError, KeyError):
+    """A series that a formula takes and a run does not record."""
 
-    Series of asperites are (times, asperites), others (times,).
+    def __str__(self) -> str:
+        return f"{self.field}: {self.problem}"
+
+
+class Values(Mapping[str, np.ndarray]):
+    """What a formula takes: the series that its quantity can use, and parameters of asperites.
+
+    Series of asperites are (times, asperites), others (times,).  Without `uses`, ``get(name, 0.0)``
+    gives a value in place of a series that the run does not record.
     """
 
-    def __init__(self, series: Mapping[str, np.ndarray], source: Source, rows: slice) -> None:
+    def __init__(
+        self,
+        series: Series,
+        absence: Callable[[str], InputError],
+        parameter: Callable[[str], np.ndarray],
+        rows: slice = slice(None),
+    ) -> None:
+        """Take the series, the errors of others by their names, and parameters by their names."""
         self._series = series
-        self._source = source
+        self._absence = absence
+        self._parameter = parameter
         self._rows = rows
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._series:
-            raise InputError(name, f"is not in uses, which has {', '.join(self._series)}; add it")
+            raise self._absence(name)
         return self._series[name][self._rows]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._series
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._series)
@@ -57,12 +81,12 @@ class Values(Mapping[str, np.ndarray]):
 
         It is one of mass, inertia, kappa, l1, l2, i2 and bar_length, in the units of the scene.
         """
-        choice("parameter", name, PARAMETERS)
-        if not self._source.spans:
-            raise InputError("parameter", "cannot be taken of the system, but of a surface")
-        parts = [np.atleast_2d(getattr(span.asperites, name)) for span in self._source.spans]
-        whole = np.concatenate(parts, axis=1)
-        return whole if len(whole) == 1 else whole[self._rows]
+        found = self._parameter(choice("parameter", name, PARAMETERS))
+        return found if len(found) == 1 else found[self._rows]
+
+    def at_end(self) -> "Values":
+        """The same at the last time alone."""
+        return Values(self._series, self._absence, self._parameter, slice(-1, None))
 
 
 class Quantity:
@@ -70,25 +94,30 @@ class Quantity:
 
     Once it is made, its name can stand wherever the name of a quantity can in this process:
     ``output.keep``, ``ensemble(keep=)`` and ``sweep(keep=)``.  A single run reports it where
-    ``output.series`` contains "own", and the words for the series that it uses.  It has no
-    accuracy and no error estimate.
+    ``output.series`` contains "own", and the words for the series that its formula takes.  It has
+    no accuracy and no error estimate.
 
     Parameters
     ----------
     name : str
         A word of letters, digits and underscores, which is no name of another quantity.
     formula : callable
-        A function of a mapping that contains the series in `uses`, and whose ``parameter(name)``
-        gives mass, inertia, kappa, l1, l2, i2 or bar_length of the asperites.  It returns (times,
-        asperites) of asperites, and (times,) of a surface or the system.  The value at a time
-        follows from the series at that time.
+        A function of a mapping of series by name, and whose ``parameter(name)`` gives mass,
+        inertia, kappa, l1, l2, i2 or bar_length of the asperites.  It returns (times, asperites)
+        of asperites, and (times,) of a surface or the system.  The value at a time follows from
+        the series at that time.
     unit : str
         The kind of its unit: "angle", "rate", "length", "velocity", "energy", "power", "force" or
         "share".
     of : str
         "asperite", "surface" or "system".
-    uses : sequence of str
-        Names of the series that the formula takes; of the system, also as "upper.W".
+    uses : sequence of str, optional
+        Names of the series that the formula takes; of the system, also as "upper.W".  The
+        quantity is reported where all of them are, and ensembles and sweeps record these alone.
+        Without it, the formula can take every series that the run records of what the quantity is
+        of, and ensembles and sweeps record forces, energies and contacts at all times, which takes
+        more time and memory.  A call with ones finds where the quantity is reported: not where the
+        formula takes a series that is not recorded.
     long_name : str
         Its meaning in a few words.
 
@@ -105,7 +134,7 @@ class Quantity:
         *,
         unit: str,
         of: str,
-        uses: Sequence[str],
+        uses: Sequence[str] | None = None,
         long_name: str = "a quantity of the user's own",
     ) -> None:
         """Check the quantity, and enter it in the tables of all quantities.  Raises InputError."""
@@ -117,7 +146,7 @@ class Quantity:
             raise must_be("formula", "a function of the series that it uses", formula)
         self.name = name
         self.of = choice("of", of, OF)
-        self.uses = _checked_names(uses, of)
+        self.uses = None if uses is None else _checked_names(uses, of)
         self._formula = formula
         entry = entries.Quantity(
             choice("unit", unit, entries.UNITS), long_name, self._compute, self._is_present
@@ -127,27 +156,40 @@ class Quantity:
             if kind == of:
                 table[name] = entry
         OWN_SERIES[name] = EVERY_QUANTITY[name] = entry
-        INPUTS[name] = frozenset(each.rpartition(".")[2] for each in self.uses)
+        taken = EVERY_QUANTITY.keys() - OWN_SERIES.keys() if self.uses is None else self.uses
+        INPUTS[name] = frozenset(each.rpartition(".")[2] for each in taken)
         reported.cache_clear()
 
     def __repr__(self) -> str:
-        return f"<Quantity {self.name!r} of {self.of} from {', '.join(self.uses)}>"
+        uses = "every series" if self.uses is None else ", ".join(self.uses)
+        return f"<Quantity {self.name!r} of {self.of} from {uses}>"
 
     def _is_present(self, scene: Scene, surface: Surface) -> bool:
-        """Whether a scene reports all series that it uses."""
-        surfaces = {each.name: each for each in scene.surfaces}
-        for full in self.uses:
-            name, _, kind = full.rpartition(".")
-            found = surfaces.get(name) if name else surface
-            if found is None or kind not in _tables(scene, found, self.of if not name else ""):
-                return False
+        """Whether a scene reports all series that it uses, or takes from series of ones."""
+        shapes = _shapes(scene, surface, self.of)
+        if self.uses is not None:
+            return all(name in shapes for name in self.uses)
+        series = Series(shapes, lambda name: np.ones(shapes[name]))
+        ones = partial(_ones, None if self.of == SYSTEM else surface.count)
+        try:
+            with np.errstate(all="ignore"):
+                self._formula(Values(series, self._absence, ones))
+        except NotRecordedError:
+            return False
+        except Exception:  # numbers of a run may suit the formula where ones do not
+            return True
         return True
 
     def _compute(self, source: Source) -> np.ndarray:
         """Its series.  Raises InputError where the formula gives no such series."""
-        series = {full: _series_of(source, full) for full in self.uses}
-        found = self._values(Values(series, source, slice(None)))
-        rows = len(next(iter(series.values())))
+        names = self.uses
+        if names is None:
+            layout, index = _place(source)
+            names = tuple(_shapes(layout.scene, layout.scene.surfaces[index], self.of))
+        series = Series(names, partial(_series_of, source))
+        values = Values(series, self._absence, partial(_parameter_of, source))
+        found = self._values(values)
+        rows = source.samples.t.size
         shape: tuple[int, ...] = (rows,)
         if self.of == ASPERITE:
             assert isinstance(source, SurfaceSeries)
@@ -155,11 +197,24 @@ class Quantity:
         if found.shape != shape:
             problem = f"must be of the shape {shape}, got {found.shape} from the formula"
             raise InputError(self.name, problem)
-        last = self._values(Values(series, source, slice(-1, None)))
+        last = self._values(values.at_end())
         if not np.allclose(last, found[-1:], rtol=ROUNDING, atol=0.0, equal_nan=True):
             problem = "must follow from the series at the same time, but depends on other times"
             raise InputError(self.name, problem)
         return found
+
+    def _absence(self, full: str) -> InputError:
+        """The error of a formula that takes a series that is not there for it."""
+        if self.uses is not None:
+            return InputError(full, f"is not in uses, which has {', '.join(self.uses)}; add it")
+        try:
+            _check_name(full, full, self.of)
+        except InputError as error:
+            return error
+        name = full.rpartition(".")[2]
+        words = " or ".join(f'"{word}"' for word, group in FURTHER.items() if name in group)
+        cure = f"add {words} to output.series" if words else "the scene does not report it"
+        return NotRecordedError(full, f"is not recorded; {cure}, or take get({full!r}, 0.0)")
 
     def _values(self, values: Values) -> np.ndarray:
         """What the formula gives.  Raises InputError with its error, if there is one."""
@@ -176,19 +231,63 @@ def _checked_names(uses: Sequence[str], of: str) -> tuple[str, ...]:
     if not is_list(uses) or len(uses) == 0:
         raise must_be("uses", 'a list of quantities, as ["w1", "omega"]', uses)
     for i, full in enumerate(uses):
-        surface, _, kind = str(full).rpartition(".")
-        if kind not in EVERY_QUANTITY or kind in OWN_SERIES:
-            raise must_be(f"uses[{i}]", "the name of a quantity of tribo", full)
-        if bool(surface) != (of == SYSTEM and kind not in quantities.OF_SYSTEM):
-            wanted = 'one of the system, or as "upper.W"' if of == SYSTEM else 'as "w1"'
-            raise must_be(f"uses[{i}]", wanted, full)
+        _check_name(f"uses[{i}]", str(full), of)
     return tuple(map(str, uses))
+
+
+def _check_name(field: str, full: str, of: str) -> None:
+    """Refuse a name that is none of a series of tribo's that a quantity can use."""
+    surface, _, kind = full.rpartition(".")
+    if kind not in EVERY_QUANTITY or kind in OWN_SERIES:
+        raise must_be(field, "the name of a quantity of tribo", full)
+    if bool(surface) != (of == SYSTEM and kind not in quantities.OF_SYSTEM):
+        wanted = 'one of the system, or as "upper.W"' if of == SYSTEM else 'as "w1"'
+        raise must_be(field, wanted, full)
 
 
 def _tables(scene: Scene, surface: Surface, of: str) -> Mapping[str, entries.Quantity]:
     """The quantities of tribo that a scene reports of a surface, or of the system."""
     found = reported(scene.output.ledger, built_in_names(scene, surface))
     return found.system if of == SYSTEM else {**found.asperites, **found.blocks}
+
+
+def _shapes(scene: Scene, surface: Surface, of: str) -> dict[str, tuple[int, ...]]:
+    """The series of tribo that a quantity can use, and their shapes at one time.
+
+    Of a surface its own; of the system those of the system, and of surfaces as "upper.W".
+    """
+    if of == SYSTEM:
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
+            _tables(scene, scene.surfaces[-1], SYSTEM), (1,)
+        )
+        for each in scene.surfaces:
+            own = _shapes(scene, each, SURFACE)
+            shapes |= {f"{each.name}.{name}": shape for name, shape in own.items()}
+        return shapes
+    found = reported(scene.output.ledger, built_in_names(scene, surface))
+    return dict.fromkeys(found.asperites, (1, surface.count)) | dict.fromkeys(found.blocks, (1,))
+
+
+def _ones(count: int | None, name: str) -> np.ndarray:
+    """A parameter of so many asperites that are all alike; None of the system."""
+    if count is None:
+        raise InputError("parameter", OF_NO_SURFACE)
+    return np.ones((1, count))
+
+
+def _parameter_of(source: Source, name: str) -> np.ndarray:
+    """A parameter of the asperites of a surface, (1, asperites) or (times, asperites)."""
+    if not source.spans:
+        raise InputError("parameter", OF_NO_SURFACE)
+    parts = [np.atleast_2d(getattr(span.asperites, name)) for span in source.spans]
+    return np.concatenate(parts, axis=1)
+
+
+def _place(source: Source) -> tuple[Layout, int]:
+    """The layout of a source, and the index of its surface, or of the last for the system."""
+    if isinstance(source, SystemSeries):
+        return source.layout, -1
+    return source.place
 
 
 def _series_of(source: Source, full: str) -> np.ndarray:

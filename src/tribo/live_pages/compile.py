@@ -43,11 +43,20 @@ SOURCES = (
     "model/asperite.py",
     *(
         f"live_pages/{name}.py"
-        for name in ("inputs", "setup", "quantities", "limits", "program", "retarget", "link")
+        for name in (
+            "inputs",
+            "setup",
+            "accounts",
+            "quantities",
+            "limits",
+            "program",
+            "retarget",
+            "link",
+        )
     ),
 )
-# The arrays of the program behind the potential: the shape of each, where -1 is the number of
-# samples and -2 one more; the clock is a record.
+# The arrays of the program behind the potential, those of its tuples one after another: the shape
+# of each, where -1 is the number of samples and -2 one more; the clock is a record.
 ARRAYS: dict[str, tuple[int, ...]] = {
     "numbers": (INPUTS,),
     "options": (program.OPTIONS,),
@@ -140,7 +149,9 @@ def arguments_of(potential: Any, samples: int) -> tuple[Any, ...]:
     for name, shape in ARRAYS.items():
         sizes = [count.get(each, each) for each in shape]
         arrays.append(np.zeros(sizes, kinds.get(name, float)))
-    return (potential, *arrays)
+    numbers, options, memory, clocks, start, times, record, coarse, series, other, errors = arrays
+    loop = memory, clocks, start
+    return potential, numbers, options, loop, times, (record, coarse), (series, other), errors
 
 
 def compiled(potential: Any) -> bytes:

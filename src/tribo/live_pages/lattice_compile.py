@@ -20,7 +20,8 @@ from tribo.plugins.stamps import code_stamp_of
 SOURCES = (
     *COMPILED,
     "model/asperite.py",
-    *(f"live_pages/{n}.py" for n in ("quantities", "lattice_quantities", "program", "retarget")),
+    *(f"live_pages/{n}.py" for n in ("accounts", "quantities", "program", "retarget")),
+    *(f"live_pages/{n}.py" for n in ("lattice_asperite", "lattice_quantities")),
     *(
         f"live_pages/{n}.py"
         for n in ("link", "lattice", "lattice_compile", "lattice_loop", "lattice_setup", "setup")

@@ -85,13 +85,16 @@ def loop_of_page(name: str) -> Callable[..., int]:
     steps = apart(named(name).loop)
     keeps_rates = not named(name).splits
 
-    def live_steps(step, of_scene, method, run, times, budget, legs, stops, scratch):
+    def live_steps(step, of_scene, method, run, times, budget, legs, scratch):
         """Integrate through the times in equal steps of at most `step`; return a status.
 
-        `run` has the clocks, the state and the record; `stops` (times,) is scratch.
+        `run` has the clocks, the state and the record.  Scratch are the stops (times,) in a leg,
+        and that of the method's loop.
         """
-        model, neighbours = of_scene
-        clocks, state, record = run
+        stops = scratch[0]
+        of_loop = scratch[1:]
+        model, _ = of_scene
+        clocks, _, _ = run
         clock = clocks[0]
         while True:
             before = clock.leg
@@ -102,14 +105,12 @@ def loop_of_page(name: str) -> Callable[..., int]:
                 evaluations = clock.evaluations
                 clock.evaluations = 0  # so that the loop begins as at the start of a run
                 clock.last_step = 0.0
-                steps(model, neighbours, method, step, clocks, state, times, record, 0, *scratch)
+                steps(of_scene, method, step, run, times, 0, of_loop)
                 clock.evaluations += evaluations
             count, is_sample = set_stops(legs, leg, times, stops)
             left = budget - trials(clock)
             goals = stops[:count]
-            code = steps(
-                model, neighbours, method, step, clocks, state, goals, record, left, *scratch
-            )
+            code = steps(of_scene, method, step, run, goals, left, of_loop)
             if code != COMPLETED or stops[count - 1] == times[times.size - 1]:
                 return code
             if not is_sample:

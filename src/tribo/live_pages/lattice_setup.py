@@ -133,23 +133,24 @@ def set_sine(table, sine):
 
 
 @kernel
-def set_constants(constants, i, mass, inertia, l1, l2, parameters, pivot, turns):
-    """Set a column of the table of constants.
+def set_constants(constants, i, a, parameters):
+    """Set a column of the table of constants from an asperite whose numbers are set.
 
     Driven bars keep their infinite mass, and rigid asperites their infinite inertia and no kappa.
     """
+    pivot = a.pivot
     if not math.isinf(constants[rows.MASS, i]):
-        constants[rows.MASS, i] = mass
+        constants[rows.MASS, i] = a.mass
     is_rigid = math.isinf(constants[rows.INERTIA, i])
     kappa = 0.0 if is_rigid else parameters[KAPPA]
-    about = constants[rows.INERTIA, i] if is_rigid else inertia + mass * (pivot * pivot)
+    about = constants[rows.INERTIA, i] if is_rigid else a.inertia + a.mass * (pivot * pivot)
     mobility = 1.0 / about
-    if turns:
+    if a.dof_phi >= 0:
         mobility += 1.0 / parameters[I2]
     constants[rows.INERTIA, i] = about
     constants[rows.KAPPA, i] = kappa
-    constants[rows.L1, i] = l1 + pivot
-    constants[rows.L2, i] = 0.0 if pivot > 0.0 else l2
+    constants[rows.L1, i] = a.l1 + pivot
+    constants[rows.L2, i] = 0.0 if pivot > 0.0 else a.l2
     constants[rows.I2, i] = parameters[I2]
     constants[rows.BAR_LENGTH, i] = parameters[BAR_LENGTH]
     constants[rows.FREQUENCY, i] = math.sqrt(kappa * mobility)
@@ -180,8 +181,7 @@ def set_asperite(model, scene, table, i):
     place = s.first_constants + ((column - s.start) & s.constants_mask)
     others = LANES if s.constants_mask == 0 else 1  # that share a block of the first
     for n in range(others):
-        turns = a.dof_phi >= 0
-        set_constants(model.constants, place + n, mass, inertia, l1, l2, parameters, pivot, turns)
+        set_constants(model.constants, place + n, a, parameters)
         if model.pivots.shape[1] > 0:
             model.pivots[0, place + n] = pivot
     return mass

@@ -12,6 +12,7 @@ from tribo.integrators import methods
 from tribo.kernels.status import ENCOUNTER_JUMPED, NOT_FINITE
 from tribo.layout.layout import Layout
 from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages import lattice_asperite as asperites
 from tribo.live_pages import lattice_quantities as quantities
 from tribo.live_pages.arguments import flat_arguments
 from tribo.live_pages.compile import ELSEWHERE
@@ -89,7 +90,7 @@ class Lattice:
         program = self.program
         image = program.image()
         observer = Words(
-            "", 0.0, _places(image, program.scene.numbers, quantities.OBSERVER_X), np.ones(1)
+            "", 0.0, _places(image, program.scene.numbers, asperites.OBSERVER_X), np.ones(1)
         )
         every = [*self.words, observer]
         content = module_of(self.scene, program, self.layout.plugins)
@@ -113,9 +114,9 @@ class Lattice:
             "numbers": base64.b64encode(numbers.astype("<f8").tobytes()).decode("ascii"),
             "words": [_grouped(each) for each in every],
             "names": {
-                "asperite": quantities.OfSurface._fields,
+                "asperite": quantities.OF_SURFACE,
                 "system": quantities.OfWhole._fields,
-                "drawn": quantities.Drawn._fields,
+                "drawn": asperites.Drawn._fields,
             },
             "surfaces": [_drawn(surface) for surface in self.scene.surfaces],
             "duration": duration,
@@ -175,7 +176,7 @@ def _grouped(words: Words) -> list[Any]:
 
 def kinds_and_meanings() -> dict[str, Any]:
     """Kinds and meanings of the quantities of surfaces and of the whole that a ledger has."""
-    names = (*quantities.OfSurface._fields, *quantities.OfWhole._fields)
+    names = (*quantities.OF_SURFACE, *quantities.OfWhole._fields)
     known = {name: EVERY_QUANTITY[name] for name in names if name in EVERY_QUANTITY}
     return {
         "meanings": {name: each.long_name for name, each in known.items()},

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES
-from tribo.live_pages.quantities import MEMBERS, OfAsperite
+from tribo.live_pages.quantities import MEMBERS, OF_ASPERITE
 from tribo.pair import step_rows as rows
 from tribo.pair.bodies import slide_of
 
@@ -20,10 +20,10 @@ TINY = 2.2250738585072014e-308
 ORDER = 15.0
 FIRST_STEP = 8.0
 WORKS = tuple(
-    OfAsperite._fields.index(name)
+    OF_ASPERITE.index(name)
     for name in ("w1", "w2", "wL", "wR", "w", "w1_ps", "w2_ps", "w_ps", "delta_e_int")
 )
-OMEGA = OfAsperite._fields.index("omega")
+OMEGA = OF_ASPERITE.index("omega")
 CONTACT_ENERGY = 2 * MEMBERS
 
 

@@ -14,7 +14,7 @@ from tribo.live_pages.source import source_of
 from tribo.model.scene import Scene
 from tribo.simulation import simulate
 from tribo.validation import as_path
-from tribo.viewer.html import frame
+from tribo.viewer.html import HEAD, frame
 from tribo.viewer.html import part as viewer_part
 
 # The scripts, in the order in which they need one another; those of the viewer first.  A worker has
@@ -28,22 +28,10 @@ SCRIPTS = (
 )
 WORKER = ("machine.js",)
 POLICY = (
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval' "
+    "style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval' "
     "blob:; worker-src blob:; img-src data: blob:"
 )
 PAGE = """\
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<title>{title}</title>
-<link rel="icon" href="data:,">
-<style>
-{style}
-</style>
-</head>
 <body class="page">
 <main id="live"></main>
 <noscript>This page simulates its scene, which needs JavaScript. {picture}</noscript>
@@ -74,7 +62,7 @@ def document(scene: Scene, controls: object = None) -> str:
     source = source_of(scene, controls)
     source["script"] = "\n".join(map(live_part, WORKER))
     picture = source["picture"] = _picture(scene, source["subject"])
-    return PAGE.format(
+    return (HEAD + PAGE).format(
         policy=POLICY,
         title=escape(source["title"]),
         style="\n".join([viewer_part("style.css"), live_part("live.css")]),

@@ -7,14 +7,9 @@ from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.live_pages import inputs
+from tribo.live_pages.accounts import DIMENSIONS
 from tribo.live_pages.limits import guess, largest, measured, set_limits
-from tribo.live_pages.quantities import (
-    DIMENSION,
-    DIMENSIONS,
-    MEMBERS,
-    OfAsperite,
-    write_quantities,
-)
+from tribo.live_pages.quantities import DIMENSION, MEMBERS, OF_ASPERITE, write_quantities
 from tribo.live_pages.setup import bodies_of, move_times, set_times, sides_of
 from tribo.pair.bodies import pair_of
 from tribo.pair.loop import integrate_pair
@@ -52,7 +47,7 @@ ROUNDING = 256.0 * 2.0**-52
 # the accuracy that is wanted; see tribo.accuracy.search.
 NEAR_FINE = 0.5 * 0.1 ** (1.0 / 15.0)
 LEVEL_OF_ACCURACY = 0.1 * 100.0 * 2.0 / 3.0
-X_BOB, VX_CM = (OfAsperite._fields.index(name) for name in ("x_bob", "vx_cm"))
+X_BOB, VX_CM = (OF_ASPERITE.index(name) for name in ("x_bob", "vx_cm"))
 # Part of the bobs' distance at the start from which on an encounter is over: 0.19 in case B of the
 # paper.
 APART = 0.15
@@ -68,8 +63,9 @@ def level_of(accuracy: float) -> float:
 
 
 @apart  # once for all runs
-def integrate(pair, potential, memory, clocks, start, times, record, near, most):
+def integrate(pair, potential, loop, times, record, near, most):
     """One run from the start; returns its status and the number of samples that it reached."""
+    memory, clocks, start = loop
     clocks[0].evaluations = 0
     clocks[0].sample = 0
     clocks[0].encounter_fraction = near
@@ -150,10 +146,10 @@ def widen(series, other, count, reached, steps, errors):
 @kernel
 def add_run(pair, potential, given, level, near, times, loop, arrays):
     """Widen the errors by a run at other times, whose samples `steps` relates to the first's."""
-    memory, clocks, start, coarse = loop
-    sides, series, other, errors, count, steps = arrays
+    memory, _, _ = loop
+    sides, coarse, series, other, errors, count, steps = arrays
     set_limits(given.bodies, given.bar_lengths, given.scales, given.duration, level, memory)
-    _, reached = integrate(pair, potential, memory, clocks, start, times, coarse, near, given.most)
+    _, reached = integrate(pair, potential, loop, times, coarse, near, given.most)
     if reached > 0:
         write_quantities(pair, potential, sides, times, coarse, reached, other)
     widen(series, other, count, reached, steps, errors)
@@ -162,7 +158,7 @@ def add_run(pair, potential, given, level, near, times, loop, arrays):
 @kernel
 def estimate(pair, potential, given, level, rough, times, loop, arrays):
     """Bounds on the errors of `count` samples, from coarser runs; two more if forces are rough."""
-    _, series, other, errors, count = arrays
+    _, _, series, other, errors, count = arrays
     errors[:] = 0.0
     every = 1
     for each in EVERY:
@@ -208,18 +204,9 @@ def pool(series, count, factor, dimension, scratch, errors):
         errors[name] = factor * (errors[name] + pooled) + ROUNDING * top
 
 
-def live_pair(
-    potential, numbers, options, memory, clocks, start, times, record, coarse, series, other, errors
-):
-    """Run a pair with the `numbers` of `tribo.live_pages.inputs`; returns the code of a status.
-
-    `memory` has the method's table; `record` and `coarse` are records of the loop, `series` and
-    `other` (QUANTITIES, times) the quantities of both runs, and `errors` (QUANTITIES,) a bound on
-    the error of each in the first run.
-    """
-    bodies = bodies_of(numbers)
-    one, second = bodies
-    pair = pair_of(one, second)
+@kernel
+def set_start(numbers, options, bodies, pair, start):
+    """Set the swings at the start, and their rates, from the numbers or as the options say."""
     at = inputs.OF_SURFACE
     start[0] = numbers[inputs.SWING]
     start[1] = numbers[at + inputs.SWING]
@@ -227,39 +214,66 @@ def live_pair(
     start[3] = numbers[at + inputs.OMEGA]
     if options[AMPLITUDE] > 0.0 or options[TEMPERATURE] > 0.0:
         begin_swings(bodies, pair, options, start)
+
+
+@kernel
+def scales_of(pair, potential, numbers, given, times, loop, arrays):
+    """Scales of a run, measured in one with few samples; the guess of `given` if it has none."""
+    memory, _, _ = loop
+    coarse, other = arrays
+    bodies = given.bodies
+    set_times(given.duration, times)
+    set_limits(bodies, given.bar_lengths, given.scales, given.duration, PILOT, memory)
+    _, count = integrate(pair, potential, loop, times, coarse, PILOT_NEAR, given.most)
+    if count == 0:
+        return given.scales
+    at = inputs.OF_SURFACE
+    mean_x = 0.5 * (numbers[inputs.VELOCITY_X] + numbers[at + inputs.VELOCITY_X])
+    mean_y = 0.5 * (numbers[inputs.VELOCITY_Y] + numbers[at + inputs.VELOCITY_Y])
+    of_mean = sides_of(numbers, bodies, mean_x, mean_y)
+    write_quantities(pair, potential, of_mean, times, coarse, count, other)
+    return measured(bodies, coarse, other, count, given.scales)
+
+
+def live_pair(potential, numbers, options, loop, times, records, found, errors):
+    """Run a pair with the `numbers` of `tribo.live_pages.inputs`; returns the code of a status.
+
+    The `loop` has its memory, with the method's table, its clocks and its start.  There are two
+    runs: the `records` of the loop, and what is `found`, (QUANTITIES, times) of quantities, are
+    those of the first and of coarser ones.  `errors` (QUANTITIES,) become bounds on the errors in
+    the first.
+    """
+    memory, clocks, start = loop
+    record, coarse = records
+    series, other = found
+    bodies = bodies_of(numbers)
+    one, second = bodies
+    pair = pair_of(one, second)
+    set_start(numbers, options, bodies, pair, start)
+    at = inputs.OF_SURFACE
     bar_lengths = numbers[inputs.BAR_LENGTH], numbers[at + inputs.BAR_LENGTH]
-    sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
     most = int(options[MOST_STEPS])
     near = options[NEAR]
     level = options[LEVEL]
     duration = numbers[inputs.DURATION]
     scales = guess(bodies, start)
     if options[GIVEN] == 0.0:
-        mean_x = 0.5 * (numbers[inputs.VELOCITY_X] + numbers[at + inputs.VELOCITY_X])
-        mean_y = 0.5 * (numbers[inputs.VELOCITY_Y] + numbers[at + inputs.VELOCITY_Y])
+        given = Coarser(bodies, bar_lengths, scales, duration, most)
         few = times[: min(times.size, PILOT_SAMPLES)]
-        set_times(duration, few)
-        set_limits(bodies, bar_lengths, scales, duration, PILOT, memory)
-        status, count = integrate(
-            pair, potential, memory, clocks, start, few, coarse, PILOT_NEAR, most
-        )
-        if count > 0:
-            of_mean = sides_of(numbers, bodies, mean_x, mean_y)
-            write_quantities(pair, potential, of_mean, few, coarse, count, other)
-            scales = measured(bodies, coarse, other, count, scales)
+        scales = scales_of(pair, potential, numbers, given, few, loop, (coarse, other))
         set_limits(bodies, bar_lengths, scales, duration, level, memory)
         set_times(duration, times)
-    status, count = integrate(pair, potential, memory, clocks, start, times, record, near, most)
+    status, count = integrate(pair, potential, loop, times, record, near, most)
     options[REACHED] = count
     options[EVALUATIONS] = clocks[0].evaluations
-    if count > 0:
-        write_quantities(pair, potential, sides, times, record, count, series)
-        options[PASSED], options[NEEDED] = passing(pair, series, count)
-    if options[ESTIMATE] == 0.0 or count == 0:
+    if count == 0:
         return status
-    given = Coarser(bodies, bar_lengths, scales, duration, most)
-    loop = memory, clocks, start, coarse
-    rough = options[ROUGH] == 1.0
-    arrays = sides, series, other, errors, count
-    estimate(pair, potential, given, level, rough, times, loop, arrays)
+    sides = sides_of(numbers, bodies, numbers[inputs.OBSERVER_X], numbers[inputs.OBSERVER_Y])
+    write_quantities(pair, potential, sides, times, record, count, series)
+    options[PASSED], options[NEEDED] = passing(pair, series, count)
+    if options[ESTIMATE] == 1.0:
+        given = Coarser(bodies, bar_lengths, scales, duration, most)
+        rough = options[ROUGH] == 1.0
+        arrays = sides, coarse, series, other, errors, count
+        estimate(pair, potential, given, level, rough, times, loop, arrays)
     return status

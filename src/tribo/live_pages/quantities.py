@@ -10,7 +10,17 @@ from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine_versine
 from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.ledger.quantities import EVERY_QUANTITY
+from tribo.live_pages.accounts import (
+    Energies,
+    Entry,
+    Powers,
+    boost,
+    dimension_of,
+    powers_of,
+    pseudowork,
+    total,
+    work,
+)
 from tribo.pair import step_rows
 from tribo.pair.bodies import slide_of
 from tribo.pair.forces import accelerations_of, contact_of
@@ -19,13 +29,8 @@ from tribo.pair.loop import ENERGY
 FIRST_ACCOUNT = step_rows.J + 1
 
 
-class OfAsperite(NamedTuple):
-    """Quantities of an asperite, with the names of :mod:`tribo.ledger.quantities`.
-
-    Beside these, p1 is the power of the contact force at the bob and p1_cm at the velocity of the
-    centre of mass; p2 and p2_cm are those of the drive, at the bar.  The velocities of bob and bar
-    are named like their places.
-    """
+class Pose(NamedTuple):
+    """Places and velocities of an asperite; those of bob and bar are named alike."""
 
     theta: Any
     omega: Any
@@ -43,6 +48,11 @@ class OfAsperite(NamedTuple):
     vy_bob: Any
     vx_bar: Any
     vy_bar: Any
+
+
+class Works(NamedTuple):
+    """Works and pseudoworks of forces on an asperite."""
+
     w1: Any
     w2: Any
     wL: Any
@@ -51,17 +61,11 @@ class OfAsperite(NamedTuple):
     w1_ps: Any
     w2_ps: Any
     w_ps: Any
-    delta_k_trans: Any
-    delta_e_int: Any
-    swing_energy: Any
-    W: Any
-    W_ps: Any
-    delta_K: Any
-    delta_E_int: Any
-    friction_work: Any
-    k_trans: Any
-    k_swing: Any
-    e_torsion: Any
+
+
+class Forces(NamedTuple):
+    """Forces on an asperite."""
+
     f1_x: Any
     f1_y: Any
     f2_x: Any
@@ -70,10 +74,16 @@ class OfAsperite(NamedTuple):
     fL_y: Any
     fR_x: Any
     fR_y: Any
-    p1: Any
-    p1_cm: Any
-    p2: Any
-    p2_cm: Any
+
+
+class OfAsperite(NamedTuple):
+    """Quantities of an asperite, with the names of :mod:`tribo.ledger.quantities`."""
+
+    pose: Any
+    works: Any
+    energies: Any
+    forces: Any
+    powers: Any
 
 
 class OfSystem(NamedTuple):
@@ -85,27 +95,19 @@ class OfSystem(NamedTuple):
     distance: Any  # of the bobs
 
 
+# Names of the quantities of an asperite, in the order of rows.
+OF_ASPERITE = (
+    *Pose._fields,
+    *Works._fields,
+    *Energies._fields,
+    *Forces._fields,
+    *Powers._fields,
+)
 # Rows of quantities: those of the first asperite, of the second, and of both.
-MEMBERS = len(OfAsperite._fields)
+MEMBERS = len(OF_ASPERITE)
 QUANTITIES = 2 * MEMBERS + len(OfSystem._fields)
-# What only pages show, with its dimension; others are in tribo.ledger.quantities.
-ONLY_HERE = {
-    **dict.fromkeys(("p1", "p1_cm", "p2", "p2_cm"), "power"),
-    **dict.fromkeys(("vx_bob", "vy_bob", "vx_bar", "vy_bar"), "velocity"),
-    "distance": "length",
-    "energy_bath": "energy",
-}
-DIMENSIONS = ("angle", "rate", "length", "velocity", "energy", "force", "power")
-
-
-def _dimension(name: str) -> int:
-    """The place of a quantity's dimension among DIMENSIONS."""
-    own = ONLY_HERE.get(name)
-    return DIMENSIONS.index(own if own is not None else EVERY_QUANTITY[name].kind)
-
-
-# That of each row.
-DIMENSION = tuple(map(_dimension, (*2 * OfAsperite._fields, *OfSystem._fields)))
+# The dimension of each row, its place among DIMENSIONS.
+DIMENSION = tuple(map(dimension_of, (*2 * OF_ASPERITE, *OfSystem._fields)))
 
 
 class Side(NamedTuple):
@@ -141,41 +143,6 @@ class Motion(NamedTuple):
     pushed: Any  # integral of f_x j
     jx: Any  # impulse of the contact on this asperite
     jy: Any
-
-
-class Entry(NamedTuple):
-    """One force's account: see :class:`tribo.ledger.accounts.Account`."""
-
-    about: Any
-    jx: Any
-    jy: Any
-    pseudo: Any
-
-
-@inlined
-def boost(side, entry):
-    return side.vx * entry.jx + side.vy * entry.jy
-
-
-@inlined
-def pseudowork(side, entry):
-    return entry.pseudo + boost(side, entry)
-
-
-@inlined
-def work(side, entry):
-    return entry.about + pseudowork(side, entry)
-
-
-@inlined
-def total(*entries):
-    about = jx = jy = pseudo = 0.0
-    for entry in entries:
-        about += entry.about
-        jx += entry.jx
-        jy += entry.jy
-        pseudo += entry.pseudo
-    return Entry(about, jx, jy, pseudo)
 
 
 class Columns(NamedTuple):
@@ -257,12 +224,15 @@ def moving_velocity(side, now):
 
 
 @kernel
-def drive_entry(side, now, contact, left, right, vx, vy, vx0, vy0):
+def drive_entry(side, now, start, contact, ends):
     """Of f2: on driven bars what the motion leaves over of other forces, else -f1."""
     if side.held_bar == 0.0:
         held = 1.0 - side.body.free
         about = side.body.facing * (held * now.about_x + now.about_y)
         return Entry(side.body.l2 * about, -held * contact.jx, -contact.jy, -held * contact.pseudo)
+    left, right = ends
+    vx, vy = moving_velocity(side, now)
+    vx0, vy0 = moving_velocity(side, start)
     mass = side.body.mass
     kinetic = 0.5 * mass * (vx * vx + vy * vy - vx0 * vx0 - vy0 * vy0)
     pseudo = kinetic - (contact.pseudo + left.pseudo + right.pseudo)
@@ -272,47 +242,19 @@ def drive_entry(side, now, contact, left, right, vx, vy, vx0, vy0):
 
 
 @kernel
-def energies_of(side, now):
-    """Kinetic energy of the pendulum's rotation, and the energy of the torsion spring."""
-    body = side.body
-    turning = 0.5 * body.inertia * (now.omega * now.omega)
-    return turning, 0.5 * body.kappa * (now.q * now.q)
-
-
-@kernel
-def quantities_of(side, t, now, start, fx, fy):
-    """All quantities of an asperite at time t; `fx` and `fy` are the contact force on it."""
+def pose_of(side, t, now):
+    """Places and velocities of an asperite at time t."""
     body = side.body
     tx, ty = body.facing * now.cos, body.facing * now.sin
     vx, vy = moving_velocity(side, now)
-    vx0, vy0 = moving_velocity(side, start)
     cx, cy = side.vx + vx, side.vy + vy
     x = side.x + (side.vx * t + (now.slide + body.pivot * ty))
     y = side.y + (side.vy * t + body.pivot * body.facing * now.versine)
     x_bob, y_bob = rod_position(x, y, body.l1, tx, ty)
     x_bar, y_bar = rod_position(x, y, -body.l2, tx, ty)
-    contact = contact_entry(side, now)
-    left, right = end_entries(side, now, start.arc)
-    drive = drive_entry(side, now, contact, left, right, vx, vy, vx0, vy0)
-    every = total(contact, drive, left, right)
-    moving = 0.5 * body.mass * (vx * vx + vy * vy)
-    moving0 = 0.5 * body.mass * (vx0 * vx0 + vy0 * vy0)
-    kinetic = body.mass * (side.vx * (vx - vx0) + side.vy * (vy - vy0)) + (moving - moving0)
-    turning, torsion = energies_of(side, now)
-    turning0, torsion0 = energies_of(side, start)
-    internal = (turning + torsion) - (turning0 + torsion0)
-    swinging = turning + torsion + 0.5 * body.mass * (body.pivot * now.omega) ** 2
-    # Forces: on clamped bars those of the ends are opposite, and f2 is as in `drive_entry`.
-    end = side.clamped * body.kappa * now.q / side.bar_length
-    if side.held_bar == 0.0:
-        f2x, f2y = -(1.0 - body.free) * fx, -fy
-    else:
-        inward = now.omega * now.omega
-        f2x = body.mass * body.pivot * (now.alpha * tx - inward * ty) - fx
-        f2y = body.mass * body.pivot * (now.alpha * ty + inward * tx) - fy
-    bob_x, bob_y = rod_velocity(cx, cy, now.omega, body.l1, tx, ty)
-    bar_x, bar_y = rod_velocity(cx, cy, now.omega, -body.l2, tx, ty)
-    return OfAsperite(
+    vx_bob, vy_bob = rod_velocity(cx, cy, now.omega, body.l1, tx, ty)
+    vx_bar, vy_bar = rod_velocity(cx, cy, now.omega, -body.l2, tx, ty)
+    return Pose(
         theta=now.q + side.rest,
         omega=now.omega,
         phi=0.0,
@@ -325,21 +267,38 @@ def quantities_of(side, t, now, start, fx, fy):
         y_bob=y_bob,
         x_bar=x_bar,
         y_bar=y_bar,
-        vx_bob=bob_x,
-        vy_bob=bob_y,
-        vx_bar=bar_x,
-        vy_bar=bar_y,
-        w1=work(side, contact),
-        w2=work(side, drive),
-        wL=work(side, left),
-        wR=work(side, right),
-        w=work(side, every),
-        w1_ps=pseudowork(side, contact),
-        w2_ps=pseudowork(side, drive),
-        w_ps=pseudowork(side, every),
+        vx_bob=vx_bob,
+        vy_bob=vy_bob,
+        vx_bar=vx_bar,
+        vy_bar=vy_bar,
+    )
+
+
+@kernel
+def energies_of_swing(side, now):
+    """Kinetic energy of the pendulum's rotation, and the energy of the torsion spring."""
+    body = side.body
+    turning = 0.5 * body.inertia * (now.omega * now.omega)
+    return turning, 0.5 * body.kappa * (now.q * now.q)
+
+
+@kernel
+def energies_of(side, now, start, contact, every):
+    """Energies of an asperite, from the accounts of the contact force and of all forces."""
+    body = side.body
+    vx, vy = moving_velocity(side, now)
+    vx0, vy0 = moving_velocity(side, start)
+    cx, cy = side.vx + vx, side.vy + vy
+    moving = 0.5 * body.mass * (vx * vx + vy * vy)
+    moving0 = 0.5 * body.mass * (vx0 * vx0 + vy0 * vy0)
+    kinetic = body.mass * (side.vx * (vx - vx0) + side.vy * (vy - vy0)) + (moving - moving0)
+    turning, torsion = energies_of_swing(side, now)
+    turning0, torsion0 = energies_of_swing(side, start)
+    internal = (turning + torsion) - (turning0 + torsion0)
+    return Energies(
         delta_k_trans=kinetic,
         delta_e_int=internal,
-        swing_energy=swinging,
+        swing_energy=turning + torsion + 0.5 * body.mass * (body.pivot * now.omega) ** 2,
         W=work(side, every),
         W_ps=pseudowork(side, every),
         delta_K=kinetic,
@@ -348,19 +307,49 @@ def quantities_of(side, t, now, start, fx, fy):
         k_trans=0.5 * body.mass * (cx * cx + cy * cy),
         k_swing=turning,
         e_torsion=torsion,
-        f1_x=fx,
-        f1_y=fy,
-        f2_x=f2x,
-        f2_y=f2y,
-        fL_x=0.0,
-        fL_y=end,
-        fR_x=0.0,
-        fR_y=-end,
-        p1=fx * bob_x + fy * bob_y,
-        p1_cm=fx * cx + fy * cy,
-        p2=f2x * bar_x + f2y * bar_y,
-        p2_cm=f2x * cx + f2y * cy,
     )
+
+
+@kernel
+def forces_of(side, now, fx, fy):
+    """All forces, from that of the contact; those of clamped ends are opposite.
+
+    f2 is as in :func:`drive_entry`.
+    """
+    body = side.body
+    end = side.clamped * body.kappa * now.q / side.bar_length
+    if side.held_bar == 0.0:
+        f2x, f2y = -(1.0 - body.free) * fx, -fy
+    else:
+        tx, ty = body.facing * now.cos, body.facing * now.sin
+        inward = now.omega * now.omega
+        f2x = body.mass * body.pivot * (now.alpha * tx - inward * ty) - fx
+        f2y = body.mass * body.pivot * (now.alpha * ty + inward * tx) - fy
+    return Forces(fx, fy, f2x, f2y, 0.0, end, 0.0, -end)
+
+
+@kernel
+def quantities_of(side, t, now, start, fx, fy):
+    """All quantities of an asperite at time t; `fx` and `fy` are the contact force on it."""
+    contact = contact_entry(side, now)
+    ends = end_entries(side, now, start.arc)
+    left, right = ends
+    drive = drive_entry(side, now, start, contact, ends)
+    every = total(contact, drive, left, right)
+    works = Works(
+        w1=work(side, contact),
+        w2=work(side, drive),
+        wL=work(side, left),
+        wR=work(side, right),
+        w=work(side, every),
+        w1_ps=pseudowork(side, contact),
+        w2_ps=pseudowork(side, drive),
+        w_ps=pseudowork(side, every),
+    )
+    pose = pose_of(side, t, now)
+    energies = energies_of(side, now, start, contact, every)
+    forces = forces_of(side, now, fx, fy)
+    return OfAsperite(pose, works, energies, forces, powers_of(forces, pose))
 
 
 @kernel
@@ -386,6 +375,25 @@ def both_motions(pair, potential, sides, t, row):
     return first, second, lane(contact.fx, 0), lane(contact.fy, 0), distance
 
 
+@inlined
+def put(values, series, place, k):
+    """Write quantities of a sample in rows from a place on; returns the place behind them."""
+    for value in values:
+        series[place, k] = value
+        place += 1
+    return place
+
+
+@kernel
+def put_asperite(each, series, place, k):
+    """Write all quantities of an asperite in rows; returns the place behind them."""
+    place = put(each.pose, series, place, k)
+    place = put(each.works, series, place, k)
+    place = put(each.energies, series, place, k)
+    place = put(each.forces, series, place, k)
+    return put(each.powers, series, place, k)
+
+
 @apart  # once for all runs
 def write_quantities(pair, potential, sides, times, record, count, series):
     """Write all quantities of so many samples in `series` (QUANTITIES, times)."""
@@ -398,16 +406,11 @@ def write_quantities(pair, potential, sides, times, record, count, series):
         first = quantities_of(one, t, now1, start1, fx, fy)
         second = quantities_of(other, t, now2, start2, -fx, -fy)
         energy = record[k, ENERGY]
-        changes = first.delta_K + first.delta_E_int + second.delta_K + second.delta_E_int
-        applied = first.w2 + first.wL + first.wR + second.w2 + second.wL + second.wR
-        place = 0
-        for value in first:
-            series[place, k] = value
-            place += 1
-        for value in second:
-            series[place, k] = value
-            place += 1
-        series[place, k] = energy
-        series[place + 1, k] = changes + (energy - energy0)
-        series[place + 2, k] = applied
-        series[place + 3, k] = r
+        e1, e2 = first.energies, second.energies
+        w1, w2 = first.works, second.works
+        changes = e1.delta_K + e1.delta_E_int + e2.delta_K + e2.delta_E_int
+        applied = w1.w2 + w1.wL + w1.wR + w2.w2 + w2.wL + w2.wR
+        place = put_asperite(first, series, 0, k)
+        place = put_asperite(second, series, place, k)
+        whole = OfSystem(energy, changes + (energy - energy0), applied, r)
+        put(whole, series, place, k)

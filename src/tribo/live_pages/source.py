@@ -17,7 +17,7 @@ from tribo.live_pages.compile import ARRAYS, ELSEWHERE, module_of
 from tribo.live_pages.controls import PANELS, Controls, controls_of, least, of_other_law
 from tribo.live_pages.keys import keys_of, numbers_of
 from tribo.live_pages.lattice_source import Lattice, kinds_and_meanings
-from tribo.live_pages.quantities import OfAsperite, OfSystem
+from tribo.live_pages.quantities import OF_ASPERITE, OfSystem
 from tribo.loops.pair import is_pair
 from tribo.model.scene import Scene
 from tribo.pair import step_rows
@@ -120,8 +120,8 @@ def _program(scene: Scene, layout: Layout) -> dict[str, Any]:
     memory = np.zeros((step_rows.ROWS, 8))
     coefficients: Any = METHODS[METHOD].coefficients
     memory[: step_rows.LIMITS] = table(coefficients)
-    names = {"asperite": OfAsperite._fields, "system": OfSystem._fields}
-    every = [*OfAsperite._fields, *OfSystem._fields]
+    names = {"asperite": OF_ASPERITE, "system": OfSystem._fields}
+    every = [*OF_ASPERITE, *OfSystem._fields]
     known = {name: EVERY_QUANTITY[name] for name in every if name in EVERY_QUANTITY}
     return {
         "arrays": [

@@ -69,7 +69,8 @@ class PairMembers:
         """The arguments of the loop, behind the potential; records before the last."""
         times = self._times
         records = np.empty((len(starts) * (times.size + 1), COLUMNS))
-        return record, addresses, self._rows, self._clocks, starts, times, records, MOST_STEPS
+        members = record, addresses
+        return members, self._rows, self._clocks, starts, times, records, MOST_STEPS
 
 
 def _pair_runs(
@@ -137,7 +138,7 @@ class PairLanes:
             others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
         arguments = self._arguments(scenes, self._limits(setting.of_adaptive_steps()), y)
         self._loop(*arguments)
-        samples, queue = arguments[-3:-1]
+        samples, queue = arguments[-2:]
         queue.counts[others, CODE] = PAUSED
         return _pair_runs(self._pair, self._times, samples, queue.counts, starts)
 
@@ -151,8 +152,9 @@ class PairLanes:
     def _arguments(
         self, scenes: np.ndarray | None, bounds: np.ndarray, starts: np.ndarray
     ) -> tuple[Any, ...]:
-        """The arguments of the loop, behind the scene; samples and queue before the last."""
+        """The arguments of the loop, behind the scene; samples and queue are the last."""
         memory = np.zeros(self._memory)
         samples = np.empty((2, len(starts), COLUMNS))
         queue = queue_of(len(starts), GROUPS * LANES)
-        return scenes, memory, self._table, bounds, starts, samples, queue, self._stages
+        method = self._table, bounds, self._stages
+        return scenes, memory, method, starts, samples, queue

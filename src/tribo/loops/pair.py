@@ -262,7 +262,7 @@ class Pair:
         self._rows[: step_rows.LIMITS] = _table_of(method.name)
         own_memory = (self._rows, np.zeros(1, CLOCK))
         examples = (*own_memory, layout.start[None], np.zeros(1), np.empty((2, COLUMNS)), 0)
-        fixed = self.units, self.record, self.numbers
+        fixed = self.units, (self.record, self.numbers)
         self.entry = entry_of(pair_members, "single", fixed, examples)
         self._beginnings: tuple[Beginning, ...] = ()
         self._members: MembersOfPair | None = None
@@ -274,7 +274,7 @@ class Pair:
         pair.layout = layout
         pair.record = _record_of(layout)
         pair._members = None
-        pair.entry = self.entry.with_fixed(self.units, pair.record, self.numbers)
+        pair.entry = self.entry.with_fixed(self.units, (pair.record, self.numbers))
         return pair
 
     def units_in_lanes(self, own_numbers: bool) -> PotentialUnits:

@@ -69,6 +69,7 @@ def table_of(item: Any) -> dict[str, Any]:
 
 
 def _of_toml(value: Any) -> Any:
+    """A value as TOML has it: arrays and tuples as lists, schedules and dataclasses as tables."""
     if type(value) in (float, str, bool, int):
         return value
     if isinstance(value, np.ndarray):

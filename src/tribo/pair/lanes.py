@@ -328,19 +328,18 @@ def fill_lane(memory, k, at, limits, scenes, samples, queue):
         samples[0, m, START + row] = 0.0
 
 
-def pair_members_in_lanes(
-    pair, potential, scenes, memory, table, limits, starts, samples, queue, stages
-):
+def pair_members_in_lanes(pair, potential, scenes, memory, method, starts, samples, queue):
     """Integrate members from their starts to the end, GROUPS * LANES at a time.
 
     `potential` has units in lanes.  `scenes` (members, numbers) has the numbers of each member's
     pair, and of its potential if that has floats alone; with None all have those of `pair` and
-    `potential`.  `memory` (GROUPS, F +
-    3 stages + numbers, 8) is zeros, `table` the :func:`coefficients`, `limits` UNIT1 to
-    MOST_TRIALS.  `starts` are (members, 2 coordinates) y of the scene's layout.  `samples` (2,
-    members, COLUMNS) become those at the start and at the end; J_Y and the integrals of q are 0.
+    `potential`.  `memory` (GROUPS, F + 3 stages + numbers, 8) is zeros.  The `method` has the table
+    of its :func:`coefficients`, limits UNIT1 to MOST_TRIALS, and the number of stages.  `starts`
+    are (members, 2 coordinates) y of the scene's layout.  `samples` (2, members, COLUMNS) become
+    those at the start and at the end; J_Y and the integrals of q are 0.
     """
     memory = rows_of(memory)
+    table, limits, stages = method
     scenes, table, limits, starts, samples, queue = pointers(
         (scenes, table, limits, starts, samples, queue)
     )

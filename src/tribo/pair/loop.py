@@ -130,14 +130,15 @@ integrate_pair = kernel(pair_collocation)
 inlined_pair = inlined(pair_collocation)
 
 
-def pair_members(potential, pairs, numbers, memory, clocks, starts, times, records, budget):
+def pair_members(potential, members, memory, clocks, starts, times, records, budget):
     """Run members one after another by :func:`pair_collocation`; a run is a member alone.
 
-    `pairs` (members or 1,) of PAIR, and `numbers` (members or 1,), addresses of the potential's
-    numbers, are those of each member, or of all.  `starts` are (members, 2 coordinates); `records`
+    The `members` have pairs (members or 1,) of PAIR, and addresses (members or 1,) of the
+    potential's numbers, of each or of all.  `starts` are (members, 2 coordinates); `records`
     (members x (times + 1), COLUMNS) are those of one member after another.  Only the first member
     can have begun before.  Returns the code of the last one's status.
     """
+    pairs, numbers = members
     rows = times.size + 1
     status = codes.COMPLETED
     for m in range(starts.shape[0]):

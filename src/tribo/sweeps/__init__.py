@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -15,17 +14,15 @@ from tribo.ensembles.kept_values import total_names
 from tribo.ensembles.members import Sampler, Source, Variation, sources_of
 from tribo.ensembles.request import END, SAMPLES, Request
 from tribo.ensembles.runner import Execution
-from tribo.ensembles.stores import MemberStore, Target, in_file
+from tribo.ensembles.stores import Target, in_file
 from tribo.model.binding import check_apart, check_arguments
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
 from tribo.progress import Shown
-from tribo.sweeps.dataset import Table, points_dataset
 from tribo.sweeps.effects import check_effects
 from tribo.sweeps.grid import POINT, Grid, Keys
 from tribo.sweeps.point_by_point import point_by_point
-from tribo.sweeps.point_sets import members_of, point_sets, runs_of
-from tribo.sweeps.point_statistics import PointStatistics
+from tribo.sweeps.side_by_side import SideBySide
 from tribo.validation import InputError, boolean, choice, inside, instance, integer
 
 if TYPE_CHECKING:
@@ -126,37 +123,14 @@ def sweep(
     if statistics and number is None and half_width is None:
         raise InputError("statistics", "needs members, as members=100")
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
-
-    def compute(target: Target, progress: Callable[[float], None] | None) -> xarray.Dataset:
-        """The table of all points, or of those before an interrupt."""
-        import xarray
-
-        if half_width is not None:
-            own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
-            own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
-            ensemble_at = partial(ensemble, **own)
-            return point_by_point(grid, ensemble_at, target, progress)
-        # All points by one engine, those that one plan serves side by side.
-        kept = request.kept(recorded)
-        sets, order = point_sets(grid, request, variation, number, kept)
-        by = how
-        store: MemberStore | PointStatistics = (
-            PointStatistics(kept, target.frames, number)
-            if statistics and number is not None
-            else MemberStore(target.frames)
-        )
-        if progress is not None:
-            by = how._replace(progress=lambda done: progress(done // (number or 1)))
-        interrupted = by.collect(runs_of(sets, store.done, by), store)
-        if isinstance(store, PointStatistics):
-            store.flush()
-            found = store.datasets(grid, order, recorded.numerics.step)
-            return points_dataset(grid, target, *found, interrupted)
-        table = Table(grid, order, kept, store.values(), members_of(sets) if number else None)
-        attributes = target.attributes(interrupted, table.notes(recorded.numerics.step))
-        attributes["keep"] = json.dumps(kept.names)
-        return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
-
+    compute: Callable[[Target, Callable[[float], None] | None], xarray.Dataset]
+    if half_width is None:
+        points = SideBySide(grid, request, recorded, variation, number, how, statistics)
+        compute = points.compute
+    else:
+        own: dict[str, Any] = {"members": number, "vary": sources, "seed": seed}
+        own |= {"engine": engine, "threads": threads, "progress": False, **settings, **wanted}
+        compute = partial(point_by_point, grid, partial(ensemble, **own))
     others: dict[str, object] = {"values": grid.identity(), "members": number, **wanted}
     others |= {"point": point}
     identify = partial(request.identity, recorded, variation, others)

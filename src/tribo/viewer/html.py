@@ -11,7 +11,8 @@ SCRIPTS = (
     *("symbols.js", "run.js", "drawing.js", "curves.js"),
     *("sources.js", "sliders.js", "player.js"),
 )
-PAGE = """\
+# What all pages begin with, up to their body.
+HEAD = """\
 <!doctype html>
 <html lang="en">
 <head>
@@ -24,6 +25,8 @@ PAGE = """\
 {style}
 </style>
 </head>
+"""
+PAGE = """\
 <body class="page">
 <main id="player"></main>
 <script type="application/json" id="data">{data}</script>
@@ -57,7 +60,7 @@ def document(source: dict[str, Any], kind: tuple[str, str] = HELD) -> str:
     reads them.
     """
     policy, reader = kind
-    return PAGE.format(
+    return (HEAD + PAGE).format(
         policy=policy,
         title=escape(source["run"]["title"]),
         style=part("style.css"),
