@@ -1,6 +1,6 @@
 """Change the physics and the integrators, and say which changes no test catches.
 
-    python -m tools.mutation                    # a sample, in minutes
+    python -m tools.mutation                    # a sample, in a few minutes
     python -m tools.mutation --all [FILE ...]   # every mutant of these files, or of all: hours
 
 Ends with status 1 if a mutant is missed, or if a table of `survivors` is not what was found.
