@@ -56,7 +56,7 @@ def test_script(shell, capsys):
 def test_bash_completes(line, expected, capsys, tmp_path):
     """Bash, with the script, completes a line."""
     assert main(["completion", "bash"]) == 0
-    script = tmp_path / "tribo.bash"
+    script = tmp_path / "completion.bash"
     script.write_text(capsys.readouterr().out)
     words = " ".join(line.split())
     program = (

@@ -14,7 +14,6 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 import tribo
 from support.scene_tables import scene_from
 from tribo import Asperite, Initial, InputError, Langevin, Output, Pulled, Pushed, Scene, Surface
-from tribo.model.parameters import is_parameter, with_values
 
 STEP = 0.1
 STIFFNESS = 1.0
@@ -169,8 +168,15 @@ def test_members_in_lanes():
     keep = ["bar.x_cm", "bar.theta", "bar.w_T", "bar.heat", "bar.heat_swing"]
     data = tribo.ensemble(scene, vary=values, keep=keep, method="verlet", step=STEP, seed=4)
     for member in range(3):
-        own = with_values(scene, {key: float(each[member]) for key, each in values.items()})
-        own = with_values(own, {"seed": int(data.seed[member])})
+        gammas, temperatures = (
+            [values[f"bar.langevin.{on}.{name}"][member] for on in ("bar", "swing")]
+            for name in ("gamma", "temperature")
+        )
+        own = replace(
+            scene,
+            surfaces=[surface(gammas, temperatures, n=3)],
+            seed=int(data.seed[member]),
+        )
         table = tribo.simulate(own, method="verlet", step=STEP)["bar"]
         for name in keep:
             found = data[name].values[member]
@@ -182,7 +188,7 @@ def test_means_of_both_heats():
     scene = Scene([surface((3.0, 2.0), (0.3, 0.1), n=3)], [], 2.0, output=Output(samples=3))
     data = tribo.ensemble(scene, 3, method="verlet", step=STEP, seed=4)
     for member in range(3):
-        own = with_values(scene, {"seed": int(data.seed[member])})
+        own = replace(scene, seed=int(data.seed[member]))
         table = tribo.simulate(own, method="verlet", step=STEP)["bar"]
         for name in ("heat", "heat_swing"):
             found = data[f"bar.{name}"].values[member]
@@ -191,15 +197,12 @@ def test_means_of_both_heats():
 
 
 def test_scene_files_and_keys():
-    """A list of tables is written and read; keys say on what a reservoir acts."""
+    """A list of tables is written and read."""
     part = surface((3.0, 2.0), (0.3, 0.1))
     scene = Scene([part], [], 1.0)
     assert scene_from(tomllib.loads(scene.to_toml())) == scene
     turned = replace(part, langevin=part.langevin[::-1])
     assert turned == part
-    changed = with_values(scene, {"bar.langevin.swing.gamma": 7.0}).surfaces[0]
-    assert [each.gamma for each in changed.reservoirs] == [3.0, 7.0]
-    assert is_parameter(scene, "bar.langevin.bar.temperature")
     assert Surface("one", langevin=[{"gamma": 1.0}]).langevin == Langevin(1.0)
     assert Surface("one", langevin=[]).langevin is None
 
@@ -222,6 +225,6 @@ def test_keys_of_one_reservoir():
     two = Scene([surface((3.0, 2.0))], [], 1.0)
     one = Scene([Surface("bar", langevin=Langevin(1.0))], [], 1.0)
     with pytest.raises(InputError, match=r'did you mean "bar.langevin.bar.gamma"'):
-        with_values(two, {"bar.langevin.gamma": 1.0})
+        tribo.sweep(two, {"bar.langevin.gamma": [1.0]})
     with pytest.raises(InputError, match=r'did you mean "bar.langevin.gamma"'):
-        with_values(one, {"bar.langevin.swing.gamma": 1.0})
+        tribo.sweep(one, {"bar.langevin.swing.gamma": [1.0]})

@@ -36,6 +36,7 @@ def test_nearest_image(difference):
     image = kinematics.nearest_image(difference, 1.5)
     assert -0.75 <= image < 0.75
     assert (difference - image) / 1.5 == np.rint((difference - image) / 1.5)
+    assert kinematics.nearest_image(0.5 * difference, 0.75) == 0.5 * image
     assert kinematics.nearest_image(difference, 0.0) == difference
 
 

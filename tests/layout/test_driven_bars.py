@@ -3,12 +3,13 @@
 import math
 from dataclasses import replace
 
+import ase.io
 import numpy as np
 import pytest
 
 import tribo
 from tribo import Asperite, DrivenBars, Free, Initial, Morse, Output, Scene, Springs, Surface
-from tribo.export.lammps_atoms import atoms_of
+from tribo.export import to_lammps
 
 EQUAL_STEPS = {"method": "verlet", "step": 0.01}
 ANGLES = (0.3, -0.2)
@@ -111,7 +112,7 @@ def test_swings_at_the_frequency_of_a_pendulum_on_its_bar(facing, m2):
     assert result["a"].y_bob[:, 0] == pytest.approx(bar[1] - sign * 1.3 * np.cos(swing), abs=1e-7)
 
 
-def test_equilibria_and_exported_atoms_have_the_same_bars():
+def test_equilibria_and_exported_atoms_have_the_same_bars(tmp_path):
     """A relaxed scene forgets its initial angles; atoms of LAMMPS start at the bobs."""
     turned = {"upper": {"initial": Initial(theta=ANGLES)}, "lower": {"initial": Initial(swing=0.4)}}
     states = [tribo.relax(sliding(m2, **start)) for m2, start in ((2.0, {}), (8.0, turned))]
@@ -120,7 +121,7 @@ def test_equilibria_and_exported_atoms_have_the_same_bars():
         assert swings[0] == pytest.approx(swings[1], abs=1e-7)
     scene = sliding(**turned)
     result = tribo.simulate(scene, **EQUAL_STEPS)
-    atoms = atoms_of(scene)
+    atoms = ase.io.read(to_lammps(scene, tmp_path).data, format="lammps-data")
     for axis, name in enumerate(("x_bob", "y_bob")):
         bobs = np.hstack([result[surface][name][0] for surface in ("upper", "lower")])
         assert atoms.positions[:, axis] == pytest.approx(bobs)

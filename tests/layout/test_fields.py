@@ -3,20 +3,20 @@
 import mpmath
 import pytest
 
-from support.random_scenes import random_scene
-from support.scene_tables import scene_from
-from tribo.layout.layout import lay_out
+import tribo
 
 
 def test_phase_of_a_field_far_from_the_origin():
     """At 1e7 periods from x = 0 the force of a corrugation keeps its digits."""
-    scene = random_scene(4, "morse")
-    scene["surface"][0]["bob"] = [1e5 + 0.001, 0.0]
-    field = {"on": ["upper"], "kind": "corrugation", "amplitude": 1.0, "period": 0.013}
-    field["origin"] = [3e4, 0.0]
-    (laid_out,) = lay_out(scene_from(scene | {"field": [field]})).model.fields
-    force, _ = laid_out.potential.force_at(laid_out.origin[0], 0.0)
+    place = 1e5 + 0.001
+    origin = 3e4
+    period = 0.013
+    surface = tribo.Surface("upper", bob=(place, 0.0))
+    field = tribo.Field(tribo.Corrugation(1.0, period), on=("upper",), origin=(origin, 0.0))
+    output = tribo.Output(samples=2, series=("forces",))
+    scene = tribo.Scene((surface,), (), 1e-6, fields=(field,), output=output)
+    force = tribo.simulate(scene, method="verlet", step=1e-6)["upper"].f_field_x[0, 0]
     with mpmath.workdps(40):
-        q = 2 * mpmath.pi / mpmath.mpf(0.013)
-        exact = -q * mpmath.sin(q * (mpmath.mpf(1e5 + 0.001) - mpmath.mpf(3e4)))
+        q = 2 * mpmath.pi / mpmath.mpf(period)
+        exact = -q * mpmath.sin(q * (mpmath.mpf(place) - mpmath.mpf(origin)))
     assert force == pytest.approx(float(exact), rel=1e-14)

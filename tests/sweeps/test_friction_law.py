@@ -4,24 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import tribo
 from tribo import Asperite, Corrugation, Field, InputError, Langevin, Output, Pulled, Scene, Surface
-from tribo.model.parameters import with_values
-from tribo.results.averages import interval
 from tribo.sweeps.figure import law_lines
 
 
-def tip(**drive):
+def tip(speed=0.2, duration=20.0, **drive):
     """A damped tip that is pulled over a corrugation."""
     surface = Surface(
         "tip",
-        drive=Pulled(stiffness=0.5, speed=0.2, **drive),
+        drive=Pulled(stiffness=0.5, speed=speed, **drive),
         asperite=Asperite(kappa=100.0),
         langevin=Langevin(1.0, 0.0),
     )
     field = Field(Corrugation(0.1, 1.0), on=("tip",))
-    return Scene((surface,), (), 20.0, fields=(field,), output=Output(samples=201))
+    return Scene((surface,), (), duration, fields=(field,), output=Output(samples=201))
 
 
 def test_each_point_is_a_run():
@@ -33,7 +32,7 @@ def test_each_point_is_a_run():
     assert data["friction"].dims == ("speed",)
     for k, speed in enumerate(speeds):
         duration = 8.0 / abs(speed)
-        scene = with_values(tip(load=0.3), {"tip.drive.speed": speed, "duration": duration})
+        scene = tip(speed, duration, load=0.3)
         output = replace(scene.output, series=("forces",), run_in=0.25 * duration)
         result = tribo.simulate(replace(scene, output=output), step=0.02, method="verlet")
         average = result.friction_force("tip")
@@ -55,9 +54,10 @@ def test_means_over_members():
     assert data["friction"].dims == ("speed", "temperature")
     keys = {"tip.drive.speed": [0.2], "tip.langevin.temperature": [0.01, 0.02]}
     own = tribo.sweep(tip(), keys, keep=["tip.friction_force"], **how)
-    found = interval(np.moveaxis(-own["tip.friction_force"].values, -1, 0))
-    assert np.allclose(data["friction"], found.mean)
-    assert np.allclose(data["friction_half_width"], found.half_width)
+    friction = -own["tip.friction_force"].values
+    half_width = stats.t.ppf(0.975, 3) * stats.sem(friction, axis=-1)
+    assert np.allclose(data["friction"], np.mean(friction, axis=-1))
+    assert np.allclose(data["friction_half_width"], half_width)
     assert data.attrs["intervals"] == "members and seeds"
     axes = law_lines(data)
     assert axes.get_xlabel() == "temperature" and "tip" in axes.get_ylabel()

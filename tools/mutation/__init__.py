@@ -1,7 +1,6 @@
-"""Mutation testing: the package with one small change in one function, and checks that catch it.
+"""Mutation testing: the package with one small change in one function, and tests that catch it.
 
-A mutant is made in the syntax tree (`mutants`).  The checks compare runs with independent
-solutions, and run uncompiled (`judge`).  They use the solvers of tests/support.
+A mutant is made in the syntax tree (`mutants`), and judged by tests that run uncompiled (`judge`).
 """
 
 import sys

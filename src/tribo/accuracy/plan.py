@@ -30,14 +30,15 @@ NEAR_ALONE = 0.75
 LOOSER = 16.0
 # Most runs that try such a level.
 TRIES = 8
-# Its largest estimate relative to the request: three times a difference that is nearly its error.
+# Largest error estimate of such a run, relative to the request: the estimate is three times a
+# difference that is nearly the error.
 LOOSE_EXCESS = 1.875
 # A try with more evaluations than this times the fewest so far is no cheaper; fewer is chance.
 MORE = 1.05
 
 
 class Pilot(NamedTuple):
-    """A run that shows the scales of a scene, and these."""
+    """A run that shows the scales of a scene, and the scales."""
 
     run: Integration
     scales: ToleranceScales
@@ -78,6 +79,7 @@ class Plan:
         return float(self.interval / count_of_steps(self.interval, step))
 
     def at_half_step(self) -> Plan:
+        """The plan with half of its step."""
         return replace(self, setting=Setting(step=0.5 * self.setting.of_equal_steps()))
 
 

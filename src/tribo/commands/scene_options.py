@@ -57,13 +57,16 @@ def add_scene(
     command.add_argument("scene", type=Path, metavar=files, help=meaning)
     meaning = "refuse a scene file that names code"
     command.add_argument("--no-plugins", action="store_true", help=meaning)
-    meaning = "replaces a value of the file, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
-    meaning += "'interaction.strength=0.3' or 'duration=20'; may be repeated"
     if with_set:
+        meaning = (
+            "replaces a value of the file, as 'upper.drive.load=0.4', 'upper.theta=0.1', "
+            "'interaction.strength=0.3' or 'duration=20'; may be repeated"
+        )
         command.add_argument("--set", metavar="KEY=VALUE", help=meaning, **REPEATED)
 
 
 def add_numerics(command: argparse.ArgumentParser) -> None:
+    """Add the accuracy, the method and the step of runs."""
     accuracy = "largest relative error, as 1e-6 (default: the file's)"
     command.add_argument("--accuracy", metavar="A", help=accuracy)
     method = "integration method (default: the file's, or the fastest)"
@@ -75,29 +78,36 @@ def add_numerics(command: argparse.ArgumentParser) -> None:
 
 def numerics_of(options: argparse.Namespace) -> dict[str, Any]:
     """The arguments of runs that :func:`add_numerics` lets a user give.  Raises InputError."""
-    accuracy, step = (as_number(f"--{n}", getattr(options, n)) for n in ("accuracy", "step"))
-    rest = {"method": options.method, "allow_unresolved": options.allow_unresolved}
-    return {"accuracy": accuracy, "step": step, **rest}
+    return {
+        "accuracy": as_number("--accuracy", options.accuracy),
+        "step": as_number("--step", options.step),
+        "method": options.method,
+        "allow_unresolved": options.allow_unresolved,
+    }
 
 
 def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
     """Add the options of ensembles and sweeps; `members` says what their number is."""
     command.add_argument("--members", type=int, metavar="N", help=members)
-    vary = "draw a value for each member, as 'upper.theta=normal(0,0.1)', "
-    vary += (
+    vary = (
+        "draw a value for each member, as 'upper.theta=normal(0,0.1)', "
         "'interaction.strength=uniform(0.1,0.2)' or 'upper.theta=grid(-1,1,1000)'; may be repeated"
     )
     command.add_argument("--vary", metavar="KEY=DISTRIBUTION", help=vary, **REPEATED)
-    keep = "quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
-    keep += "file's, or those of whole surfaces and of the system)"
+    keep = (
+        "quantities to keep, separated by commas, as upper.w1,contact_energy (default: the "
+        "file's, or those of whole surfaces and of the system)"
+    )
     command.add_argument("--keep", metavar="NAMES", help=keep)
     at = "keep them at the end, or at all times of the scene's output (default: end)"
     command.add_argument("--at", choices=["end", "samples"], default="end", help=at)
-    returned = "return means, covariances, quantiles and histograms of the kept quantities, "
-    returned += "not the members"
+    returned = (
+        "return means, covariances, quantiles and histograms of the kept quantities, not the "
+        "members"
+    )
     command.add_argument("--statistics", action="store_true", help=returned)
-    width = "run as many members as make the half-width of the 95 %% interval of a mean, as "
-    width += (
+    width = (
+        "run as many members as make the half-width of the 95 %% interval of a mean, as "
         "upper.W, at most SIZE, in units of the largest work or change of energy; may be repeated"
     )
     command.add_argument("--half-width", metavar="NAME=SIZE", help=width, **REPEATED)

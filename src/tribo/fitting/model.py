@@ -107,11 +107,9 @@ class Model:
         unique, places = np.unique(parts, axis=0, return_inverse=True)
         keys = self._box.keys
         rows = self._box.values(unique)
-        single = len(keys) == 1
-        swept: dict[Any, Sequence[Any]]
-        swept = (
-            {keys[0]: rows[:, 0].tolist()} if single else {keys: list(map(tuple, rows.tolist()))}
-        )
+        swept: dict[Any, Sequence[Any]] = {keys: [tuple(row) for row in rows.tolist()]}
+        if len(keys) == 1:
+            swept = {keys[0]: rows[:, 0].tolist()}
         data = sweep(
             self.scene,
             swept,

@@ -1,5 +1,6 @@
 """Where the powers of a state are written: the accounts of the ledger, group by group.
 
+`kernels/powers.py` computes the powers of each group, and `ledger/accounts.py` reads the accounts.
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
 Where a scene asks for sums over surfaces, each has a slot for every lane, in which the powers of a
 surface's blocks are added up; contact and drive then have their levers in the work about the centre

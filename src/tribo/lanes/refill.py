@@ -13,8 +13,9 @@ from tribo.kernels.samples import State, write_row
 from tribo.kernels.speeds import top_speeds
 from tribo.kernels.status import CODE, COMPLETED, COUNTS, EVALUATIONS, PAUSED, STEPS
 
-# Rows of the steps that are tried, a lane each: where they begin, their length, where they end, 1
-# where that is at a sample, their error, and 1 where they are taken.
+# Rows of a table of the steps that are tried, which has a column for each lane: the time at which a
+# step begins, its length, the time at which it ends, 1 if that is at a sample, its error, and 1 if
+# the step is taken.
 BEGIN, LENGTH, END, LANDING, ERROR, TAKEN, TRIED = range(7)
 
 
@@ -54,7 +55,7 @@ def leave_member(queue, lane, code, steps, evaluations):
 
 
 class MemberLanes(NamedTuple):
-    """What lanes have of the members in them."""
+    """The clocks, states and tried steps of the members that are in lanes."""
 
     clocks: Any  # (lanes,) of CLOCK
     state: State
@@ -76,6 +77,7 @@ class Starts(NamedTuple):
 
 @kernel
 def clear_lane(x, lane):
+    """Set the numbers of a lane to zero."""
     for m in range(lane, x.size, LANES):
         x[m] = 0.0
 

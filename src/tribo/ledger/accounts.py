@@ -1,5 +1,8 @@
 """The account of every force, from the integrals that the kernels record.
 
+`kernels/powers.py` computes the powers of forces and drives, and `kernels/accounts.py` adds them
+up; `FORCES` has for each work a function that reads its account.
+
 Kernels integrate in the frame of each surface's initial velocity V; in the laboratory
 work = (about the centre of mass) + V . J + (pseudowork in that frame).
 """

@@ -51,10 +51,11 @@ WORK = Role("energy", ("energy", "work"))
 CHANGE = Role("energy", ("energy",))
 # An energy by which no others are measured: a swing's is no change.
 ENERGY = Role("energy")
-# The same of a surface or the system; work against friction is a part of other works, and the
-# energy of contacts has an arbitrary origin.
+# A work, heat or change of energy of a surface or the system.
 TOTAL = Role("total", ("total",))
+# Work against friction, which is a part of other works.
 PART = Role("total")
+# The energy of contacts, whose origin is arbitrary.
 POTENTIAL = Role("total", ("potential",))
 
 
@@ -67,6 +68,8 @@ class Summary(NamedTuple):
 
 @dataclass(frozen=True)
 class Quantity:
+    """An entry of the tables of quantities: what it is, how it is computed, when it is present."""
+
     kind: str  # a key of `UNITS`
     long_name: str  # its meaning in a few words
     of: Callable[..., np.ndarray]  # its series, from some asperites, a surface or the system
@@ -79,12 +82,14 @@ class Quantity:
 
     @property
     def units(self) -> str:
+        """The units of its kind."""
         return UNITS[self.kind]
 
 
 def moving(
     kind: str, long_name: str, value: Callable[[Motion], np.ndarray], role: Role = OWN_SCALE
 ) -> Quantity:
+    """A quantity of the motion alone, which needs no accounts."""
     return Quantity(kind, long_name, Moving(value), role=role)
 
 
@@ -122,4 +127,5 @@ def energy(
     role: Role = OWN_SCALE,
     **others: Any,
 ) -> Quantity:
+    """A quantity with the unit of an energy; `others` are further fields of its entry."""
     return Quantity("energy", long_name, of, present, role, **others)

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 BOUND = 1e-10
 # Factor by which the bound must exceed the uncertainty of dU/dr where the two are compared.
 TRUSTED = 10.0
-# Least fraction of the distances at which they must be compared.
+# Least fraction of the distances at which force and derivative must be compared.
 KNOWN = 0.9
 # Largest distance from r at which the energy is evaluated [r].
 REACH = 0.1
-# The same [typical distance].
+# Largest distance from r at which the energy is evaluated, if r is long [typical distance].
 LONGEST = 0.8
 # Distances at which differences begin [reach].
 SHORTER = (1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0)

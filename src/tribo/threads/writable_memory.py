@@ -72,6 +72,7 @@ def _size(array: np.ndarray) -> int:
 
 
 def arrays_in(item: object) -> Iterator[np.ndarray]:
+    """The arrays in nested tuples, in order."""
     if isinstance(item, np.ndarray):
         yield item
     elif isinstance(item, tuple):

@@ -47,6 +47,7 @@ LOWER = {
     "initial": {"theta": 3.6, "phi": 0.2, "omega": -0.5},
 }
 TURNING = {"initial": LOWER["initial"] | {"nu": 0.7}}
+SWINGING = {"theta": [0.5, -0.3], "omega": [0.6, -0.5]}
 CORRUGATION = {"kind": "corrugation", "amplitude": 0.3, "period": 1.7}
 
 
@@ -160,6 +161,23 @@ SCENES = {
     ),
     "swinging": scene(
         {"drive": "free", "langevin": {"gamma": 0.4, "on": "swing"}}, {"bars": "free"}
+    ),
+    # Bars that are one rigid body, which moves, or which turns as well.
+    "block": scene(
+        {
+            "drive": {"kind": "pulled", "stiffness": 1.2, "speed": 0.5, "load": 0.3, "block": True},
+            "initial": SWINGING,
+        },
+        {"drive": "free"},
+        duration=0.5,
+    ),
+    "tilting": scene(
+        {
+            "drive": {"kind": "free", "load": 0.3, "block": True, "tilt": "free"},
+            "initial": SWINGING | {"nu": 0.3},
+        },
+        {"drive": "free"},
+        duration=0.5,
     ),
     "damped twice": scene(
         {"drive": "free", "langevin": [{"gamma": 0.3}, {"gamma": 0.4, "on": "swing"}]},
