@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 import xarray
-from scipy import stats
+from scipy import optimize, stats
 
 import tribo
 
@@ -201,7 +201,7 @@ def test_two_minima(series):
 
 
 def test_no_parabola(series):
-    """Where the series saturates on one side, the interval is to be read off the profile."""
+    """Where a series saturates on one side; profiles are minima over the other parameter."""
 
     def saturated(parameters):
         bent = -0.002 * np.exp((0.1 - parameters[:, :1]) / 0.001)
@@ -211,6 +211,15 @@ def test_no_parabola(series):
     data = saturated(TRUE[None])[0]
     found = tribo.fit(scene(), (T, data), RANGES, QUANTITY, noise=0.01, starts=8)
     assert any(note.startswith(f"the interval of {AMPLITUDE} is not") for note in found.notes)
+    curve = found.profiles[STIFFNESS]
+    for stiffness, chi2 in zip(curve["value"].values, curve["chi2"].values, strict=True):
+
+        def of_amplitude(amplitude, stiffness=stiffness):
+            rest = saturated(np.array([[amplitude, stiffness]]))[0] - data
+            return np.sum((rest / 0.01) ** 2)
+
+        least = optimize.minimize_scalar(of_amplitude, bounds=(0.096, 0.104), method="bounded")
+        assert chi2 == pytest.approx(least.fun, rel=1e-3, abs=1e-6)
 
 
 def test_residuals_that_are_no_noise(series):
