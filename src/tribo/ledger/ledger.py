@@ -216,20 +216,28 @@ class SampledLedger(Ledger):
     a few of them.
     """
 
-    def __init__(self, layout: Layout, samples: Samples) -> None:
+    def __init__(self, layout: Layout, samples: Samples, found: Contents | None = None) -> None:
+        """Take samples; `found` are the contents of the layout, if they are known."""
         self.t = samples.t
         self._layout = layout
         self.samples = samples
-        self._contents = contents(layout)
-        self._forces = Forces(layout, samples)  # which the surfaces share
+        self._contents = contents(layout) if found is None else found
         self._known: dict[str, SourceSeries] = {}  # by the names of surfaces
 
     def of(self, surface: str) -> SourceSeries:
         if surface not in self._known:
             quantities, index = self._contents.surfaces[surface]
-            source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces)
+            source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces_shared)
             self._known[surface] = SourceSeries(quantities, source)
         return self._known[surface]
+
+    @lazy_property
+    def _forces(self) -> Forces:
+        return Forces(self._layout, self.samples)
+
+    def _forces_shared(self) -> Forces:
+        """The forces, which all surfaces read."""
+        return self._forces
 
     @lazy_property
     def surfaces(self) -> Mapping[str, Table]:  # type: ignore[override]
