@@ -24,7 +24,7 @@ from tribo.ledger.guards import facing, passing_notes
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.reporter import Reporter
 from tribo.ledger.separation import separation_notes
-from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
+from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed, is_watched
 from tribo.loops.integrate import Integration
 from tribo.loops.origin import digest_of
 from tribo.loops.saved_state import state_of
@@ -316,10 +316,12 @@ class Simulation:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout = self.layout
         samples = run.samples
+        notes = (*notes_on.drive_notes(layout, samples), *passing_notes(layout, samples))
+        if not is_watched(layout):
+            return notes
         watched = Watched.of(layout, samples) if watched is None else watched
         return (
-            *notes_on.drive_notes(layout, samples),
-            *passing_notes(layout, samples),
+            *notes,
             *separation_notes(layout, watched.looks, watched.touching),
             *notes_on.pumping_notes(layout, watched),
         )
