@@ -222,22 +222,16 @@ class SampledLedger(Ledger):
         self._layout = layout
         self.samples = samples
         self._contents = contents(layout) if found is None else found
+        # Those that the surfaces share, once they are asked for.
+        self._forces: list[Forces] = []
         self._known: dict[str, SourceSeries] = {}  # by the names of surfaces
 
     def of(self, surface: str) -> SourceSeries:
         if surface not in self._known:
             quantities, index = self._contents.surfaces[surface]
-            source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces_shared)
+            source = SurfaceSeries(self._layout, self.samples, index, forces=self._forces)
             self._known[surface] = SourceSeries(quantities, source)
         return self._known[surface]
-
-    @lazy_property
-    def _forces(self) -> Forces:
-        return Forces(self._layout, self.samples)
-
-    def _forces_shared(self) -> Forces:
-        """The forces, which all surfaces read."""
-        return self._forces
 
     @lazy_property
     def surfaces(self) -> Mapping[str, Table]:  # type: ignore[override]
