@@ -24,9 +24,7 @@ def ends_of_steps(scene: tribo.Scene, accuracy: float) -> np.ndarray:
     """The times at which the steps of the run that is delivered end, and 0."""
     simulation = tribo.prepare(scene, accuracy=accuracy, method="gauss-radau-15")
     pair = simulation.integrator.pair
-    loop = PairLoop(
-        pair, pair.beginning(simulation.plan.tuned.fine.tolerance), simulation.layout.start
-    )
+    loop = PairLoop(pair, pair.beginning(simulation.plan.tuned.fine), simulation.layout.start)
     columns, ends = loop.room(3), [0.0]
     while ends[-1] < scene.duration:
         loop.advance(np.array([0.0, scene.duration]), columns, 1)

@@ -15,18 +15,18 @@ from scipy import stats
 import tribo
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 49, 724 and 4,000, and two more
-# once there are plug-ins of the user's.
-PREPARED = 50
-ESTIMATED = 760
-SIMULATED = 4200
-# Of 100 members, and of 121 points of a grid; measured: 16,020 and 22,600.
-MEMBERS = 16800
-POINTS = 23700
-# Of each further thousand of members that differ in starts; measured: 160.
-EACH_THOUSAND = 200
-# Of each further thousand of members that differ in numbers; measured: 100.
-EACH_THOUSAND_OWN = 160
+# with an estimate, and of `simulate`; measured: 40, 650 and 3,940, and one more for each run of a
+# pair once there are plug-ins of the user's.
+PREPARED = 41
+ESTIMATED = 670
+SIMULATED = 4060
+# Of 100 members, and of 121 points of a grid; measured: 15,770 and 22,530.
+MEMBERS = 16200
+POINTS = 23100
+# Of each further thousand of members that differ in starts; measured: 135.
+EACH_THOUSAND = 145
+# Of each further thousand of members that differ in numbers; measured: 99.
+EACH_THOUSAND_OWN = 110
 # Of each further thousand of points; measured: none.
 EACH_THOUSAND_POINTS = 400
 

@@ -20,12 +20,11 @@ from tribo.integrators.own_method import coefficients_of
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
-from tribo.layout.layout import Layout
 from tribo.ledger.guards import facing, passing_notes
-from tribo.ledger.ledger import Ledger, SampledLedger, assemble
-from tribo.ledger.samples import are_among
+from tribo.ledger.ledger import Ledger, assemble
+from tribo.ledger.reporter import Reporter
 from tribo.ledger.separation import separation_notes
-from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed
+from tribo.ledger.sinks import StreamedLedger, Watched, is_streamed, is_watched
 from tribo.loops.integrate import Integration
 from tribo.loops.origin import digest_of
 from tribo.loops.saved_state import state_of
@@ -85,6 +84,7 @@ class Simulation:
         self._streams = is_streamed(self.layout, self.layout.times.size)
         self._may_pass = bool(facing(self.layout))
         self._noisy = noisy(self.scene)
+        self._reporter = Reporter(self.layout, plan.times)
         self.initial_state = InitialState(self.layout, integrator.origin is not None)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -197,16 +197,19 @@ class Simulation:
         """The plan's `single`, found when first needed."""
         return single_setting(self.plan, self.integrator)
 
+    @cached_property
+    def _single(self) -> tuple[Setting, np.ndarray]:
+        """The setting and the times of a run without an error estimate."""
+        if self._streams or self._single_setting is None:
+            return self.plan.setting, self.plan.times
+        return self._single_setting, self.layout.times
+
     def _single_run(self, y: np.ndarray) -> Result:
         """A run without an error estimate; where steps were chosen, they resolve its motion."""
         layout = self.layout
         seconds = self.compile_seconds
         ratio = self._digit_ratio
-        setting = self.plan.setting
-        times = self.plan.times
-        if not self._streams and self._single_setting is not None:
-            setting = self._single_setting
-            times = layout.times
+        setting, times = self._single
         notes: tuple[str, ...] = ()
         if self.plan.automatic:
             delivered, setting, notes = self._deliver_resolved(setting, times, y)
@@ -252,13 +255,15 @@ class Simulation:
         One whose steps have to be `resolved` stops where they are too long.
         """
         layout = self.layout
+        reporter = self._reporter
         if self._noisy and setting.step is not None:
             layout = replace(layout, noisy_step=setting.step)
+            reporter = reporter.with_noisy_step(setting.step)
         if not self._streams:
             run = self.integrator(setting, times, y, resolved=resolved)
             if self._may_pass:
                 run = up_to_passing(layout, run)
-            return run, self._reported(run, layout), None
+            return run, partial(reporter.ledger, run.samples), None
         streamed = StreamedLedger(layout, guarded=not self.method.adaptive)
         run = self.integrator(setting, layout.times, y, streamed, resolved=resolved)
         return run, partial(itself, streamed.whole(run.samples)), streamed.watched
@@ -304,33 +309,19 @@ class Simulation:
             cost = partial(cost_of, run, [*spent, run], seconds, ratio)
             return self._result(run, streamed, cost, notes, known, bounds)
         cost = partial(cost_of, runs[-1], spent, seconds, ratio)
-        return self._result(fine, self._reported(fine, self.layout), cost, notes, known, bounds)
-
-    @cached_property
-    def _recorded_of_plan(self) -> np.ndarray | None:
-        """Which of the plan's times are to record; None if all are."""
-        return _recorded(self.layout, self.plan.times)
-
-    def _reported(self, run: Integration, layout: Layout) -> Callable[[], Ledger]:
-        """What makes the ledger of a run at the scene's times and at its end, without this.
-
-        `layout` is that of the scene, or like it for the forces of runs with noise.
-        """
-        t = run.samples.t
-        if t is layout.times:
-            return partial(_ledger_of, layout, run, None)
-        known = t is self.plan.times
-        recorded = self._recorded_of_plan if known else _recorded(layout, t)
-        return partial(_ledger_of, layout, run, recorded)
+        reported = partial(self._reporter.ledger, fine.samples)
+        return self._result(fine, reported, cost, notes, known, bounds)
 
     def _sliding_notes(self, run: Integration, watched: Watched | None = None) -> tuple[str, ...]:
         """Notes on drives, and on surfaces that pass through each other, part, or never meet."""
         layout = self.layout
         samples = run.samples
+        notes = (*notes_on.drive_notes(layout, samples), *passing_notes(layout, samples))
+        if not is_watched(layout):
+            return notes
         watched = Watched.of(layout, samples) if watched is None else watched
         return (
-            *notes_on.drive_notes(layout, samples),
-            *passing_notes(layout, samples),
+            *notes,
             *separation_notes(layout, watched.looks, watched.touching),
             *notes_on.pumping_notes(layout, watched),
         )
@@ -423,22 +414,6 @@ def cost_of(
         digit_more=None if ratio is None else seconds * ratio,
         digit_fewer=None if ratio is None else seconds / ratio,
     )
-
-
-def _recorded(layout: Layout, t: np.ndarray) -> np.ndarray | None:
-    """Which of the times of a run are to record, with its ends, (times,); None if all are."""
-    recorded = are_among(t, layout.times)
-    recorded[[0, -1]] = True
-    return None if recorded.all() else recorded
-
-
-def _ledger_of(layout: Layout, run: Integration, recorded: np.ndarray | None) -> Ledger:
-    """The ledger of a run at those of its times that are recorded."""
-    samples = run.samples if recorded is None else run.samples.rows(recorded)
-    ledger = SampledLedger(layout, samples)
-    if samples.t[0] == layout.beginning:
-        return ledger
-    return ledger.rows(slice(samples.index_from(layout.beginning), None))
 
 
 def with_warning(result: Result) -> Result:

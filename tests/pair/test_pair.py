@@ -284,7 +284,7 @@ def test_in_pieces_as_in_one(samples):
     layout = integrator.layout
     own = integrator.pair
     whole = integrator(pilot(integrator.layout), scene.times)
-    paused = PairLoop(own, own.beginning(pilot(layout).tolerance), layout.start)
+    paused = PairLoop(own, own.beginning(pilot(layout)), layout.start)
     record = np.empty((scene.times.size + 1, COLUMNS))
     code = PAUSED
     calls = 0

@@ -204,10 +204,12 @@ def estimate(
 
 def excess_of_request(bounds: Mapping[str, float], scales: Scales, accuracy: Accuracy) -> float:
     """The largest estimate in units of the accuracy; at most 1 where the accuracy is kept."""
-    asked = accuracy if isinstance(accuracy, Mapping) else bounds
-    names = tuple(asked)
-    unit = scales.each(names)
-    unit *= list(asked.values()) if isinstance(accuracy, Mapping) else accuracy
+    if isinstance(accuracy, Mapping):
+        names = tuple(accuracy)
+        unit = scales.each(names) * list(accuracy.values())
+    else:
+        names = tuple(bounds)
+        unit = scales.each(names) * accuracy
     bound = np.array([bounds[name] for name in names])
     known = (unit > 0.0) & np.isfinite(bound)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -79,9 +79,10 @@ def rounding_of_terms(layout: Layout, motion: Motion, steps: int) -> dict[str, f
         parts = list(layout.parts.values())
     highest = np.maximum.reduce(sums, axis=(0, 1))
     terms = dict(zip(names, highest.tolist(), strict=True))
-    for name in OF_SURFACES:
-        each = sums[:, :, names.index(name)]
-        terms[name] = max([largest(np.add.reduce(each[:, part], axis=1)) for part in parts])
+    if sums.shape[1] > len(parts):  # else the sum over a surface is that of its one asperite
+        for name in OF_SURFACES:
+            each = sums[:, :, names.index(name)]
+            terms[name] = max([largest(np.add.reduce(each[:, part], axis=1)) for part in parts])
     applied = np.add.reduce(sums[:, :, names.index(APPLIED_WORK)], axis=1)
     for slot in layout.accounts_of_fields:
         applied += np.abs(samples.s[:, slot])

@@ -22,7 +22,7 @@ from numba.core.event import RecordingListener, install_recorder
 
 from tribo.compiler.numba_private import NATIVE
 from tribo.compiler.source_stamps import code_stamp, is_stamped
-from tribo.compiler.unit_errors import raising
+from tribo.compiler.unit_errors import hooks_before, raising
 from tribo.interrupts import held
 from tribo.progress import announced
 
@@ -198,10 +198,17 @@ class EntryPoint:
     """The machine code of a compiled loop, called without looking up the types of arguments.
 
     To look up the types of a dozen arguments takes longer than a short run.  Its first arguments
-    are `fixed`; the others have the types of `examples` in each call.
+    are `fixed`; the others have the types of `examples` in each call.  Arguments at the places
+    `made` are not checked, as the caller makes them itself as it has made the examples.
     """
 
-    def __init__(self, loop: Any, fixed: tuple[Any, ...], examples: tuple[Any, ...]) -> None:
+    def __init__(
+        self,
+        loop: Any,
+        fixed: tuple[Any, ...],
+        examples: tuple[Any, ...],
+        made: tuple[int, ...] = (),
+    ) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
         kinds = tuple(map(_kind_of, (*fixed, *examples)))
         compiled = loop.overloads.get(kinds)
@@ -211,19 +218,18 @@ class EntryPoint:
             compiled = loop.overloads[kinds]
         self._code = compiled.entry_point if NATIVE else loop
         self._fixed = fixed
+        checked = [(place, each) for place, each in enumerate(examples) if place not in made]
         self._arrays = tuple(
             (place, example.dtype, example.strides)
-            for place, example in enumerate(examples)
+            for place, example in checked
             if isinstance(example, np.ndarray)
         )
         # Tuples that are kept have one type object for each of their types.
         self._kept = tuple(
-            (place, example.kind)
-            for place, example in enumerate(examples)
-            if hasattr(example, "kind")
+            (place, example.kind) for place, example in checked if hasattr(example, "kind")
         )
         self._tuples = tuple(
-            (place, example) for place, example in enumerate(examples) if isinstance(example, tuple)
+            (place, example) for place, example in checked if isinstance(example, tuple)
         )
 
     def with_fixed(self, *fixed: Any) -> "EntryPoint":
@@ -244,6 +250,8 @@ class EntryPoint:
         for place, example in self._tuples:
             if arguments[place] is not example:  # which needs no search
                 _compare(place, arguments[place], example)
+        if not hooks_before:
+            return self._code(*self._fixed, *arguments)
         return raising(self._code, *self._fixed, *arguments)
 
 

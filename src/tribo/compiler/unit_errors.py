@@ -13,13 +13,14 @@ from typing import Any
 
 # `errors` is the list for those of units that a thread calls, while it runs compiled code.
 _thread = threading.local()
-_others: list[Callable[[Any], Any]] = []  # the hook that was there before ours
+# The hook that was there before ours; empty as long as no unit can raise an error.
+hooks_before: list[Callable[[Any], Any]] = []
 
 
 def watch() -> None:
     """Keep the errors of units from now on, which those of this package do not raise."""
     if sys.unraisablehook is not _keep:
-        _others[:] = [sys.unraisablehook]
+        hooks_before[:] = [sys.unraisablehook]
         sys.unraisablehook = _keep
 
 
@@ -27,7 +28,7 @@ def _keep(found: Any) -> None:
     """Keep an error of numba's wrapper for C where a thread runs compiled code; leave others."""
     errors = getattr(_thread, "errors", None)
     if errors is None or not str(found.object).startswith("<numba."):
-        _others[0](found)
+        hooks_before[0](found)
     else:
         errors.append(found.exc_value)
 
@@ -45,7 +46,7 @@ def keeping(errors: list[Exception]) -> Iterator[None]:
 
 def raising(function: Callable[..., Any], *arguments: Any) -> Any:
     """Call compiled code, and raise the first error of its units."""
-    if not _others:
+    if not hooks_before:
         return function(*arguments)
     errors: list[Exception] = []
     before = getattr(_thread, "errors", None)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,7 @@ from tribo.layout.layout import Layout
 from tribo.layout.start import draw_starts, start_baths
 from tribo.model.binding import bound, check_together
 from tribo.model.scene import Scene
-from tribo.validation import InputError, number_or_array
+from tribo.validation import InputError, number, number_or_array
 
 # Initial values by name, "surface.theta" (or swing, phi, omega, nu, and x, y, vx, vy of asperites
 # that can move): a number, or one per asperite.
@@ -22,7 +22,7 @@ COORDINATES |= {"x": "dof_x", "vx": "dof_x", "y": "dof_y", "vy": "dof_y"}
 RATES = ("omega", "nu", "vx", "vy")
 Key = TypeVar("Key")
 Value = TypeVar("Value")
-Values = dict[str, float | np.ndarray]  # the same: one number, or (members, 1 or asperites)
+Values = dict[str, float | np.ndarray]  # one number, or one for each asperite, by keys
 
 
 class Known(dict[Key, Value]):
@@ -35,6 +35,14 @@ class Known(dict[Key, Value]):
     def __missing__(self, key: Key) -> Value:
         value = self[key] = self._function(key)
         return value
+
+
+class Changes(NamedTuple):
+    """What initial values with some keys, each of one surface, change whichever they are."""
+
+    places: Mapping[str, tuple[slice, float]]  # in y, and the value at rest, of each key
+    # Where the swings stand that follow phi, and where that stands.
+    following: tuple[tuple[slice, slice], ...]
 
 
 class InitialState:
@@ -53,9 +61,8 @@ class InitialState:
         drawn = any(s.initial.temperature for s in layout.scene.surfaces)
         self._is_drawn = drawn and not continues
         self._scene = layout.asperites, layout.scene
-        self._slots = Known(partial(_slots, layout))
         self._bound = Known(partial(_bound, layout.scene))
-        self._following = Known(partial(_following, layout.scene, continues))
+        self._changes = Known(partial(_changes, layout, continues))
 
     def __call__(self, start: Start, seed: int | None = None) -> np.ndarray:
         """The state (2 coordinates,) with these initial values.
@@ -66,16 +73,24 @@ class InitialState:
         """
         if type(start) is not dict and not isinstance(start, Mapping):
             raise InputError("start", f"must map names to values, got {start!r}")
+        keys, given = self._bound[tuple(start)]
+        changes = self._changes[keys]
         values: Values = {}
-        for key, given in self._bound[tuple(start)]:
-            slots, _ = self._slots[key]
-            values[key] = own = number_or_array(key, start[given])
-            count = slots.stop - slots.start
-            if type(own) is not float and np.size(own) != count:
-                raise InputError(key, f"has {np.size(own)} values for {count} asperites")
+        for key, name in zip(keys, given, strict=True):
+            value = start[name]
+            values[key] = number(key, value) if type(value) is float else self._of_each(key, value)
         y = self._layout.start.copy()
-        self._change(y[None], values, None if seed is None else [seed])
+        self._change(y, changes, values, None if seed is None else [seed])
         return y
+
+    def _of_each(self, key: str, value: ArrayLike) -> float | np.ndarray:
+        """One number, or one for each asperite of the key's surface; else raises InputError."""
+        slots, _ = _slots(self._layout, key)
+        own = number_or_array(key, value)
+        count = slots.stop - slots.start
+        if type(own) is not float and np.size(own) != count:
+            raise InputError(key, f"has {np.size(own)} values for {count} asperites")
+        return own
 
     def of_members(self, values: Mapping[str, np.ndarray], seeds: np.ndarray) -> np.ndarray:
         """The states of many members, (members, 2 coordinates), drawn from `seeds` if thermal.
@@ -83,20 +98,29 @@ class InitialState:
         `values` are (members, 1) or (members, asperites).  Raises InputError about a name.
         """
         y = self._layout.start[None].repeat(seeds.size, axis=0)
-        self._change(y, dict(values), seeds.tolist())
+        self._change(y, self._changes[tuple(values)], values, seeds.tolist())
         return y
 
-    def _change(self, y: np.ndarray, values: Values, seeds: list[int] | None) -> None:
-        """Change the starts y (members, 2 coordinates) of the layout."""
+    def _change(
+        self,
+        y: np.ndarray,
+        changes: Changes,
+        values: Mapping[str, float | np.ndarray],
+        seeds: list[int] | None,
+    ) -> None:
+        """Change starts y (2 coordinates,) or (members, 2 coordinates) of the layout.
+
+        `values` are one number, one for each asperite, or (members, 1 or asperites).
+        """
         if self._is_drawn and seeds:
-            draw_starts(*self._scene, y, seeds)
+            draw_starts(*self._scene, np.atleast_2d(y), seeds)
         for key in values:
-            slots, rest = self._slots[key]
-            y[:, slots] = values[key] - rest
-        for name in self._following[tuple(values)]:
-            y[:, self._slots[f"{name}.swing"][0]] = y[:, self._slots[f"{name}.phi"][0]]
+            slots, rest = changes.places[key]
+            y[..., slots] = values[key] - rest
+        for swing, phi in changes.following:
+            y[..., swing] = y[..., phi]
         if self._starts_baths and (values or seeds):
-            start_baths(*self._scene, y, seeds or [self._layout.scene.seed])
+            start_baths(*self._scene, np.atleast_2d(y), seeds or [self._layout.scene.seed])
 
 
 def _following(scene: Scene, continues: bool, keys: tuple[str, ...]) -> tuple[str, ...]:
@@ -110,11 +134,20 @@ def _following(scene: Scene, continues: bool, keys: tuple[str, ...]) -> tuple[st
     )
 
 
-def _bound(scene: Scene, keys: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Each key of one surface, and the one of some that gives its value.  Raises InputError."""
+def _changes(layout: Layout, continues: bool, keys: tuple[str, ...]) -> Changes:
+    """What keys of single surfaces change.  Raises InputError about one that is none."""
+    following = tuple(
+        (_slots(layout, f"{name}.swing")[0], _slots(layout, f"{name}.phi")[0])
+        for name in _following(layout.scene, continues, keys)
+    )
+    return Changes({key: _slots(layout, key) for key in keys}, following)
+
+
+def _bound(scene: Scene, keys: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The keys of single surfaces, and those of `keys` that give their values, or InputError."""
     found = bound(scene, {key: key for key in keys})
     check_together(scene, found)
-    return tuple(found.items())
+    return tuple(found), tuple(found.values())
 
 
 def _slots(layout: Layout, key: str) -> tuple[slice, float]:

@@ -223,12 +223,14 @@ class SampledLedger(Ledger):
     a few of them.
     """
 
-    def __init__(self, layout: Layout, samples: Samples) -> None:
+    def __init__(self, layout: Layout, samples: Samples, found: Contents | None = None) -> None:
+        """Take samples; `found` are the contents of the layout, if they are known."""
         self.t = samples.t
         self._layout = layout
         self.samples = samples
-        self._contents = contents(layout)
-        self._forces = Forces(layout, samples)  # which the surfaces share
+        self._contents = contents(layout) if found is None else found
+        # Those that the surfaces share, once they are asked for.
+        self._forces: list[Forces] = []
         self._known: dict[str, SourceSeries] = {}  # by the names of surfaces
 
     def of(self, surface: str) -> SourceSeries:

@@ -155,7 +155,7 @@ class Motion:
         swing, bar, spring = self.energies
         return swing + bar + spring
 
-    @property
+    @lazy_property
     def swinging(self) -> np.ndarray:
         """The energy that belongs to the drive: the internal one, on driven bars about the bar."""
         a = self.span.asperites

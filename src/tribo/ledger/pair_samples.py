@@ -26,7 +26,8 @@ class Factors:
     state: np.ndarray  # (2 coordinates, columns) those of y
     accounts: np.ndarray  # (accounts, columns) those of s
     # Those of linear functions of s by their keys, and the shapes of the functions' values: one
-    # vector for one value, or a table; without the arcs where they have no part.
+    # vector for one value, with or without an axis, or a table; without the arcs where they have
+    # no part.
     linear: dict[Hashable, tuple[np.ndarray, tuple[int, ...]]]
     driven: Layout | None  # the layout of driven bars, on which the reactions are not linear
 
@@ -122,7 +123,8 @@ class PairSamples(Samples):
         if factors.ndim > 1:
             return row_product(columns, factors).reshape(-1, *shape)
         # Sums row by row, unlike products of matrices, have the same bits for any number of times.
-        return np.vecdot(columns, factors).reshape(-1, *shape)
+        values = np.vecdot(columns, factors)
+        return values[:, None] if shape else values
 
     def of_members(self, selected: np.ndarray) -> PairSamples:
         shape = self.t.size // self.runs, self.runs, COLUMNS

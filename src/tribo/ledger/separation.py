@@ -159,6 +159,11 @@ def touching(
     return np.column_stack([known[pair] for pair in pairs])
 
 
+def any_within_reach(layout: Layout) -> bool:
+    """Whether any two surfaces have a reach, so that :func:`touching` tells something."""
+    return bool(_reaches_of(layout))
+
+
 def separation_notes(layout: Layout, t: np.ndarray, contact: np.ndarray) -> Iterator[str]:
     """Notes on surfaces that never touch, or part for good; `contact` is of :func:`touching`."""
     scene = layout.scene

@@ -15,7 +15,7 @@ from tribo.ledger.guards import first_lost, passed_through
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.quantities import ASPERITE_QUANTITIES, OPTIONAL_QUANTITIES
 from tribo.ledger.samples import Samples
-from tribo.ledger.separation import touching
+from tribo.ledger.separation import any_within_reach, touching
 from tribo.model.scene import Scene
 
 # Recorded times at which notes look for contact, at most.
@@ -51,6 +51,12 @@ class Watched(NamedTuple):
         if not may_pump(layout):
             return cls(some.t.copy(), touching(layout, some), np.empty(0), np.empty((0, 2)))
         return cls(some.t.copy(), touching(layout, some), samples.t.copy(), _works(layout, samples))
+
+
+@once_per_layout
+def is_watched(layout: Layout) -> bool:
+    """Whether :class:`Watched` finds anything that notes tell of, in any run."""
+    return any_within_reach(layout) or may_pump(layout)
 
 
 def look_interval(times: int) -> int:

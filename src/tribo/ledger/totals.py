@@ -50,7 +50,8 @@ class AsperiteSeries:
 class SurfaceSeries(AsperiteSeries):
     """A surface: its asperites, and sums over them; V is the velocity of its centre of all masses.
 
-    `among` is the motion of all asperites, if it is known; `forces` are those that are reported.
+    `among` is the motion of all asperites, if it is known; `forces` is where the surfaces of a
+    ledger keep those that they share.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class SurfaceSeries(AsperiteSeries):
         samples: Samples,
         index: int,
         among: Motion | None = None,
-        forces: Forces | None = None,
+        forces: list[Forces] | None = None,
     ) -> None:
         """Take the surface with this index; series are computed when they are asked for."""
         super().__init__(layout, samples, layout.spans[index])
@@ -184,7 +185,9 @@ class SurfaceSeries(AsperiteSeries):
     def force(self, name: str, axis: int) -> np.ndarray:
         """A force on each asperite along x or y, axis 0 or 1, (times, asperites)."""
         assert self._forces is not None
-        forces = self._forces
+        if not self._forces:
+            self._forces.append(Forces(self._layout, self.samples))
+        (forces,) = self._forces
         index = self._index
         return _side_by_side([forces.of(motion, index, name, axis) for motion in self.motions])
 

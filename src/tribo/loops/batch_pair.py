@@ -7,7 +7,6 @@ import numpy as np
 from tribo.compiler.lanes import LANES
 from tribo.compiler.numbers_in_lanes import numbers_of
 from tribo.integrators.nystrom import Nystrom
-from tribo.integrators.step_control import Tolerance
 from tribo.kernels.records import CLOCK
 from tribo.kernels.status import CODE, COUNTS, PAUSED
 from tribo.lanes.refill import queue_of
@@ -23,6 +22,10 @@ from tribo.pair.step_rows import FIRST, LIMITS, OF_J, OF_V1, OF_V2, STATE
 
 # Steps after which a member is left to a run of its own, which is guarded against no progress.
 MOST_STEPS = 2048
+
+
+# Arguments of the loop in lanes that each call makes: memory, limits, samples, and the queue.
+MADE = (1, 3, 5, 6)
 
 
 class PairMembers:
@@ -43,7 +46,7 @@ class PairMembers:
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members; those whose start the loop cannot have are PAUSED."""
         tolerance = setting.of_adaptive_steps()
-        self._rows[LIMITS:STATE] = self._pair.limits(tolerance)
+        self._rows[LIMITS:STATE] = self._pair.limits(setting)
         self._clocks["encounter_fraction"] = tolerance.encounter_fraction
         record = self._record
         addresses = self._numbers
@@ -124,7 +127,7 @@ class PairLanes:
         starts = np.empty((1, pair.layout.start.size))
         examples = self._arguments(scenes, np.zeros(lanes.MOST_TRIALS + 1), starts)
         fixed = PairScene(*record.item()), pair.units_in_lanes(own_numbers)
-        self._loop = entry_of(pair_members_in_lanes, own_numbers, fixed, examples)
+        self._loop = entry_of(pair_members_in_lanes, own_numbers, fixed, examples, MADE)
 
     def run(self, setting: Setting, starts: MemberStarts) -> MemberRuns:
         """The runs of some members, at their ends; those that lanes cannot have are PAUSED."""
@@ -136,15 +139,16 @@ class PairLanes:
             records = self._pair.members(numbers).record
             scenes = np.column_stack([records.view(float).reshape(len(y), -1), numbers.potential])
             others |= ~_follow_from_motion(records) | np.any(numbers.velocity[..., 1], axis=1)
-        arguments = self._arguments(scenes, self._limits(setting.of_adaptive_steps()), y)
+        arguments = self._arguments(scenes, self._limits(setting), y)
         self._loop(*arguments)
         samples, queue = arguments[-2:]
         queue.counts[others, CODE] = PAUSED
         return _pair_runs(self._pair, self._times, samples, queue.counts, starts)
 
-    def _limits(self, tolerance: Tolerance) -> np.ndarray:
+    def _limits(self, setting: Setting) -> np.ndarray:
         """UNIT1 to MOST_TRIALS."""
-        limits = self._pair.limits(tolerance)[0]
+        tolerance = setting.of_adaptive_steps()
+        limits = self._pair.limits(setting)[0]
         units = 1.0 / limits[[OF_V1, OF_V2, OF_J]]
         others = limits[FIRST], tolerance.encounter_fraction, self._times[-1], MOST_STEPS
         return np.array([*units, *others])

@@ -11,7 +11,7 @@ import time
 from collections.abc import Hashable
 from copy import copy
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,6 +70,8 @@ FIRST_STEP_FACTOR = 8.0
 BEGINNINGS_KEPT = 4
 # Steps before a run without a progress report can be interrupted: a few milliseconds.
 UNINTERRUPTED_STEPS = 2048
+# Arguments of the loop that each run makes: its memory and clock, and the record.
+MADE = (0, 1, 4)
 # Types of two charges of one run.
 CHARGES = types.float64, types.float64
 
@@ -198,15 +200,20 @@ _ENTRIES: dict[Hashable, EntryPoint] = {}
 
 
 def entry_of(
-    loop: Any, kind: Hashable, fixed: tuple[Any, ...], examples: tuple[Any, ...]
+    loop: Any,
+    kind: Hashable,
+    fixed: tuple[Any, ...],
+    examples: tuple[Any, ...],
+    made: tuple[int, ...] = (),
 ) -> EntryPoint:
     """The code of a loop over pairs, which is the same for all scenes.
 
-    It is looked up once for each `kind` of its arguments, which tells their types.
+    It is looked up once for each `kind` of its arguments, which tells their types.  The caller
+    makes those at the places `made`, see :class:`tribo.compiler.jit.EntryPoint`.
     """
     key = loop, kind
     if key not in _ENTRIES:
-        _ENTRIES[key] = EntryPoint(shared_loop(loop), fixed, examples)
+        _ENTRIES[key] = EntryPoint(shared_loop(loop), fixed, examples, made)
     return _ENTRIES[key].with_fixed(*fixed)
 
 
@@ -231,7 +238,6 @@ class MembersOfPair:
 class Beginning(NamedTuple):
     """The memory of a loop before a run with some tolerances."""
 
-    tolerance: Tolerance
     rows: np.ndarray  # (ROWS, 8)
     clock: bytes  # of CLOCK, of which arrays take microseconds to copy
 
@@ -263,8 +269,9 @@ class Pair:
         own_memory = (self._rows, np.zeros(1, CLOCK))
         examples = (*own_memory, layout.start[None], np.zeros(1), np.empty((2, COLUMNS)), 0)
         fixed = self.units, (self.record, self.numbers)
-        self.entry = entry_of(pair_members, "single", fixed, examples)
-        self._beginnings: tuple[Beginning, ...] = ()
+        self.entry = entry_of(pair_members, "single", fixed, examples, MADE)
+        # Those of the last settings: a run with an estimate takes three by two of them.
+        self._beginnings: dict[Setting, Beginning] = {}
         self._members: MembersOfPair | None = None
         self.compile_seconds = time.perf_counter() - began
 
@@ -331,33 +338,58 @@ class Pair:
         most: float | None = None,
     ) -> Integration:
         """Integrate from `start`, y, with `most` evaluations, or those of the scene without it."""
-        loop = PairLoop(self, self.beginning(setting.of_adaptive_steps()), start)
-        if progress is not None or checkpoints is not None:
-            return integrate(loop, times, progress, None, checkpoints, most=most)
-        return loop.undisturbed(times, most)
+        if progress is None and checkpoints is None:
+            return self._integrate_at_once(setting, start, times, most)
+        loop = PairLoop(self, self.beginning(setting), start)
+        return integrate(loop, times, progress, None, checkpoints, most=most)
+
+    def _integrate_at_once(
+        self, setting: Setting, start: np.ndarray, times: np.ndarray, most: float | None
+    ) -> Integration:
+        """Integrate through `times` in one call, if it does not take too many steps.
+
+        The driver with its guards would make 100 Python calls more, which take half of the loop's
+        time.
+        """
+        began = time.perf_counter()
+        known = self._beginnings
+        before = known[setting] if setting in known else self.beginning(setting)
+        rows = before.rows.copy()
+        clocks = np.frombuffer(bytearray(before.clock), CLOCK)
+        record = np.empty((times.size + 1, COLUMNS))
+        code = self.entry(rows, clocks, start[None], times, record, UNINTERRUPTED_STEPS)
+        if code != COMPLETED:
+            loop = PairLoop(self, before, start)
+            if code == PAUSED:  # else from the start again, to the same end
+                loop.restore(_memory(rows, clocks))
+            return integrate(loop, times, columns=(record,), most=most)
+        seconds = time.perf_counter() - began
+        samples = PairSamples(times, record[:-1], record[:1], self.factors)
+        memory = partial(_memory, rows, clocks)
+        return Integration(samples, Status.COMPLETED, record[-1], seconds, memory)
 
     def rows(self) -> np.ndarray:
         """The memory of a loop before its first run, (ROWS, 8)."""
         return self._rows.copy()
 
-    def limits(self, tolerance: Tolerance) -> np.ndarray:
+    def limits(self, setting: Setting) -> np.ndarray:
         """The loop's own limits (2, 8), with which all of the layout's tolerances are met."""
-        return self.beginning(tolerance).rows[step_rows.LIMITS : step_rows.STATE]
+        return self.beginning(setting).rows[step_rows.LIMITS : step_rows.STATE]
 
-    def beginning(self, tolerance: Tolerance) -> Beginning:
-        """The memory of a loop before runs with some tolerances.
-
-        The last ones are kept: a run with an estimate takes three by two tolerances.
-        """
-        for known in self._beginnings:
-            if known.tolerance is tolerance:
-                return known
+    def beginning(self, setting: Setting) -> Beginning:
+        """The memory of a loop before runs with some tolerances."""
+        known = self._beginnings
+        if setting in known:
+            return known[setting]
+        tolerance = setting.of_adaptive_steps()
         rows = self.rows()
         rows[step_rows.LIMITS : step_rows.STATE] = self._limits_of(tolerance)
         clocks = np.zeros(1, CLOCK)
         clocks["encounter_fraction"] = tolerance.encounter_fraction
-        found = Beginning(tolerance, rows, clocks.tobytes())
-        self._beginnings = (found, *self._beginnings[: BEGINNINGS_KEPT - 1])
+        found = Beginning(rows, clocks.tobytes())
+        # Not changed in place, as other threads may read it.
+        last = tuple(self._beginnings.items())[1 - BEGINNINGS_KEPT :]
+        self._beginnings = dict(last) | {setting: found}
         return found
 
     def _limits_of(self, tolerance: Tolerance) -> np.ndarray:
@@ -389,6 +421,12 @@ def _record_of(layout: Layout) -> np.ndarray:
     return record_of(layout, np.asarray(layout.asperites)[None], charges)
 
 
+def _memory(rows: np.ndarray, clocks: np.ndarray) -> Memory:
+    """The state in the memory of a loop."""
+    state = rows[step_rows.STATE :].copy()
+    return {"clock": numbers_of_clock(clocks), "pair": state}
+
+
 class PairLoop(TimeLoop):
     """The time loop of a pair in one run from `start`, y of the layout, and all that it writes."""
 
@@ -401,24 +439,6 @@ class PairLoop(TimeLoop):
         self.clocks = np.frombuffer(bytearray(before.clock), CLOCK)
         self._start = start[None]
 
-    def undisturbed(self, times: np.ndarray, most: float | None) -> Integration:
-        """Integrate through `times` in one call, if it does not take too many steps.
-
-        The driver with its guards would make 100 Python calls more, which take half of the loop's
-        time.
-        """
-        began = time.perf_counter()
-        record = np.empty((times.size + 1, COLUMNS))
-        pair = self._pair
-        code = pair.entry(self._rows, self.clocks, self._start, times, record, UNINTERRUPTED_STEPS)
-        if code != COMPLETED:
-            if code != PAUSED:  # from the start again, to the same end
-                self.clocks["evaluations"] = 0
-            return integrate(self, times, columns=(record,), most=most)
-        seconds = time.perf_counter() - began
-        samples = PairSamples(times, record[:-1], record[:1], pair.factors)
-        return Integration(samples, Status.COMPLETED, record[-1], seconds, self.memory)
-
     def room(self, samples: int) -> Columns:
         return (np.empty((samples, COLUMNS)),)
 
@@ -429,8 +449,7 @@ class PairLoop(TimeLoop):
         return code
 
     def memory(self) -> Memory:
-        rows = self._rows[step_rows.STATE :].copy()
-        return {"clock": numbers_of_clock(self.clocks), "pair": rows}
+        return _memory(self._rows, self.clocks)
 
     def restore(self, memory: Memory) -> None:
         self.clocks[0] = tuple(memory["clock"])

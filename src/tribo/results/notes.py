@@ -136,11 +136,10 @@ def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     A single encounter, as in the cases of the paper, measures no friction: its works are the
     result, and a note on them would read as a fault.
     """
-    surfaces = layout.scene.surfaces
-    at_rest = [s.name for s in surfaces if s.drive.cancels_x and s.velocity == (0.0, 0.0)]
-    single = all(s.count == 1 for s in surfaces)
-    if layout.model.ledger is None or single or not at_rest:
+    at_rest = _held_at_rest(layout)
+    if not at_rest:
         return
+    surfaces = layout.scene.surfaces
     ledger = assemble(layout, samples.ends())
     works = {s.name: float(np.add.reduce(ledger.of(s.name)["w2"][-1])) for s in surfaces}
     others = sum(work for name, work in works.items() if name not in at_rest)
@@ -151,6 +150,16 @@ def drive_notes(layout: Layout, samples: Samples) -> Iterator[str]:
                 f"{works[name]:.3g} (other drives: {others:.3g}), because its bars move; with "
                 'drive = "bars" it does none'
             )
+
+
+@once_per_layout
+def _held_at_rest(layout: Layout) -> tuple[str, ...]:
+    """The surfaces about whose drives :func:`drive_notes` may have something to say."""
+    surfaces = layout.scene.surfaces
+    single = all(s.count == 1 for s in surfaces)
+    if layout.model.ledger is None or single:
+        return ()
+    return tuple([s.name for s in surfaces if s.drive.cancels_x and s.velocity == (0.0, 0.0)])
 
 
 def pumping_notes(layout: Layout, watched: Watched) -> Iterator[str]:
