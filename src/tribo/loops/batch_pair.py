@@ -24,8 +24,8 @@ from tribo.pair.step_rows import FIRST, LIMITS, OF_J, OF_V1, OF_V2, STATE
 MOST_STEPS = 2048
 
 
-# Arguments of the loop in lanes that each call makes: memory, limits, samples, and the queue.
-MADE = (1, 3, 5, 6)
+# Arguments of the loop in lanes that each call makes: memory, method, samples, and the queue.
+MADE = (1, 2, 4, 5)
 
 
 class PairMembers:
