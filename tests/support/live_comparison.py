@@ -96,7 +96,7 @@ def compared(scene):
     tolerance = setting.of_adaptive_steps()
     times = layout.times
     memory = pair.rows()
-    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(tolerance)
+    memory[step_rows.LIMITS : step_rows.STATE] = pair.limits(setting)
     options = np.zeros(program.OPTIONS)
     options[program.GIVEN], options[program.NEAR] = 1.0, tolerance.encounter_fraction
     options[program.MOST_STEPS] = 1e6
