@@ -305,16 +305,14 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     clock.drift_lag = splitting.drifts[splitting.kicks.size] * h
 
 
-def splitting_steps(of_scene, splitting, step, run, times, budget, scratch):
+def splitting_steps(
+    model, neighbours, splitting, step, clocks, state, times, record, budget, noise, work
+):
     """Integrate through the sample times in equal steps of at most `step`; return a status.
 
     PAUSED after `budget` steps: call again to continue.  The drift that ends a step is done
-    together with the one that begins the next.  Scratch are the argument of a random generator, and
-    the work of the method.
+    together with the one that begins the next.  `noise` is the argument of a random generator.
     """
-    model, neighbours = of_scene
-    clocks, state, record = run
-    noise, work = scratch
     clock = clocks[0]
     splitting, times = pointers((splitting, times))
     last = times[times.size - 1]

@@ -13,10 +13,6 @@ are compiled, as kernels find those of a plug-in:
 
 Both functions complete a state: coordinates, accounts, their rates of change at `end`, and what
 the method keeps for the next step.
-
-Loops take what belongs together as tuples: the model and the neighbours of a scene; the clocks, the
-state and the record of a run; and their scratch, whose last member is the new state where a step
-can be rejected.
 """
 
 from tribo.compiler.pointers import pointers
@@ -26,15 +22,14 @@ from tribo.kernels.samples import Attempt, copy_state
 from tribo.kernels.status import COMPLETED, NOT_FINITE, PAUSED
 
 
-def equal_steps(of_scene, method, step, run, times, budget, scratch):
+def equal_steps(
+    model, neighbours, method, step, clocks, state, times, record, budget, work, speeds
+):
     """Integrate through the sample times in equal steps of at most `step`; return a status.
 
     Between two samples the steps are equal, and as few as `step` allows.  The run stops where a
     step would jump an encounter.  PAUSED after `budget` steps: call again to continue.
     """
-    model, neighbours = of_scene
-    clocks, state, record = run
-    work, speeds = scratch
     clock = clocks[0]
     method, times, speeds = pointers((method, times, speeds))
     last = times[times.size - 1]
@@ -63,16 +58,15 @@ def equal_steps(of_scene, method, step, run, times, budget, scratch):
     return PAUSED
 
 
-def adaptive_steps(of_scene, method, tolerance, run, times, budget, scratch):
+def adaptive_steps(
+    model, neighbours, method, tolerance, clocks, state, times, record, budget, work, speeds, new
+):
     """Integrate through the sample times with local errors within `tolerance`; return a status.
 
     No step carries a pair of bobs farther towards its next encounter than the clock allows, by
     the speeds at its start, nor past it by the speeds at its end.  PAUSED after `budget` trials:
     call again to continue.
     """
-    model, neighbours = of_scene
-    clocks, state, record = run
-    work, speeds, new = scratch
     clock = clocks[0]
     method, times, speeds = pointers((method, times, speeds))
     last = times[times.size - 1]

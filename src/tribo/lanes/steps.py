@@ -91,18 +91,29 @@ def take_steps(new, state, taken):
     take_lanes(new.power, state.power, taken)
 
 
-def nystrom_members(of_scene, method, tolerance, run, times, budget, members, scratch):
+def nystrom_members(
+    model,
+    neighbours,
+    method,
+    tolerance,
+    clocks,
+    state,
+    times,
+    record,
+    budget,
+    queue,
+    starts,
+    tried,
+    work,
+    speeds,
+    new,
+):
     """Integrate all members through the sample times; returns COMPLETED or PAUSED.
 
     Steps are those of :func:`tribo.integrators.time_loops.adaptive_steps`, at most `budget` for
     each lane in a call.  Each of the eight `clocks`, and each lane of states and tolerances, is a
     member's.  The record has the samples of the first member, then of the second, and so on.
-    `members` are the queue and what its members start from.
     """
-    model, neighbours = of_scene
-    clocks, state, record = run
-    queue, starts = members
-    tried, work, speeds, new = scratch
     method, times, tried, speeds = pointers((method, times, tried, speeds))
     lanes = MemberLanes(clocks, state, new, tried, speeds)
     for _ in range(budget):
@@ -150,17 +161,16 @@ def watch_encounters(model, neighbours, t, y, speeds, watch, h, all_of_them):
             watch[LOST, lane] = 1.0
 
 
-def splitting_members(of_scene, splitting, step, run, times, budget, scratch):
+def splitting_members(
+    model, neighbours, splitting, step, clocks, state, times, record, budget, watch, noise, work
+):
     """Integrate eight members through the sample times in equal steps of at most `step`.
 
-    Returns COMPLETED, STEP_UNDERFLOW, or PAUSED after `budget` steps: call again to continue.  The
-    record has the samples of the first member, then of the second, and so on.  Scratch are the
-    watch (WATCHED, 8), which says of members that are not stopped which had an encounter that a
-    step jumped; enough deviates of noise for the steps; and the work of the method.
+    Returns COMPLETED, STEP_UNDERFLOW, or PAUSED after `budget` steps, for which `noise` has enough
+    deviates: call again to continue.  No member is stopped: `watch` (WATCHED, 8) says which had an
+    encounter that a step jumped.  The record has the samples of the first member, then of the
+    second, and so on.
     """
-    model, neighbours = of_scene
-    clocks, state, record = run
-    watch, noise, work = scratch
     clock = clocks[0]
     splitting, times, watch, noise = pointers((splitting, times, watch, noise))
     last = times[times.size - 1]

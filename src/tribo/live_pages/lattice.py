@@ -185,7 +185,9 @@ def _arguments_of_loop(
 ) -> tuple[Any, ...]:
     """Those of :func:`tribo.live_pages.lattice_loop.loop_of_page`."""
     every = loop.arguments(times, columns, MOST_STEPS)
-    of_scene, method, step, of_run, _, budget, scratch = every
+    model, neighbours, method, step, clocks, state, _, record, budget, *scratch = every
+    of_scene = model, neighbours
+    of_run = clocks, state, record
     return step, of_scene, method, of_run, times, budget, scene.legs, (stops, *scratch)
 
 

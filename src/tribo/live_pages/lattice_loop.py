@@ -93,8 +93,8 @@ def loop_of_page(name: str) -> Callable[..., int]:
         """
         stops = scratch[0]
         of_loop = scratch[1:]
-        model, _ = of_scene
-        clocks, _, _ = run
+        model, neighbours = of_scene
+        clocks, state, record = run
         clock = clocks[0]
         while True:
             before = clock.leg
@@ -105,12 +105,14 @@ def loop_of_page(name: str) -> Callable[..., int]:
                 evaluations = clock.evaluations
                 clock.evaluations = 0  # so that the loop begins as at the start of a run
                 clock.last_step = 0.0
-                steps(of_scene, method, step, run, times, 0, of_loop)
+                steps(model, neighbours, method, step, clocks, state, times, record, 0, *of_loop)
                 clock.evaluations += evaluations
             count, is_sample = set_stops(legs, leg, times, stops)
             left = budget - trials(clock)
             goals = stops[:count]
-            code = steps(of_scene, method, step, run, goals, left, of_loop)
+            code = steps(
+                model, neighbours, method, step, clocks, state, goals, record, left, *of_loop
+            )
             if code != COMPLETED or stops[count - 1] == times[times.size - 1]:
                 return code
             if not is_sample:

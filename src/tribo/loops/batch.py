@@ -223,7 +223,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         coordinates = layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
         examples = self._arguments(layout.times, self.room(1), 0)
-        self._entry = EntryPoint(self.compiled, (), examples)
+        self._entry = EntryPoint(self.compiled, (self._kept,), examples)
 
     def fill(
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray

@@ -119,7 +119,7 @@ class GeneralLoop(TimeLoop):
     def _call(self, arguments: tuple[Any, ...]) -> int:
         errors = self._errors = []
         with assisted(self.model.team, self._assistants, self.assist), keeping(errors):
-            code: int = self.compiled(*arguments)
+            code: int = self.compiled(self._kept, *arguments)
         raise_first(errors)
         return code
 
@@ -133,7 +133,7 @@ class GeneralLoop(TimeLoop):
 
         Steps about reservoirs and baths read the generator all the same, there at address 0.
         """
-        return self._arguments(times, columns, budget, (0,) * len(self._noise))
+        return self._kept, *self._arguments(times, columns, budget, (0,) * len(self._noise))
 
     @property
     def neighbours(self) -> Neighbours:
@@ -150,14 +150,13 @@ class GeneralLoop(TimeLoop):
     def _arguments(
         self, times: np.ndarray, columns: Columns, budget: int, noise: tuple[int, ...] = ()
     ) -> tuple[Any, ...]:
-        """The arguments of the loop; `noise` in place of its own generator."""
+        """The arguments of the loop, behind the model; `noise` in place of its own generator."""
         self._make_room()
         record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
         state, *scratch = self._held
-        of_scene = self._kept, self._lists
-        run = self.clocks, state, record
+        run = self.clocks, state, times, record, budget
         drawn_from = noise or map(as_argument, self._noise)
-        return of_scene, *self._constants, run, times, budget, (*drawn_from, *scratch)
+        return self._lists, *self._constants, *run, *drawn_from, *scratch
 
     def _make_room(self) -> None:
         """Give the list of neighbours more room if it has too little."""

@@ -170,7 +170,7 @@ class NystromLanes(LaneLoop):
         tolerance = setting.of_adaptive_steps()
         before, behind = self._arguments(tolerance, queue_of(0, LANES), *none, columns)
         examples = *before, 0, *behind
-        self._entry = EntryPoint(shared_loop(nystrom_members), (self._kept,), examples)
+        self._entry = EntryPoint(shared_loop(nystrom_members), self._kept, examples)
 
     def run_in_lanes(
         self,
@@ -213,8 +213,8 @@ class NystromLanes(LaneLoop):
         times = self.layout.times
         record = self.record(columns)
         kept = keep(tolerance._replace(y=y, s=s))
-        before = self.coefficients, kept, (self._clocks, state, record), times
-        return before, ((keep(queue), keep(begin)), tuple(map(keep, self._scratch)))
+        before = self.coefficients, kept, self._clocks, state, times, record
+        return before, (keep(queue), keep(begin), *map(keep, self._scratch))
 
 
 class KnownSteps(Chunks):
@@ -246,7 +246,7 @@ class SplittingLanes(LaneLoop):
         step = setting.of_equal_steps()
         times = self.layout.times
         examples = self._arguments(step, times, columns, 0, np.empty((0, LANES)))
-        self._entry = EntryPoint(shared_loop(splitting_members), (self._kept,), examples)
+        self._entry = EntryPoint(shared_loop(splitting_members), self._kept, examples)
 
     def run_in_lanes(
         self,
@@ -318,10 +318,9 @@ class SplittingLanes(LaneLoop):
         """The arguments of the loop, behind the model."""
         state = keep(self._state)
         record = self.record(columns)
-        run = self._clocks, state, record
+        run = self._clocks, state, times, record, budget
         noise = Deviates(deviates, np.zeros(1, np.int64))
-        scratch = self._watch, noise, keep(self._work)
-        return self.coefficients, step, run, times, budget, scratch
+        return self.coefficients, step, *run, self._watch, noise, keep(self._work)
 
 
 def deviates_of_substep(layout: Layout) -> int:
