@@ -50,7 +50,9 @@ def test_tool(code):
 @pytest.mark.parametrize(
     "files",
     [
-        pytest.param(["test_steps.py", "test_reservoirs.py"], id="steps"),
+        pytest.param(
+            ["test_steps.py", "test_reservoirs.py"], id="steps", marks=pytest.mark.thorough
+        ),
         pytest.param(
             ["test_lists.py", "test_cells.py", "test_starts.py"],
             id="lists and starts",

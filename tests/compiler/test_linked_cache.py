@@ -95,7 +95,9 @@ def test_the_same_code_in_whatever_order(full, tmp_path):
     assert ones.items() <= others.items()
 
 
-@pytest.mark.parametrize("harm", ["damaged", "removed", "another"])
+@pytest.mark.parametrize(
+    "harm", [pytest.param("damaged", marks=pytest.mark.thorough), "removed", "another"]
+)
 def test_kernels_that_are_not_whole_are_compiled_again(full, tmp_path, harm):
     """So is a kernel whose file is whole, but which calls one that is not what it was."""
     folder = copy_of(full[0], tmp_path)
