@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from tribo.compiler.cache import whole_parts
 from tribo.compiler.numba_private import NATIVE
+
+if NATIVE:
+    from tribo.compiler.cache import whole_parts
 
 pytestmark = pytest.mark.skipif(not NATIVE, reason="numba keeps no kernels without machine code")
 
