@@ -58,12 +58,20 @@ def test_tool(code):
             id="lists and starts",
             marks=pytest.mark.thorough,
         ),
-        pytest.param(["test_scenes.py"], id="scenes", marks=pytest.mark.slow),
+        pytest.param(
+            ["test_scenes.py", "-k", "not test_accuracy"],
+            id="scenes",
+            marks=pytest.mark.thorough,
+        ),
+        pytest.param(
+            ["test_scenes.py", "-k", "test_accuracy"], id="accuracy", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_uncompiled(files):
     """The tests by which the tool judges pass when nothing is changed."""
-    chosen = [str(ROOT / "tests" / "uncompiled" / file) for file in files]
+    folder = ROOT / "tests" / "uncompiled"
+    chosen = [str(folder / each) if each.endswith(".py") else each for each in files]
     found = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "", *chosen],
         cwd=ROOT,

@@ -27,7 +27,7 @@ def with_fields(loop):
 class EntryPoint:
     """Uncompiled, in place of tribo.compiler.jit.EntryPoint."""
 
-    def __init__(self, loop, fixed, examples):
+    def __init__(self, loop, fixed, examples, made=()):
         self._loop = with_fields(loop)
         self._fixed = fixed
 
