@@ -1,17 +1,15 @@
-"""Baths and reservoirs on frozen bars: the substep of splitting methods between two half kicks.
+"""Baths on frozen bars, in the substep of splitting methods between two half kicks.
 
-    bath       every oscillator rotates exactly about its bar, which takes up the opposite momentum
-    reservoir  friction and noise on bars and swings; see `reservoirs`
-
-Each adds its own work, by the mean of the velocities before and after.
+Every oscillator rotates exactly about its bar, which takes up the opposite momentum.  The bath adds
+its own work, by the mean of the velocities before and after.  Reservoirs act between two halves of
+these rotations; see `reservoirs`.
 """
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes, with_lane
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import push_bars
-from tribo.integrators.jumps import acts, add_bath_works_of_jumps
-from tribo.integrators.reservoirs import damp_bars, damp_swings
+from tribo.integrators.jumps import add_bath_works_of_jumps, reservoirs_of
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.accounts import place_of
 from tribo.kernels.baths import oscillators_of
@@ -95,18 +93,17 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                         accounts[place_of(s, account, i)] -= gained * 0.5 * (nu + v[j])
 
 
-@kernel
-def bath_substep(model, t, tau, state, reservoirs, rotations, noise):
-    """Baths and reservoirs for tau, bars and bobs frozen: symmetric in time."""
+def rotate_baths(model, tau, part, back, state, work, m):
+    """Rotate the oscillators of baths for a `part` of the mth kick, which lasts `tau`.
+
+    After reservoirs have acted, this is done `back` to front: the substep is symmetric in time.
+    """
     q, v = halves(state.y)
     accounts = state.s
-    turns, torsional_turns = rotations
-    damped = acts(reservoirs)
-    part = 0.5 * tau if damped else tau
-    rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)
-    rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
-    if damped:
-        damp_bars(model, reservoirs, t, q, v, accounts, noise)
-        damp_swings(model, reservoirs, t, q, v, accounts, noise)
-        rotate_torsional(model, model.torsional, part, q, v, accounts, torsional_turns)
-        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, turns)
+    reservoirs = reservoirs_of(work.before, state, tau)
+    if back == 0:
+        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, work.bath[m])
+    rotate_torsional(model, model.torsional, part, q, v, accounts, work.torsional[m])
+    if back == 1:
+        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, work.bath[m])
+    return 0.0

@@ -35,6 +35,13 @@ class Reservoirs(NamedTuple):
 
 
 @inlined
+def reservoirs_of(before, state, tau):
+    """What the reservoirs of a step of length `tau` need; without any, the jumps mean nothing."""
+    jumps = state.memory[min(1, state.memory.shape[0] - 1)]
+    return Reservoirs(before, jumps, tau)
+
+
+@inlined
 def acts(reservoirs):
     """Whether there are reservoirs."""
     return reservoirs.before.size > 0

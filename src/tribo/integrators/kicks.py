@@ -11,7 +11,7 @@ The time is Lanes, as in the equations of motion.
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.integrators.jumps import Reservoirs, acts, add_opposite_works, with_jump
+from tribo.integrators.jumps import acts, add_opposite_works, reservoirs_of, with_jump
 from tribo.kernels import blocks
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.accounts import Powers
@@ -40,13 +40,6 @@ def settle_custom_forces(model, neighbours, t, tau, q, v, work):
         custom_forces(model, t, q, work.middle)
         equations.join_blocks(model, t, q, work.middle)
     return 0.0
-
-
-@inlined
-def reservoirs_of(before, state, tau):
-    """What the reservoirs of a step of length `tau` need; without any, the jumps mean nothing."""
-    jumps = state.memory[min(1, state.memory.shape[0] - 1)]
-    return Reservoirs(before, jumps, tau)
 
 
 @inlined

@@ -13,12 +13,13 @@ The reasons for this scheme are in docs/developers/methods.md.
 
 from typing import Any, NamedTuple
 
+from tribo.compiler.generators import generator_at
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, where_less
 from tribo.compiler.lanes_functions import sine_cosine
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.integrators.bar_pushes import push_bars
-from tribo.integrators.jumps import set_jump
+from tribo.integrators.jumps import reservoirs_of, set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import add_total, add_works
@@ -26,6 +27,7 @@ from tribo.kernels.blocks import (
     absent,
     constant,
     coordinates,
+    halves,
     own_number,
     set_coordinates,
     vectors,
@@ -274,3 +276,13 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
                         add_works(accounts, s, s.acc_swing, i, gained * (0.5 * (omega + now)))
                     jump = turn, zero, zero
                     set_jump(model, s, i, t, q, jump, reservoirs.jumps, accounts)
+
+
+def damp(model, t, tau, state, work, noise):
+    """Friction and noise on bars and swings for a step of length `tau`, all else frozen."""
+    noise = generator_at(noise)
+    q, v = halves(state.y)
+    reservoirs = reservoirs_of(work.before, state, tau)
+    damp_bars(model, reservoirs, t, q, v, state.s, noise)
+    damp_swings(model, reservoirs, t, q, v, state.s, noise)
+    return 0.0

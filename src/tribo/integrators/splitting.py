@@ -5,7 +5,7 @@ so have other sequences of drifts and kicks, see :class:`Splitting`.
 
     drift  every torsion spring rotates its pendulum exactly; centres of mass move uniformly
     kick   contact, drive, field and lattice springs change velocities at fixed coordinates
-    bath   inside the kick: baths and reservoirs, bars frozen; see `bath_substep`
+    bath   inside the kick: baths and reservoirs, bars frozen; see `bath_substep`, `reservoirs`
 
 Each part adds its own work, by the mean of the velocities before and after it, so that pseudowork
 = delta k_trans and work = delta (k_trans + e_int) of each asperite, and W_ps = delta K of each
@@ -20,17 +20,15 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.compiler import team as teams
-from tribo.compiler.generators import generator_at
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast, sum_of_lanes
 from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
 from tribo.compiler.units import call_unit
 from tribo.integrators import step_control as control
-from tribo.integrators.bath_substep import bath_substep
 from tribo.integrators.drift import drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
-from tribo.integrators.jumps import acts, jump, keep_velocities
+from tribo.integrators.jumps import acts, jump, keep_velocities, reservoirs_of
 from tribo.integrators.kicks import (
     AGAIN,
     FIRST_HALF,
@@ -38,7 +36,6 @@ from tribo.integrators.kicks import (
     add_half_shared_works,
     kick_piece,
     repeat_kick,
-    reservoirs_of,
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.integrators.stiffness import watch_kick
@@ -191,15 +188,21 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
 
 def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise):
     """The mth kick in halves, before and after a substep."""
-    noise = generator_at(noise)
     q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, tau)
+    damped = acts(reservoirs)
+    bathed = not (blocks.absent(model.bath) and blocks.absent(model.torsional))
     keep_velocities(reservoirs, v)
     kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
-    rotations = work.bath[m], work.torsional[m]
-    bath_substep(model, t, tau, state, reservoirs, rotations, noise)
+    part = 0.5 * tau if damped else tau
+    if bathed:
+        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, 0, state, work, m))
+    if damped:
+        call_unit(model.units[rows.DAMP], (model, t, tau, state, work, noise))
+        if bathed:
+            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, 1, state, work, m))
     kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
-    if acts(reservoirs):
+    if damped:
         if m == 0:
             watch_kick(model, steps, q, state.memory, work.acceleration)
     jump(model, reservoirs, q)

@@ -203,17 +203,16 @@ STIFFNESS, REST_X, REST_Y = range(3)
 
 # Places in `Model.units` of the addresses of units: of what only some scenes need, lists of
 # neighbours, baths, and the parts of splitting methods for these, reservoirs, plug-ins and threads;
-# rigid and elastic bodies;
-# and of drifts and kicks, which several loops and units share.
+# rigid and elastic bodies; and of drifts and kicks, which several loops and units share.
 UNITS = (
     *("rebuild", "bath_forces", "torsional_accelerations", "bath_momenta", "torsional_powers"),
     *("bath_samples", "make_lists", "advance_inactive", "kick_around", "settle_custom_forces"),
     *("share_contacts", "share_step", "drift", "kick", "join_blocks"),
-    *("elastic_forces", "elastic_energies"),
+    *("elastic_forces", "elastic_energies", "rotate_baths", "damp"),
     *("rates", "powers", "speeds", "encounters", "sample"),
 )
 REBUILD, BATH_FORCES, TORSIONAL_ACCELERATIONS, BATH_MOMENTA, TORSIONAL_POWERS = range(5)
 BATH_SAMPLES, MAKE_LISTS, ADVANCE_INACTIVE, KICK_AROUND, SETTLE_CUSTOM_FORCES = range(5, 10)
 SHARE_CONTACTS, SHARE_STEP, DRIFT, KICK, JOIN_BLOCKS = range(10, 15)
-ELASTIC_FORCES, ELASTIC_ENERGIES = range(15, 17)
-RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(17, len(UNITS))
+ELASTIC_FORCES, ELASTIC_ENERGIES, ROTATE_BATHS, DAMP = range(15, 19)
+RATES, POWERS, SPEEDS, ENCOUNTERS, SAMPLE = range(19, len(UNITS))

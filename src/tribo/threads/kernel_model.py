@@ -12,7 +12,7 @@ from tribo.compiler.plugin_methods import type_of
 from tribo.compiler.pointers import PointerType, type_of_pointers
 from tribo.compiler.team import NO_TEAM, Team
 from tribo.compiler.units import WordsInLanesType, WordsType, address_of, memory_of
-from tribo.integrators import inactive, kicks, splitting
+from tribo.integrators import bath_substep, inactive, kicks, reservoirs, splitting
 from tribo.integrators.splitting import Work
 from tribo.kernels import (
     baths,
@@ -249,9 +249,11 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
     lists = _kind(NO_NEIGHBOURS)
     number = types.float64
     moving = number, _kind(state)
-    step = number, number, _kind(state), _kind(work)
+    within = _kind(state), _kind(work)
+    step = number, number, *within
     listed = bool(model.units[records.REBUILD])
     customs = len(model.drives.forces) + len(model.ends.forces)
+    bathed = model.bath.size + model.torsional.size > 0
     own = {
         records.DRIFT: (True, splitting.drift_unit, (lists, *step)),
         records.KICK: (True, splitting.kick_unit, (lists, types.int64, *step)),
@@ -261,6 +263,16 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
             work.substep,
             splitting.kick_around_substep,
             (lists, types.int64, *step, types.int64, _kind_of_noise(noise)),
+        ),
+        records.ROTATE_BATHS: (
+            bathed,
+            bath_substep.rotate_baths,
+            (number, number, types.int64, *within, types.int64),
+        ),
+        records.DAMP: (
+            work.before.size > 0,
+            reservoirs.damp,
+            (number, number, *within, _kind_of_noise(noise)),
         ),
         records.SETTLE_CUSTOM_FORCES: (
             customs > 0,
