@@ -23,7 +23,7 @@ EQUIVALENT = {
     "integrators/bar_pushes.py: push_bars: slot < 0 -> slot < 1": (
         "the first slots are those of contact; no bath and no reservoir has slot 0"
     ),
-    "kernels/powers.py: set_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (
+    "kernels/powers.py: add_drive_powers: s.acc_drive >= 0 -> s.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
     "kernels/powers.py: powers_unit: "

@@ -80,7 +80,7 @@ def kick_block(model, s, i, t, tau, state, work, acceleration):
     if s.acc_block >= 0:
         blocks.set_coordinates(s.dof_x, s, i, work.middle, vx)
         blocks.set_coordinates(s.dof_y, s, i, work.middle, vy)
-    power = Powers(state.s, model.sums, tau)
+    power = Powers(state.s, tau)
     velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
     powers_of_block(model, s, i, 0.0, t, q, velocities, power)
     if acts(reservoirs):
@@ -107,7 +107,7 @@ def mean(one, other):
 def add_half_shared_works(model, t, tau, state):
     """Add half of the works that are of no asperite: noise changes a surface's momentum."""
     if not blocks.absent(model.friction):
-        power = Powers(state.s, model.sums, tau)
+        power = Powers(state.s, tau)
         shared_powers(model, model.ledger, t, blocks.halves(state.y)[1], power)
 
 
@@ -148,7 +148,7 @@ def repeat_kick(model, active, t, tau, state, work):
     """The same forces act again for tau; the works of both half kicks are added."""
     q, v = blocks.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
-    power = Powers(state.s, model.sums, 2.0 * tau)
+    power = Powers(state.s, 2.0 * tau)
     if blocks.absent(model.friction):
         shared_powers(model, model.ledger, t, v, power)
     else:

@@ -180,7 +180,7 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
         phase = teams.KICK, t, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
     if part == WHOLE:
-        shared_powers(model, model.ledger, now, work.middle, Powers(state.s, model.sums, tau))
+        shared_powers(model, model.ledger, now, work.middle, Powers(state.s, tau))
     else:
         add_half_shared_works(model, now, tau, state)
     return 0.0

@@ -1,4 +1,4 @@
-"""Where the powers of a state are written: the accounts of the ledger, group by group.
+"""Where the powers of a state are added up: the accounts of the ledger, group by group.
 
 `kernels/powers.py` computes the powers of each group, and `ledger/accounts.py` reads the accounts.
 The accounts of a group stand one after another, each with a slot for every asperite of the surface.
@@ -13,7 +13,7 @@ import numpy as np
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import lane
-from tribo.compiler.lanes_memory import add_block, set_block
+from tribo.compiler.lanes_memory import add_block
 
 # Number of accounts in each group, as `powers` lists them; POINT is that of internal, field and
 # thermal.
@@ -33,22 +33,10 @@ def place_of(s, slot, i):
 
 
 class Powers(NamedTuple):
-    """Where powers are written: as they are, or as the works that they do in a time."""
+    """Where powers are added up, as the works that they do in a time."""
 
     accounts: np.ndarray  # (accounts,)
-    sums: Any  # as in Model
-    tau: Any  # [time], to add works; None to set powers
-
-
-@inlined
-def write_block(accounts, sums, tau, k, begins, x):
-    """Write the powers of a block from place k on; `begins` where they are a surface's first."""
-    if tau is not None:
-        add_block(accounts, k, tau * x)
-    elif begins or not sums:
-        set_block(accounts, k, x)
-    else:
-        add_block(accounts, k, x)
+    tau: Any  # [time]; one for the powers themselves
 
 
 @inlined
@@ -61,22 +49,11 @@ def add_total(members, accounts, k, x):
 
 
 @inlined
-def write_total(members, accounts, tau, k, x):
-    """Write the power of a total to one account; or that of each member to its own."""
-    if tau is not None:
-        add_total(members, accounts, k, tau * x)
-    elif members.size > 0:
-        set_block(accounts, k, x)
-    else:
-        accounts[k] = lane(x, 0)
-
-
-@inlined
-def write(power, s, slot, i, *powers):
-    """Write powers of a block in its accounts from `slot` on."""
+def add_powers(power, s, slot, i, *powers):
+    """Add powers of a block to its accounts from `slot` on."""
     k = place_of(s, slot, i)
     for x in powers:
-        write_block(power.accounts, power.sums, power.tau, k, i == s.start, x)
+        add_block(power.accounts, k, power.tau * x)
         k += s.account_stride
 
 

@@ -23,7 +23,6 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
 Where they are written is in `accounts`.
 """
 
-import math
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
@@ -35,9 +34,9 @@ from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import (
     Powers,
+    add_powers,
+    add_total,
     place_of,
-    write,
-    write_total,
 )
 from tribo.kernels.arms import with_tilting
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
@@ -78,7 +77,7 @@ def held_torques(model, s, i, phi, q):
 
 @apart
 def clamped_ends(model, s, i, t, q, velocities, power):
-    """Set the powers of f_L, and of f_R = -f_L about the centre of mass."""
+    """Add the powers of f_L, and of f_R = -f_L about the centre of mass."""
     omega, vx, vy = velocities
     phi = equations.bar_angles(model, s, i, t, q)
     torque = held_torques(model, s, i, phi, q)
@@ -87,12 +86,12 @@ def clamped_ends(model, s, i, t, q, velocities, power):
     with_bar = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
     turning = -0.5 * torque * constant(model, rows.NU_START, s, i)
     about = turning + with_bar, turning - with_bar
-    write(power, s, s.acc_ends, i, *about, x, y, x * vx + y * vy)
+    add_powers(power, s, s.acc_ends, i, *about, x, y, x * vx + y * vy)
 
 
 @apart
 def custom_end_powers(model, s, i, t, q, velocities, power):
-    """Set the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
+    """Add the powers of a plug-in's forces on the ends of bars, at r2 + r_L and r2 + r_R."""
     left_x, left_y = vectors(model.left, i)
     right_x, right_y = vectors(model.right, i)
     sin, cos = sine_cosine(equations.bar_angles(model, s, i, t, q))
@@ -107,12 +106,12 @@ def custom_end_powers(model, s, i, t, q, velocities, power):
     on_right = right_x * (x + tip_x) + right_y * (y + tip_y)
     impulses = left_x, left_y, right_x, right_y
     pseudo = left_x * vx + left_y * vy, right_x * vx + right_y * vy
-    write(power, s, s.acc_user_ends, i, on_left, on_right, *impulses, *pseudo)
+    add_powers(power, s, s.acc_user_ends, i, on_left, on_right, *impulses, *pseudo)
 
 
 @apart
-def set_point_powers(model, table, lever, slot, s, i, velocities, power):
-    """Set the powers of Jx, Jy, work about r_cm and pseudowork of forces at a lever from r_cm.
+def add_point_powers(model, table, lever, slot, s, i, velocities, power):
+    """Add the powers of Jx, Jy, work about r_cm and pseudowork of forces at a lever from r_cm.
 
     The lever is positive towards the bob, negative towards the bar.
     """
@@ -120,20 +119,20 @@ def set_point_powers(model, table, lever, slot, s, i, velocities, power):
         omega, vx, vy = velocities
         x, y = vectors(table, i)
         about = rotational_power(lever, omega, *vectors(model.directions, i), x, y)
-        write(power, s, slot, i, x, y, about, x * vx + y * vy)
+        add_powers(power, s, slot, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def set_swing_powers(model, s, i, omega, power):
-    """Set the power of the torque of a reservoir on the swing."""
+def add_swing_powers(model, s, i, omega, power):
+    """Add the power of the torque of a reservoir on the swing."""
     if s.acc_swing >= 0:
         if not absent(model.swing_friction):
-            write(power, s, s.acc_swing, i, block(model.swing_friction[0], i) * omega)
+            add_powers(power, s, s.acc_swing, i, block(model.swing_friction[0], i) * omega)
 
 
 @apart
-def set_internal_powers(model, s, i, nu, velocities, power):
-    """Set the same of the internal forces: springs and bath on the bars, contact on the bobs.
+def add_internal_powers(model, s, i, nu, velocities, power):
+    """Add the same of the internal forces: springs and bath on the bars, contact on the bobs.
 
     The constraint of a block that tilts has torques on the bars, which turn at `nu`.
     """
@@ -148,12 +147,12 @@ def set_internal_powers(model, s, i, nu, velocities, power):
         about = about + nu * block(model.couples[0], i)
     x = x + bob_x
     y = y + bob_y
-    write(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
+    add_powers(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
-def set_contact_powers(model, s, i, omega, power):
-    """Set the powers of contact; in sums the work about the centre of mass, with its lever."""
+def add_contact_powers(model, s, i, omega, power):
+    """Add the powers of contact; in sums the work about the centre of mass, with its lever."""
     x, y = vectors(model.f1, i)
     tx, ty = vectors(model.directions, i)
     along_x = x * omega * tx
@@ -162,12 +161,12 @@ def set_contact_powers(model, s, i, omega, power):
         lever = levers(model, model.pivots, s, i)[0]
         along_x = lever * along_x
         along_y = lever * along_y
-    write(power, s, s.acc_contact, i, x, y, along_x, along_y)
+    add_powers(power, s, s.acc_contact, i, x, y, along_x, along_y)
 
 
 @inlined
-def set_drive_powers(model, s, i, velocities, power):
-    """Set the powers of f2, likewise; the ledger finds the reaction of driven bars."""
+def add_drive_powers(model, s, i, velocities, power):
+    """Add the powers of f2, likewise; the ledger finds the reaction of driven bars."""
     if s.acc_drive >= 0 and s.drive != BARS:
         omega, vx, vy = velocities
         x, y = vectors(model.drive, i)
@@ -175,12 +174,12 @@ def set_drive_powers(model, s, i, velocities, power):
         about = omega * (tx * x + ty * y)
         if model.sums:
             about = levers(model, model.pivots, s, i)[1] * about
-        write(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
+        add_powers(power, s, s.acc_drive, i, x, y, about, x * vx + y * vy)
 
 
 @inlined
 def powers_of_block(model, s, i, torsion, t, q, velocities, power):
-    """Set the powers of a block's accounts, forces in place, if there is a ledger.
+    """Add the powers of a block's accounts, forces in place, if there is a ledger.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
@@ -190,21 +189,21 @@ def powers_of_block(model, s, i, torsion, t, q, velocities, power):
         vx, vy = with_tilting(model, s, i, nu, vx, vy)
         vx, vy = velocities_of_centres(model, model.pivots, s, i, omega, vx, vy)
         at_centre = omega, vx, vy
-        set_contact_powers(model, s, i, omega, power)
+        add_contact_powers(model, s, i, omega, power)
         if s.acc_slide >= 0:
             fx, fy = vectors(model.f1, i)
-            write(power, s, s.acc_slide, i, fx * vx, fy * vy)
-        set_drive_powers(model, s, i, at_centre, power)
+            add_powers(power, s, s.acc_slide, i, fx * vx, fy * vy)
+        add_drive_powers(model, s, i, at_centre, power)
         if s.acc_ends >= 0 and (torsion != 0.0 or s.fixed > 0):
             clamped_ends(model, s, i, t, q, at_centre, power)
         bob, bar = levers(model, model.pivots, s, i)
         if s.acc_field >= 0:
-            set_point_powers(model, model.external, bob, s.acc_field, s, i, at_centre, power)
+            add_point_powers(model, model.external, bob, s.acc_field, s, i, at_centre, power)
         if s.acc_internal >= 0:
-            set_internal_powers(model, s, i, nu, at_centre, power)
+            add_internal_powers(model, s, i, nu, at_centre, power)
         if s.acc_thermal >= 0:
-            set_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, at_centre, power)
-        set_swing_powers(model, s, i, omega, power)
+            add_point_powers(model, model.friction, -bar, s.acc_thermal, s, i, at_centre, power)
+        add_swing_powers(model, s, i, omega, power)
         if s.acc_user_ends >= 0:
             custom_end_powers(model, s, i, t, q, velocities, power)
 
@@ -220,8 +219,8 @@ def power_at_time(potential, t, x, y):
 
 
 @inlined
-def write_field_power(model, potential, n, t, power, force, energy, rate):
-    """Write the power of the agent that moves the nth field, modulates or changes it.
+def add_field_power(model, potential, n, t, power, force, energy, rate):
+    """Add the power of the agent that moves the nth field, modulates or changes it.
 
     The time of works is nan for powers.  `force`, `energy` and `rate`, that of the energy by time,
     call the methods of the potential.
@@ -250,43 +249,32 @@ def write_field_power(model, potential, n, t, power, force, energy, rate):
             done = lane(total, place) + moved
             total = with_lane(total, place, done)
     x = totals(model.members, total)
-    if math.isnan(power.tau):
-        write_total(model.members, power.accounts, None, fields.account[n], x)
-    else:
-        write_total(model.members, power.accounts, power.tau, fields.account[n], x)
+    add_total(model.members, power.accounts, fields.account[n], power.tau * x)
     return 0.0
 
 
 def field_power_unit(model, potential, n, t, accounts, tau):
-    """Write the power of the agent that moves the nth field, or modulates it."""
-    power = Powers(accounts, model.sums, tau)
-    return write_field_power(model, potential, n, t, power, force_at, energy_at, no_power)
+    """Add the power of the agent that moves the nth field, or modulates it."""
+    power = Powers(accounts, tau)
+    return add_field_power(model, potential, n, t, power, force_at, energy_at, no_power)
 
 
 def timed_power_unit(model, potential, n, t, accounts, tau):
     """The same of a field that depends on time, with the power of its change."""
-    power = Powers(accounts, model.sums, tau)
-    return write_field_power(
+    power = Powers(accounts, tau)
+    return add_field_power(
         model, potential, n, t, power, force_at_time, energy_at_time, power_at_time
     )
 
 
-@inlined
-def number_of_time(tau):
-    """The time of works as :func:`write_field_power` takes it."""
-    if tau is None:
-        return math.nan
-    return tau
-
-
 @apart
 def field_powers(model, t, power):
-    """Set the powers of the agents that move fields through the laboratory."""
+    """Add the powers of the agents that move fields through the laboratory."""
     fields = model.fields
     for n in range(fields.power.size):
         if fields.account[n] >= 0:
-            tau = number_of_time(power.tau)
-            call_unit(fields.power[n], (model, fields.numbers[n], n, t, power.accounts, tau))
+            at = power.accounts, power.tau
+            call_unit(fields.power[n], (model, fields.numbers[n], n, t, *at))
 
 
 def torsional_powers(model, t, q, v, power):
@@ -346,7 +334,7 @@ def power_of_stage(model, s, t):
 
 @apart
 def shared_powers(model, ledger, t, v, power):
-    """Set the powers of the accounts that are of no asperite, if there is a ledger."""
+    """Add the powers of the accounts that are of no asperite, if there is a ledger."""
     if ledger:
         if model.fields.power.size > 0:
             field_powers(model, t, power)
@@ -357,10 +345,10 @@ def shared_powers(model, ledger, t, v, power):
                 fx, fy = external_force(model, s)
                 px, py = momentum(model, s, v)
                 x = (fx * px + fy * py) * s.inverse_total_mass
-                write_total(model.members, power.accounts, power.tau, s.acc_block, x)
+                add_total(model.members, power.accounts, s.acc_block, power.tau * x)
             if s.acc_stage >= 0:
                 x = power_of_stage(model, s, t)
-                write_total(model.members, power.accounts, power.tau, s.acc_stage, x)
+                add_total(model.members, power.accounts, s.acc_stage, power.tau * x)
 
 
 @kernel
@@ -372,7 +360,9 @@ def all_powers(model, t, q, v, accounts):
 
 def powers_unit(model, t, q, v, accounts):
     """The unit of :func:`all_powers`, which all methods share that need rates of change."""
-    power = Powers(accounts, model.sums, None)
+    for m in range(accounts.size):
+        accounts[m] = 0.0
+    power = Powers(accounts, 1.0)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
