@@ -1,7 +1,8 @@
 """Seconds that the first run of a kind of scene compiles, in both ways of using numba.
 
-Every kind runs in a process of its own with an empty cache.  The time is that of the first run less
-that of a second one, in seconds of the processor.
+Every kind runs in a process of its own with an empty cache, and then in another one that finds its
+machine code there.  The difference of their times is printed, in seconds of the processor: what
+both have to do, such as importing libraries, is not compiled.
 
     python benchmarks/compiling.py [--json] [--after [--markdown]]
 
@@ -92,26 +93,26 @@ def kinds_one_after_another() -> dict[str, Callable[[], object]]:
     }
 
 
-def compiling(kind: str) -> float:
-    """Seconds of the processor by which the first run of this process exceeds the second."""
+def spent(kind: str) -> float:
+    """Seconds of the processor that the first run of this process takes."""
     alone = {name: simulated(scene, **settings) for name, (scene, settings) in scenes().items()}
     run = (alone | kinds_one_after_another())[kind]
-    taken = []
-    for _ in range(2):
-        began = time.process_time()
-        run()
-        taken.append(time.process_time() - began)
-    return taken[0] - taken[1]
+    began = time.process_time()
+    run()
+    return time.process_time() - began
 
 
 def measured(kind: str, way: str, cache: str) -> float:
-    """The same in a new process with a cache in this folder."""
+    """By how much that is more where a cache in this folder lacks the kind than where it has it."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
     environment.pop("TRIBO_NUMBA", None)
     if way == "plain":
         environment["TRIBO_NUMBA"] = way
     command = [sys.executable, __file__, "--kind", kind]
-    return float(subprocess.check_output(command, env=environment, text=True))
+    compiled, loaded = (
+        float(subprocess.check_output(command, env=environment, text=True)) for _ in range(2)
+    )
+    return compiled - loaded
 
 
 def alone(kind: str, way: str) -> float:
@@ -135,7 +136,7 @@ def main() -> None:
     parser.add_argument("--markdown", action="store_true")
     options = parser.parse_args()
     if options.kind:
-        print(compiling(options.kind))
+        print(spent(options.kind))
         return
     if options.after:
         later = one_after_another()
