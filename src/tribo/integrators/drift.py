@@ -41,27 +41,47 @@ def add_end_impulses(model, s, i, impulse, v, accounts):
         add_works(accounts, s, k + 2 * s.account_stride, i, x * vx + y * vy)
 
 
+@inlined
+def has_still_ends(s):
+    """Whether there are accounts for the ends of clamped bars, which are at rest."""
+    return s.acc_ends >= 0 and s.turning == 0
+
+
+@inlined
+def arc_of(model, s, i, q):
+    """The integral of x sin x up to the twists of a block, of which works of ends are multiples."""
+    twist = block(q, i) - constant(model, rows.PHI_START, s, i)
+    sin, cos = sine_cosine(twist)
+    return sin - twist * cos
+
+
+@apart
+def begin_end_works(model, q, arcs):
+    """Count the works of the ends of clamped bars at rest from here on."""
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if has_still_ends(s):
+            for i in range(s.start, s.stop, LANES):
+                set_block(arcs, i, arc_of(model, s, i, q))
+
+
 @apart
 def settle_end_works(model, q, accounts, arcs):
     """Add the works of the ends of clamped bars at rest since they were last settled.
 
-    Without `accounts` they are counted from here on.  They are functions of the angles
-    alone: the integral of x sin x is sin x - x cos x.
+    They are functions of the angles alone.
     """
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
-        if s.acc_ends >= 0 and s.turning == 0:
+        if has_still_ends(s):
             for i in range(s.start, s.stop, LANES):
-                twist = block(q, i) - constant(model, rows.PHI_START, s, i)
-                sin, cos = sine_cosine(twist)
-                arc = sin - twist * cos
+                arc = arc_of(model, s, i, q)
                 force = constant(model, rows.KAPPA, s, i) / constant(model, rows.BAR_LENGTH, s, i)
                 swept = s.facing * force * (arc - block(arcs, i))
-                if accounts is not None:
-                    work = levers(model, model.pivots, s, i)[1] * swept
-                    add_works(accounts, s, s.acc_ends, i, -work, work)
-                    pseudowork = pivot_lengths(model.pivots, s, i) * swept
-                    add_works(accounts, s, s.acc_ends + 4 * s.account_stride, i, pseudowork)
+                work = levers(model, model.pivots, s, i)[1] * swept
+                add_works(accounts, s, s.acc_ends, i, -work, work)
+                pseudowork = pivot_lengths(model.pivots, s, i) * swept
+                add_works(accounts, s, s.acc_ends + 4 * s.account_stride, i, pseudowork)
                 set_block(arcs, i, arc)
 
 

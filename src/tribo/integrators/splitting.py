@@ -26,7 +26,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
 from tribo.compiler.units import call_unit
 from tribo.integrators import step_control as control
-from tribo.integrators.drift import drift_block, settle_end_works
+from tribo.integrators.drift import begin_end_works, drift_block, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
 from tribo.integrators.jumps import acts, jump, keep_velocities, reservoirs_of
 from tribo.integrators.kicks import (
@@ -267,7 +267,7 @@ def begin(model, neighbours, clock, state, work):
     if closest == 0.0:
         return BOBS_COINCIDE
     clock.encounter_rate = rate
-    settle_end_works(model, q, None, state.memory[0])
+    begin_end_works(model, q, state.memory[0])
     return COMPLETED
 
 

@@ -9,7 +9,7 @@ from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_memory import block, set_block
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
-from tribo.integrators.drift import settle_end_works
+from tribo.integrators.drift import begin_end_works
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
@@ -182,7 +182,7 @@ def splitting_members(
     if clock.evaluations == 0:
         place_bobs(model, broadcast(clock.t), q)
         watch_encounters(model, neighbours, clock.t, state.y, work.speeds, watch, 0.0, True)
-        settle_end_works(model, q, None, state.memory[0])
+        begin_end_works(model, q, state.memory[0])
     for done in range(budget + 1):
         left = control.time_left(clock, times[clock.sample])
         if left <= 0.0:
