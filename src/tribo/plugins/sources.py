@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import inspect
 import linecache
+import os
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator, Mapping
@@ -115,7 +116,11 @@ def _importing_beside(folder: Path, name: str) -> Iterator[None]:
 def _lies_in(module: ModuleType | None, folder: Path) -> bool:
     """Whether a module is a file of a folder, or a package in it."""
     file = getattr(module, "__file__", None)
-    return bool(file) and folder in Path(str(file)).parents[:2]
+    if not file:
+        return False
+    # Not by Path, which takes 30 us for each of a thousand modules.
+    own = os.path.dirname(os.path.normpath(str(file)))
+    return str(folder) in (own or ".", os.path.dirname(own) or ".")
 
 
 def _is_of_a_user(module: ModuleType) -> bool:
