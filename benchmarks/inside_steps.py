@@ -13,10 +13,10 @@ from numpy.polynomial import polynomial
 
 import tribo
 from tribo import paper
-from tribo.integrators.tableaux import RADAU
+from tribo.integrators.tableaux import RADAU_15
 from tribo.loops.pair import PairLoop
 
-NODES = np.array(RADAU, float)
+NODES = RADAU_15.c
 INSIDE = np.linspace(0.05, 0.95, 19)
 
 

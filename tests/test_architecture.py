@@ -1,6 +1,7 @@
 """The house: imports run downward only, kernels stand on nothing, and `import tribo` is light."""
 
 import ast
+import importlib.util
 import re
 import runpy
 import subprocess
@@ -247,6 +248,31 @@ def test_slow_tests_are_tests():
         file, _, test = name.partition("::")
         source = (folder.parent / file).read_text(encoding="utf-8")
         assert f"def {test.partition('[')[0]}(" in source, name
+
+
+# Programs beside the package, most of which no test runs.
+PROGRAMS = [
+    path
+    for folder in ("benchmarks", "docs", "examples", "tools")
+    for path in sorted((Path(__file__).parents[1] / folder).rglob("*.py"))
+]
+
+
+def is_there(full):
+    """Whether a module or a name in one exists."""
+    module, _, name = full.rpartition(".")
+    owner = importlib.import_module(module)
+    is_package = hasattr(owner, "__path__")
+    return hasattr(owner, name) or (is_package and importlib.util.find_spec(full) is not None)
+
+
+def test_programs_import_what_is_there():
+    """A name that a program imports from the package has not been renamed or removed."""
+    assert len(PROGRAMS) > 50
+    for path in PROGRAMS:
+        names = [full for full in imported(tree_of(path)) if full.startswith("tribo.")]
+        missing = [full for full in names if not is_there(full)]
+        assert not missing, f"{path.parent.name}/{path.name} imports {missing}"
 
 
 # LAMMPS has styles for some potentials, which replace the formula that serves for all of them.
