@@ -6,7 +6,8 @@ import json
 import math
 import os
 import stat
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
@@ -65,8 +66,6 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
 
 # The ending of names of NetCDF files.
 NETCDF = ".nc"
-# The memory that a NetCDF file in memory has at first.
-FIRST_BYTES = 2**16
 # What follows the name of a file while it is written; the longest such addition to a name.
 NEW = ".part.new"
 
@@ -91,11 +90,18 @@ def replace_file(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
+def replace_netcdf(path: Path, data: xarray.Dataset, sealed: Callable[[bytes], bytes]) -> None:
+    """Write a data set to a file whole, its bytes `sealed`.  Raises InputError."""
+    with replaced(checked_target(str(path), path)) as new:
+        write_netcdf(data, new)
+        new.write_bytes(sealed(new.read_bytes()))
+
+
 @contextmanager
 def netcdf_file(
-    path: str | Path, mode: Literal["r", "w", "a"] = "r", memory: int | bytes | None = None
+    path: str | Path, mode: Literal["r", "w", "a"] = "r", memory: bytes | None = None
 ) -> Iterator[netCDF4.Dataset]:
-    """An open NetCDF file, on disk or in memory: a size to write, or bytes to read.
+    """An open NetCDF file, on disk or, with its bytes, in memory.
 
     The NetCDF library is not made for threads: one has it at a time, by the lock that xarray has
     for what it reads later.  Raises OSError.
@@ -125,10 +131,14 @@ def write_netcdf(data: xarray.Dataset, path: Path, **how: Any) -> None:
 
 
 def netcdf_image(data: xarray.Dataset) -> bytes:
-    """The bytes of a NetCDF file with a data set."""
-    with netcdf_file("image", "w", FIRST_BYTES) as file:
-        _dump(data, file)
-        return bytes(file.close())
+    """The bytes of a NetCDF file with a data set.  Raises OSError.
+
+    In a file that the library makes in memory, variables lose their order.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "image.nc"
+        write_netcdf(data, path)
+        return path.read_bytes()
 
 
 def _dump(data: xarray.Dataset, file: netCDF4.Dataset, **how: Any) -> None:

@@ -219,6 +219,23 @@ def named(name):
 
 
 @pytest.mark.filterwarnings("error")
+def test_series_keep_their_order(tmp_path):
+    """In files of results and of ensembles, as every other program reads them."""
+    scene = replace(tribo.paper.scene("A"), duration=1.0)
+    result = tribo.simulate(scene, accuracy=1e-6)
+    result.save(tmp_path / "run.nc")
+    loaded = tribo.load_result(tmp_path / "run.nc")
+    assert list(loaded["upper"]) == list(result["upper"])
+    assert list(loaded.to_pandas()) == list(result.to_pandas())
+    with xarray.open_dataset(tmp_path / "run.nc") as data:
+        assert [name for name in data if name in result.to_xarray()] == list(result.to_xarray())
+    keep = ["upper.w2", "upper.w1", "upper.W"]
+    swings = {"upper.swing": [0.0, 0.1]}
+    members = tribo.ensemble(scene, 2, swings, keep=keep, out=tmp_path / "members.nc")
+    with xarray.open_dataset(tmp_path / "members.nc") as data:
+        assert list(data) == list(members)
+
+
 def test_names_of_surfaces(tmp_path):
     """Series of a surface "state" are kept apart from the state; names are names in NetCDF too."""
     for name in ("state", "my tip"):

@@ -27,8 +27,7 @@ def test_a_new_scene_runs(kind, tmp_path):
     (tmp_path / "scene.toml").write_text(starter(kind))
     result = tribo.simulate(tribo.load_scene(tmp_path / "scene.toml"))
     assert result.status == "completed" and result.met
-    # In the paper's case the lower surface is held at its centre of mass, which a note explains.
-    assert len(result.notes) == (kind == "paper")
+    assert result.notes == ()
 
 
 def test_the_first_scene_is_the_papers(tmp_path, capsys):

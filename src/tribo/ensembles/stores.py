@@ -19,9 +19,8 @@ from tribo.ensembles.statistics import Moments
 from tribo.files import (
     append_netcdf,
     netcdf_attributes,
-    netcdf_image,
     netcdf_target,
-    replace_file,
+    replace_netcdf,
     replaced,
     write_netcdf,
 )
@@ -205,7 +204,7 @@ class Target(NamedTuple):
         """The data set; if it is complete it is in its file too, in place of the frames."""
         if self.path is not None and data.attrs["status"] == Status.COMPLETED:
             data.attrs[IDENTITY] = json.dumps(self.identity)
-            replace_file(self.path, seals.sealed(netcdf_image(data)))
+            replace_netcdf(self.path, data, seals.sealed)
             assert self.frames is not None
             self.frames.remove()
         return data

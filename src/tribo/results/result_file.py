@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo import seals
-from tribo.files import netcdf_image, netcdf_in, read_file, replace_file
+from tribo.files import netcdf_in, read_file, replace_netcdf
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS, Table
@@ -145,7 +145,7 @@ def save(result: RunResult, path: Path) -> None:
     for key, variable in data.variables.items():
         variable.attrs["checksum"] = _checksum(str(key), variable)
     data.attrs["checksum"] = _checksum_of(data.attrs, _names(data))
-    replace_file(path, seals.sealed(netcdf_image(data)))
+    replace_netcdf(path, data, seals.sealed)
 
 
 def _checksum(name: str, variable: xarray.Variable) -> str:
