@@ -32,7 +32,7 @@ NUMPY_ERRORS: dict[str, Any] = {"error_model": "numpy"}
 if NATIVE:
     from tribo.compiler.cache import KernelCache
     from tribo.compiler.linked_cache import LinkedCache
-    from tribo.compiler.linking import ApartCompiler, KernelCompiler, LoopCompiler
+    from tribo.compiler.linking import ApartCompiler, InlinedCompiler, KernelCompiler, LoopCompiler
 
     # Functions that only kernels call: no wrappers for calls from Python.
     LINKED: dict[str, Any] = {
@@ -44,13 +44,11 @@ if NATIVE:
     # asperites runs more than twice as fast.
     UNCOUNTED: dict[str, Any] = {"_nrt": False}
     COUNTED: dict[str, Any] = {"_nrt": True}
-    INLINED: dict[str, Any] = {"forceinline": True}
-    # numba gives a function the flags of its first caller where it has none of its own.
-    NOT_INLINED: dict[str, Any] = {"forceinline": False}
+    INLINED: dict[str, Any] = {"pipeline_class": InlinedCompiler}
     APART: dict[str, Any] = {"pipeline_class": ApartCompiler}
     OF_LOOPS: dict[str, Any] = {"pipeline_class": LoopCompiler}
 else:
-    LINKED = UNCOUNTED = COUNTED = INLINED = NOT_INLINED = APART = OF_LOOPS = {}
+    LINKED = UNCOUNTED = COUNTED = INLINED = APART = OF_LOOPS = {}
 
 # Time loops, which Python calls.
 LOOP: dict[str, Any] = {**NUMPY_ERRORS, "nogil": True, **UNCOUNTED, **OF_LOOPS}
@@ -79,14 +77,14 @@ def _name_on_disk(function: Callable[..., Any], way: str) -> str:
     return f"{function.__name__}_{code_stamp()}_{function.__module__.replace('.', '_')}_{way}"
 
 
-kernel = _compiler("kernel", **KERNEL, **NOT_INLINED)
+kernel = _compiler("kernel", **KERNEL)
 # One that LLVM does not copy into its callers: large, or seldom called.
-apart = _compiler("apart", **{**KERNEL, **NOT_INLINED, **APART})
-inlined = _compiler("inlined", **KERNEL, **INLINED)
+apart = _compiler("apart", **{**KERNEL, **APART})
+inlined = _compiler("inlined", **{**KERNEL, **INLINED})
 # Expanded in its caller before that is typed.
 expanded = njit(**NUMPY_ERRORS, inline="always")
 # Kernels that make or return arrays.
-owning_kernel = _compiler("owning", **OWNING_KERNEL, **NOT_INLINED)
+owning_kernel = _compiler("owning", **OWNING_KERNEL)
 _loop = njit(**LOOP)
 
 # A file of the disk cache with the code of a time loop: source, name, the stamps of package and

@@ -41,8 +41,8 @@ class LinkedLibrary(TupleLibrary):
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
 
-    # Whether LLVM must not copy the kernel into its callers.
-    apart = False
+    # "alwaysinline" or "noinline", if LLVM has to copy the kernel into its callers, or must not.
+    inlining: str | None = None
     # What numba knows of the kernel: its name, and the types of its arguments and result.
     description: Any = None
     # The name of its file on disk, and the hash of what is there; None if it is not kept.
@@ -57,8 +57,8 @@ class LinkedLibrary(TupleLibrary):
         for function in self._final_module.functions:
             if not function.is_declaration:
                 function.linkage = "linkonce_odr"  # as numba sets it in a copy
-                if self.apart:
-                    function.add_function_attribute("noinline")
+                if self.inlining is not None:
+                    function.add_function_attribute(self.inlining)
         self._finalized = True
 
     def rename(self, name: str) -> None:
@@ -149,13 +149,13 @@ class LinkedLowering(typed.NativeLowering):
 
     _name = "linked_lowering"
     lowering_class = KernelLower
-    apart = False
+    inlining: str | None = None
 
     def run_pass(self, state: compiler.StateDict) -> bool:
         """Lower into a :class:`LinkedLibrary`, with an entry point that only marks it."""
         context = state.targetctx
         state.library = library = LinkedLibrary(context.codegen(), state.func_id.func_qualname)
-        library.apart = self.apart
+        library.inlining = self.inlining
         state.flags.no_compile = True
         super().run_pass(state)
         library.finalize()
@@ -180,7 +180,19 @@ class ApartLowering(LinkedLowering):
     """Lower a kernel that stays a function of its own."""
 
     _name = "apart_lowering"
-    apart = True
+    inlining = "noinline"
+
+
+@machinery.register_pass(mutates_CFG=False, analysis_only=False)
+class InlinedLowering(LinkedLowering):
+    """Lower a kernel that becomes a part of its callers.
+
+    numba's own option for this is one of its flags, which functions without a choice take from
+    their callers: numba would compile these twice, for callers with and without it.
+    """
+
+    _name = "inlined_lowering"
+    inlining = "alwaysinline"
 
 
 @machinery.register_pass(mutates_CFG=False, analysis_only=False)
@@ -239,6 +251,12 @@ class ApartCompiler(KernelCompiler):
     """numba's compiler of kernels that stay functions of their own."""
 
     lowering = ApartLowering
+
+
+class InlinedCompiler(KernelCompiler):
+    """numba's compiler of kernels that become parts of their callers."""
+
+    lowering = InlinedLowering
 
 
 class LoopCompiler(KernelCompiler):
