@@ -144,7 +144,7 @@ def main() -> None:
             print(json.dumps(later, indent=1))
         elif options.markdown:
             print("| scene | seconds |\n| --- | --- |")
-            print("\n".join(f"| {kind} | {taken:.1f} |" for kind, taken in later.items()))
+            print("\n".join(f"| {kind} | {max(taken, 0.0):.1f} |" for kind, taken in later.items()))
         else:
             print("\n".join(f"{kind:34} {taken:5.1f} s" for kind, taken in later.items()))
         return

@@ -23,7 +23,6 @@ laboratory, work = (about) + V . J + (pseudowork); no digits are lost where V is
 Where they are written is in `accounts`.
 """
 
-
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
