@@ -76,11 +76,9 @@ def test_a_search_takes_ten_times_the_run_it_delivers(monkeypatch, never_met, ev
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(reason="a request out of reach ends a round earlier: bars are 1.1 to 1.4 times")
 def test_tighter_requests_have_no_larger_bars():
-    """Of rows with springs, whose rounding counts at 1e-9 as at 1e-10.
-
-    Their bars are those of the rounding, which is another in each run: by some 30 %.
-    """
+    """Of rows with springs, whose rounding counts at 1e-9 as at 1e-10."""
     row = {"shape": (5, 1), "spacing": (1.1, 0.0), "asperite": tribo.Asperite(kappa=0.5)}
     rigid = tribo.Free(rigid=True)
     upper = tribo.Surface("upper", bob=(-6.0, 0.9), velocity=(0.8, 0.0), drive=rigid, **row)
@@ -92,7 +90,7 @@ def test_tighter_requests_have_no_larger_bars():
         for wanted in (1e-9, 1e-10)
     )
     for name, bar in tight.items():
-        assert bar <= 2.0 * loose[name], name
+        assert bar <= loose[name] * (1.0 + 1e-9), name
 
 
 @pytest.mark.parametrize("wanted", [1e-3, 1e-8])

@@ -221,8 +221,7 @@ def power_at_time(potential, t, x, y):
 def add_field_power(model, potential, n, t, power, force, energy, rate):
     """Add the power of the agent that moves the nth field, modulates or changes it.
 
-    The time of works is nan for powers.  `force`, `energy` and `rate`, that of the energy by time,
-    call the methods of the potential.
+    `force`, `energy` and `rate`, that of the energy by time, call the methods of the potential.
     """
     potential = fetched(potential)
     fields = model.fields
