@@ -93,17 +93,13 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                         accounts[place_of(s, account, i)] -= gained * 0.5 * (nu + v[j])
 
 
-def rotate_baths(model, tau, part, back, state, work, m):
+def rotate_baths(model, tau, part, state, work, m):
     """Rotate the oscillators of baths for a `part` of the mth kick, which lasts `tau`.
 
-    After reservoirs have acted, this is done `back` to front: the substep is symmetric in time.
+    Oscillators of bars and torsional ones have no coordinate in common: their order is arbitrary.
     """
     q, v = halves(state.y)
-    accounts = state.s
     reservoirs = reservoirs_of(work.before, state, tau)
-    if back == 0:
-        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, work.bath[m])
-    rotate_torsional(model, model.torsional, part, q, v, accounts, work.torsional[m])
-    if back == 1:
-        rotate_bath(model, model.bath, reservoirs, part, q, v, accounts, work.bath[m])
+    rotate_bath(model, model.bath, reservoirs, part, q, v, state.s, work.bath[m])
+    rotate_torsional(model, model.torsional, part, q, v, state.s, work.torsional[m])
     return 0.0

@@ -196,11 +196,11 @@ def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise)
     kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
     part = 0.5 * tau if damped else tau
     if bathed:
-        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, 0, state, work, m))
+        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
     if damped:
         call_unit(model.units[rows.DAMP], (model, t, tau, state, work, noise))
         if bathed:
-            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, 1, state, work, m))
+            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
     kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
     if damped:
         if m == 0:

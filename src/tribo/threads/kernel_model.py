@@ -267,7 +267,7 @@ def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
         records.ROTATE_BATHS: (
             bathed,
             bath_substep.rotate_baths,
-            (number, number, types.int64, *within, types.int64),
+            (number, number, *within, types.int64),
         ),
         records.DAMP: (
             work.before.size > 0,
