@@ -63,7 +63,7 @@ class Request(NamedTuple):
             if self.at == END and not averaged and "forces" not in series:
                 without = output.ledger == "none" and not any(map(needs_accounts, kinds))
                 output = Output(samples=2, series=series, ledger="none" if without else "asperites")
-        return replace(scene, numerics=numerics, output=output)
+        return scene.with_settings(output, numerics)
 
     def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
         """The scene with all members' settings; it may be `recorded` already.
