@@ -136,16 +136,16 @@ def vector(
     field: str, value: object, condition: Condition = ANY, size: int | None = None, unit: str = ""
 ) -> np.ndarray:
     """A read-only array of finite numbers, of the given size if there is one."""
-    value = listed(field, value, size, unit)
-    if hasattr(value, "__array__"):
-        value = np.asarray(value)
-    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
-        array = value.astype(float)
+    items = listed(field, value, size, unit)
+    if hasattr(items, "__array__"):
+        items = np.asarray(items)
+    if isinstance(items, np.ndarray) and items.ndim == 1 and items.dtype.kind in "if":
+        array = items.astype(float)
         usable = np.abs(array) <= LARGEST_NUMBER
         for k in () if usable.all() else np.flatnonzero(~usable):
             number(f"{field}[{k}]", array[k], ANY, unit)
     else:
-        array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
+        array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(items)])
     if condition is not ANY:
         met = np.asarray(condition[1](array))
         if not met.all():

@@ -140,9 +140,7 @@ def _axis(key: object, values: object) -> Axis:
     rows = []
     if not is_list(values) or len(values) == 0:
         raise must_be(name, "a list of numbers or words", values)
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    for item in values:
+    for item in values.tolist() if isinstance(values, np.ndarray) else values:
         if together and not (is_list(item) and len(item) == len(keys)):
             raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
         row = tuple(map(scalar, item if together else [item]))
