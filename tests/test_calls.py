@@ -15,19 +15,18 @@ from scipy import stats
 import tribo
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 40, 650 and 3,940, and two more for each run of a
+# with an estimate, and of `simulate`; measured: 40, 599 and 3,860, and two more for each run of a
 # pair once there are plug-ins of the user's.
 PREPARED = 42
-ESTIMATED = 670
-SIMULATED = 4060
-# Of 100 members, and of 121 points of a grid; measured: 15,770 and 22,530.
-MEMBERS = 16200
-POINTS = 23100
-# Of each further thousand of members that differ in starts; measured: 135, and 165 once there are
-# plug-ins of the user's.
-EACH_THOUSAND = 175
-# Of each further thousand of members that differ in numbers; measured: 99.
-EACH_THOUSAND_OWN = 110
+ESTIMATED = 617
+SIMULATED = 3980
+# Of 100 members, and of 121 points of a grid; measured: 14,410 and 19,760.
+MEMBERS = 14850
+POINTS = 20350
+# Of each further thousand of members that differ in starts; measured: 28.
+EACH_THOUSAND = 29
+# Of each further thousand of members that differ in numbers; measured: 50.
+EACH_THOUSAND_OWN = 52
 # Of each further thousand of points; measured: none.
 EACH_THOUSAND_POINTS = 400
 

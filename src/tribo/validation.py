@@ -9,7 +9,7 @@ import dataclasses
 import difflib
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeGuard, TypeVar
@@ -92,8 +92,10 @@ def short_repr(value: object) -> str:
 
 def number(field: str, value: object, condition: Condition = ANY, unit: str = "") -> float:
     """One finite number that meets the condition; the message names the unit if one is given."""
-    if type(value) is float and condition is ANY and -LARGEST_NUMBER <= value <= LARGEST_NUMBER:
-        return value
+    # A float is the most frequent; what is wrong with one is found below.
+    ordinary = type(value) is float and -LARGEST_NUMBER <= value <= LARGEST_NUMBER
+    if ordinary and (condition is ANY or condition[1](value)):
+        return value  # type: ignore[return-value]
     value = scalar(value)
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating)):
         raise must_be(field, f"a number{_in(unit)}", value)
@@ -120,24 +122,30 @@ def number_or_array(
     return vector(field, value, condition, unit=unit)
 
 
-def vector(
-    field: str, value: object, condition: Condition = ANY, size: int | None = None, unit: str = ""
-) -> np.ndarray:
-    """A read-only array of finite numbers, of the given size if there is one."""
+def listed(field: str, value: object, size: int | None = None, unit: str = "") -> Any:
+    """A list or an array, of the given size if there is one, whose items are not checked."""
     wanted = "a list of numbers" if size is None else "1 number" if size == 1 else f"{size} numbers"
     if not is_list(value):
         raise must_be(field, f"{wanted}{_in(unit)}", value)
     if size is not None and len(value) != size:
         raise InputError(field, f"must be {wanted}{_in(unit)}, got {len(value)}")
-    if hasattr(value, "__array__"):
-        value = np.asarray(value)
-    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "if":
-        array = value.astype(float)
+    return value
+
+
+def vector(
+    field: str, value: object, condition: Condition = ANY, size: int | None = None, unit: str = ""
+) -> np.ndarray:
+    """A read-only array of finite numbers, of the given size if there is one."""
+    items = listed(field, value, size, unit)
+    if hasattr(items, "__array__"):
+        items = np.asarray(items)
+    if isinstance(items, np.ndarray) and items.ndim == 1 and items.dtype.kind in "if":
+        array = items.astype(float)
         usable = np.abs(array) <= LARGEST_NUMBER
         for k in () if usable.all() else np.flatnonzero(~usable):
             number(f"{field}[{k}]", array[k], ANY, unit)
     else:
-        array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(value)])
+        array = np.array([number(f"{field}[{i}]", item, ANY, unit) for i, item in enumerate(items)])
     if condition is not ANY:
         met = np.asarray(condition[1](array))
         if not met.all():
@@ -226,16 +234,16 @@ def instance(kind: type) -> Check:
     return check
 
 
-def as_parent(value: Any, kinds: Iterable[type]) -> Any:
+def as_parent(value: Any, kinds: Collection[type]) -> Any:
     """An object of one of some dataclasses, also for one of a subclass that changes nothing.
 
     Runs and files know the fields and methods of `kinds` alone.  Raises InputError, without a
     field, for subclasses with others.
     """
     cls = type(value)
-    parent = next((base for base in cls.__mro__ if base in kinds), None)
-    if parent is cls:
+    if cls in kinds:
         return value
+    parent = next((base for base in cls.__mro__ if base in kinds), None)
     if parent is None:
         known = shortened(f"tribo.{kind.__name__}" for kind in kinds)
         raise InputError("", f"must be of {known}, got a {cls.__name__}")

@@ -192,7 +192,7 @@ def estimate(
         beyond = np.where(np.isfinite(gaps), np.maximum(gaps - factor * rounded, 0.0), 0.0)
     # A quantity with a scale of its own changes no bound of another.
     has_scale = (scale > 0.0) & are_common(found.names)
-    relative = float((beyond[has_scale] / scale[has_scale]).max(initial=0.0))
+    relative = float(np.maximum.reduce(beyond[has_scale] / scale[has_scale], initial=0.0))
     apart = relative > diverged or relative + least > DIVERGED
     pooled = max(relative, UNRELATED) if apart else POOLED * relative
     bounds = gaps + 4.0 * EPSILON * tops + rounded
@@ -215,7 +215,7 @@ def excess_of_request(bounds: Mapping[str, float], scales: Scales, accuracy: Acc
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(known, bound / unit, np.inf)
     # An estimate that is NaN is not known either.
-    return float(np.where(bound <= 0.0, 0.0, relative).max(initial=0.0))
+    return float(np.maximum.reduce(np.where(bound <= 0.0, 0.0, relative), initial=0.0))
 
 
 def measure_amplification(

@@ -69,16 +69,17 @@ def _extremes(
     group = AsperiteSeries(layout, samples, (layout.together,))
     columns = series_table(layout, group, names)
     (motion,) = group.motions
-    run = columns.rows(slice(count))
-    coarse = columns.rows(slice(count, None))
-    at_shared = run.rows(fine.t.searchsorted(samples.t[count:]))
-    names = without_surfaces(run.names)
+    run = columns.values[:count]
+    at_shared = run[fine.t.searchsorted(samples.t[count:])]
+    with np.errstate(invalid="ignore"):  # of two infinite energies
+        apart = at_shared - columns.values[count:]
+    names = without_surfaces(columns.names)
     rounding = dict.fromkeys(names, 0.0) | rounding_of_terms(layout, motion, steps)
     mean = mean_velocity(layout)
     return Extremes(
-        run.names,
-        tops=run.largest()[:, 0],
-        gaps=at_shared.minus(coarse).largest()[:, 0],
+        columns.names,
+        tops=columns.largest(run)[:, 0],
+        gaps=columns.largest(apart)[:, 0],
         terms=np.array([rounding[name] for name in names]),
         speed=largest(motion.bob_speed(mean)[:count]),
         internal=largest(motion.energy[:count]),

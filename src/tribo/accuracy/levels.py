@@ -178,7 +178,8 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     would shrink without end.  `near` is the longest step in units of the time to an encounter.
     """
     level = max(level, FLOOR)
-    a = layout.together.asperites
+    span = layout.together
+    a = span.asperites
     energy = float(_slower_below(level * scales.energy, scales.lost_energy))
     speed = float(_slower_below(level * scales.velocity, scales.lost_speed))
     y = np.empty(2 * layout.coordinates)
@@ -193,11 +194,14 @@ def tolerances(layout: Layout, scales: ToleranceScales, level: float, near: floa
     omega = np.minimum(level * scales.rate, _over(energy, a.inertia * spin))
     q[swing] = _slower_below(angle, scales.lost_angle)
     v[swing] = _slower_below(omega, scales.lost_rate)
-    turning = a.dof_phi >= 0
-    q[a.dof_phi[turning]] = q[swing][turning]
-    nu = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
-    v[a.dof_phi[turning]] = _slower_below(nu, scales.lost_rate)
-    for slots in (a.dof_x, a.dof_y):
+    if "dof_phi" in span.present:
+        turning = a.dof_phi >= 0
+        q[a.dof_phi[turning]] = q[swing][turning]
+        nu = np.minimum(level * scales.rate, energy / (a.i2[turning] * scales.rate))
+        v[a.dof_phi[turning]] = _slower_below(nu, scales.lost_rate)
+    for name, slots in (("dof_x", a.dof_x), ("dof_y", a.dof_y)):
+        if name not in span.present:
+            continue
         live = slots >= 0
         slow = np.minimum(speed, energy / (a.mass[live] * scales.velocity))
         v[slots[live]] = _slower_below(slow, scales.lost_speed)

@@ -6,7 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.accuracy.comparison import Accuracy, observables
-from tribo.accuracy.scales import Scales, largest_of_runs, scales_of, without_surfaces
+from tribo.accuracy.scales import (
+    MEASURES,
+    Scales,
+    largest_of_runs,
+    scales_of,
+    without_surfaces,
+)
 from tribo.layout.layout import Layout
 from tribo.ledger.motion import mean_velocity
 from tribo.ledger.samples import Samples
@@ -42,14 +48,15 @@ class FineRuns:
         samples = self._samples.beside(*(_at_few_times(each)[1] for each in others))
         layout = self._layout_of(runs)
         group = AsperiteSeries(layout, samples, (layout.together,))
-        # The scales depend on all quantities, and differences on those that are asked for.
-        only = self._kinds if self._scales is not None else None
+        only = self._kinds
+        if only is not None and self._scales is None:
+            only = only | MEASURES
         table = series_table(layout, group, self._asked, only)
         values = table.values.reshape(-1, runs, members, table.values.shape[1])
         if self._scales is None:
-            self._scales = _scales(layout, group, _with(table, values[:, 0]), members)
+            self._scales = _scales(layout, group, table, values[:, 0])
         with np.errstate(divide="ignore", invalid="ignore"):  # of infinite energies, by no scale
-            gaps = _with(table, values[:, :1] - values[:, 1:]).largest(members * len(others))
+            gaps = table.largest(values[:, :1] - values[:, 1:], members * len(others))
             worst = _in_units(self._accuracy, self._scales, table.names, gaps, members)
         complete = self._complete & [each.complete for each in others]
         return self._scales, np.where(complete & np.isfinite(worst), worst, np.inf)
@@ -65,14 +72,12 @@ class FineRuns:
         return self._layouts[runs]
 
 
-def _with(table: SeriesTable, values: np.ndarray) -> SeriesTable:
-    """The table with other values, (..., columns)."""
-    return table._replace(values=values.reshape(-1, values.shape[-1]))
-
-
-def _scales(layout: Layout, group: AsperiteSeries, table: SeriesTable, members: int) -> Scales:
-    """The scales of the first runs of a group, as many as there are members."""
-    tops = table.largest(members)
+def _scales(
+    layout: Layout, group: AsperiteSeries, table: SeriesTable, values: np.ndarray
+) -> Scales:
+    """The scales of the first runs of a group, whose `values` are (times, members, columns)."""
+    members = values.shape[1]
+    tops = table.largest(values, members)
     (motion,) = group.motions
     mean = mean_velocity(layout)
     runs = group.samples.runs

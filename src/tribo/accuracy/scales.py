@@ -30,6 +30,8 @@ def measures_of(scale: str) -> tuple[str, ...]:
 RATES, ENERGIES, WORKS, TOTALS, POTENTIALS = map(
     measures_of, ("rate", "energy", "work", "total", "potential")
 )
+# All quantities from which scales are found.
+MEASURES = frozenset(name for name, role in ROLES.items() if role.measures)
 # Motion with less than this part of the energy of contacts and fields is round-off.  Two rows of
 # five in an equilibrium have works of 1e-15 of that energy, and a total of 1e-14.
 UNRESOLVED = 256.0 * EPSILON
@@ -124,7 +126,8 @@ def scales_of(
     `tops` are those of quantities with some names, (names,) or (names, members).
     """
     body = _largest_body(layout)
-    runs = np.size(speed)
+    single = tops.ndim == 1
+    runs = 1 if single else tops.shape[1]
     inertia = body.inertia[:runs]
     mass = body.mass[:runs]
     length = body.rod[:runs]
@@ -144,10 +147,9 @@ def scales_of(
         "energy": energy,
         "total": np.maximum(energy, _highest(names, tops, TOTALS)),
         "work": work if works else np.zeros_like(work),
-        "angle": np.ones(1),
     }
     own = {names[place]: tops[place] for place in _with_own_scale(names)}
-    if np.ndim(speed) == 0:
+    if single:
         scales = {scale: each.item() for scale, each in scales.items()}
         own = {name: each.item() for name, each in own.items()}
     return Scales(**scales, own=own)
@@ -175,13 +177,13 @@ def _largest_body(layout: Layout) -> _LargestBody:
 
 def length_scale(path: Values, rod: Values) -> np.ndarray:
     """The scale of lengths: how far bobs move, at most the longest rod; this where they do not."""
-    moves = np.asarray(path) > UNRESOLVED * np.asarray(rod)
+    moves = path > UNRESOLVED * rod
     return np.where(moves, np.minimum(path, rod), rod)
 
 
 def are_lost(work: Values, energy: Values) -> np.ndarray:
     """Whether works lie below the rounding of an energy that they change."""
-    return ~(work > EPSILON * np.asarray(energy))
+    return np.logical_not(work > EPSILON * energy)
 
 
 @lru_cache
@@ -237,7 +239,7 @@ def _units(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
 def largest_of_runs(series: np.ndarray, runs: int) -> np.ndarray:
     """The largest magnitude of a series in each of some runs, over times and asperites."""
     each = np.abs(series).reshape(-1, runs, series.shape[1])
-    return np.asarray(each.max(axis=(0, 2)))
+    return np.asarray(np.maximum.reduce(each, axis=(0, 2)))
 
 
 def largest(values: np.ndarray) -> float:

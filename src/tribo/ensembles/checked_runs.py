@@ -347,7 +347,7 @@ def _with_most_evaluations(
 
     Both are of a pilot, members with the `starts`.
     """
-    piece = min(PIECE, runs.chunk)
+    piece = runs.chunk if threads == 1 else min(PIECE, runs.chunk)
 
     def errors(members: np.ndarray, method: str) -> np.ndarray:
         """Differences from finer runs by a method, in units of the accuracy, (members,)."""

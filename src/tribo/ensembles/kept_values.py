@@ -343,16 +343,17 @@ class Tally(Counter[str]):
         """Count some members; `common_level` is that of most of them, NaN if there is none."""
         others = found["status"][~completed(found)]  # comparing is quicker than counting
         self.update(others.tolist())
-        self.update({str(Status.COMPLETED): found["status"].size - others.size})
+        self[str(Status.COMPLETED)] += found["status"].size - others.size
         if np.isfinite(common_level):
-            self.update({CHECKED: int(np.isfinite(found["error"]).sum())})
-            self.update({REFINED: int((found["level"] != common_level).sum())})
+            self[CHECKED] += int(np.isfinite(found["error"]).sum())
+            self[REFINED] += int((found["level"] != common_level).sum())
         noted = found["note"][found["note"] != ""].tolist()
-        self.update({WEAK: sum(LOST in note for note in noted)})
-        self.update({WITHOUT_INTERVAL: int(without_interval(found).sum())})
-        self.update({HEATED: sum(HEATS in note for note in noted)})
+        self[WEAK] += sum(LOST in note for note in noted)
+        self[WITHOUT_INTERVAL] += int(without_interval(found).sum())
+        self[HEATED] += sum(HEATS in note for note in noted)
         excess = found["excess"][~np.isnan(found["excess"])]
-        self.update({EXCESS: float(np.sum(excess)), EXCESSES: excess.size})  # type: ignore[dict-item]
+        self[EXCESS] += float(np.sum(excess))  # type: ignore[assignment]
+        self[EXCESSES] += excess.size
 
     @property
     def statuses(self) -> dict[str, int]:

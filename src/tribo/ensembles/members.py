@@ -10,6 +10,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -256,13 +257,15 @@ class Variation:
 
     def _drawn(self, draw: Draw | SeedDraw, key: str, numbers: np.ndarray) -> np.ndarray:
         """Values of members whose numbers ascend, from those of whole blocks of members."""
-        within = numbers // draw.block
-        if numbers.size > 0 and within[0] == within[-1]:  # of all members of a small ensemble
-            return self._block(draw, int(within[0]))[key][numbers % draw.block]
-        blocks, firsts = np.unique(within, return_index=True)
-        parts = np.split(numbers % draw.block, firsts[1:])
-        pairs = zip(blocks.tolist(), parts, strict=True)
-        return np.concatenate([self._block(draw, block)[key][part] for block, part in pairs])
+        blocks, places = np.divmod(numbers, draw.block)
+        if blocks[0] == blocks[-1]:  # of all members of a small ensemble
+            return self._block(draw, int(blocks[0]))[key][places]
+        firsts = [0, *((blocks[1:] != blocks[:-1]).nonzero()[0] + 1).tolist(), numbers.size]
+        parts = [
+            self._block(draw, int(blocks[first]))[key][places[first:stop]]
+            for first, stop in pairwise(firsts)
+        ]
+        return np.concatenate(parts)
 
     def _new_block(self, draw: Draw | SeedDraw, block: int) -> dict[str, np.ndarray]:
         sequence = np.random.SeedSequence(self.seed, spawn_key=(block, *draw.name.encode()))

@@ -63,7 +63,7 @@ class Request(NamedTuple):
             if self.at == END and not averaged and "forces" not in series:
                 without = output.ledger == "none" and not any(map(needs_accounts, kinds))
                 output = Output(samples=2, series=series, ledger="none" if without else "asperites")
-        return replace(scene, numerics=numerics, output=output)
+        return scene.with_settings(output, numerics)
 
     def prepare(self, scene: Scene, recorded: Scene | None = None) -> Simulation:
         """The scene with all members' settings; it may be `recorded` already.
@@ -133,9 +133,10 @@ class Request(NamedTuple):
 
         Paths depend on the steps, and members that keep their ends alone record no samples.
         """
+        if self.keep is None or self.at != END or not noisy(scene):
+            return simulation
         intervals = np.diff(scene.times)
-        equal = np.ptp(intervals) <= 1e-9 * intervals[0]
-        if self.keep is None or self.at != END or not (noisy(scene) and equal):
+        if np.ptp(intervals) > 1e-9 * intervals[0]:
             return simulation
         plan = replace(simulation.plan, interval=float(intervals[0]))
         step = plan.setting.of_equal_steps()

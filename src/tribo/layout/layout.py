@@ -40,12 +40,23 @@ T = TypeVar("T")
 
 def once_per_layout(function: Callable[[Layout], T]) -> Callable[[Layout], T]:
     """A function of a layout that is computed once for each, as what all its runs share."""
+    return _once(function, "computed")
+
+
+def once_per_scene(function: Callable[[Layout], T]) -> Callable[[Layout], T]:
+    """The same of what the scene alone decides: once for all layouts that are made from one."""
+    return _once(function, "computed_of_scene")
+
+
+def _once(function: Callable[[Layout], T], place: str) -> Callable[[Layout], T]:
+    """The function, whose values are kept in a dictionary at a place in the layout."""
 
     @wraps(function)
     def known(layout: Layout) -> T:
-        if function not in layout.computed:
-            layout.computed[function] = function(layout)
-        value: T = layout.computed[function]
+        values = layout.__dict__[place]
+        if function not in values:
+            values[function] = function(layout)
+        value: T = values[function]
         return value
 
     return known
@@ -82,6 +93,8 @@ class Layout:
     member_times: int = 1  # at which samples have rows of all members
     # Of a run with noise, half of which lies between a sample and the next kick; 0 elsewhere.
     noisy_step: float = 0.0
+    # Values of functions that are computed `once_per_scene`; layouts made from this one share them.
+    computed_of_scene: dict[Callable[[Layout], Any], Any] = field(default_factory=dict, repr=False)
     # Values of functions that are computed `once_per_layout`.
     computed: dict[Callable[[Layout], Any], Any] = field(
         default_factory=dict, init=False, repr=False

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tribo.kernels.samples import BATH_ROWS
-from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.layout import Layout, once_per_scene
 from tribo.ledger.forces import Forces
 from tribo.ledger.lazy import lazy_property
 from tribo.ledger.quantities import EVERY_QUANTITY, FURTHER
@@ -292,7 +292,7 @@ class Contents(NamedTuple):
     surfaces: Mapping[str, tuple[Mapping[str, Quantity], int]]  # their quantities, and indices
 
 
-@once_per_layout
+@once_per_scene
 def contents(layout: Layout) -> Contents:
     scene = layout.scene
     found = tuple([reported(scene.output.ledger, names) for names in names_by_surface(layout)])

@@ -43,13 +43,6 @@ class Motion:
         self._q = samples.y[:, : layout.core]
         self._v = samples.y[:, layout.core :]
 
-    def part(self, span: Span) -> Motion:
-        """The same of some of the asperites, with the arrays from which totals are summed."""
-        part = Motion(self._layout, span, self.samples)
-        for name in ("vx", "vy", "moving", "internal"):
-            part.__dict__[name] = getattr(self, name)[:, span.place]
-        return part
-
     @lazy_property
     def t(self) -> np.ndarray:
         """The times, (times, 1)."""
@@ -128,7 +121,19 @@ class Motion:
     @lazy_property
     def moving(self) -> np.ndarray:
         """Kinetic energy of the centre of mass, relative to its uniform motion."""
-        return np.asarray(0.5 * (self.vx**2 + self.vy**2) * self.span.asperites.mass)
+        moving: np.ndarray = 0.5 * (self.vx**2 + self.vy**2) * self.span.asperites.mass
+        return moving
+
+    @lazy_property
+    def momentum(self) -> Position:
+        """Momentum along x and y, relative to the uniform motion."""
+        mass = self.span.asperites.mass
+        return self.vx * mass, self.vy * mass
+
+    @lazy_property
+    def within(self) -> np.ndarray:
+        """All energy relative to the uniform motion, less the internal energy at the start."""
+        return self.moving + self.internal
 
     @lazy_property
     def kinetic(self) -> np.ndarray:
@@ -162,7 +167,8 @@ class Motion:
         held = a.dof_x < 0  # on a block, centres of mass have slots
         held = held | (np.asarray(self._layout.surfaces)["drive"][a.surface] == MOVED)
         driven = np.where(held, a.pivot, 0.0)
-        return np.asarray(self.energy + 0.5 * a.mass * (driven * self.omega) ** 2)
+        swinging: np.ndarray = self.energy + 0.5 * a.mass * (driven * self.omega) ** 2
+        return swinging
 
     @lazy_property
     def internal(self) -> np.ndarray:
@@ -178,14 +184,16 @@ class Motion:
         own_x, own_y = self.span.velocity - mean[..., None]
         x = samples.change(self.x + a.l1 * ty) + own_x * later
         y = samples.change(self.y - a.l1 * tx) + own_y * later
-        return np.asarray(np.hypot(x, y))
+        path: np.ndarray = np.hypot(x, y)
+        return path
 
     def bob_speed(self, frame: np.ndarray) -> np.ndarray:
         """The speed of the bob in a frame that moves with a velocity (2,), or (2, times)."""
         vx, vy = self.velocity
         frame_x, frame_y = frame[..., None]
         moving = vx - frame_x, vy - frame_y, self.omega, self.span.asperites.l1
-        return np.asarray(np.hypot(*rod_velocity(*moving, *self.direction)))
+        speed: np.ndarray = np.hypot(*rod_velocity(*moving, *self.direction))
+        return speed
 
     @lazy_property
     def _about_pivots(self) -> tuple[np.ndarray | float, ...]:

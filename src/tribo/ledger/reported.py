@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 
-from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.layout import Layout, once_per_scene
 from tribo.ledger.quantities import (
     ASPERITE_QUANTITIES,
     BLOCK_QUANTITIES,
@@ -28,7 +28,7 @@ def needs_accounts(name: str) -> bool:
     return name in EVERY_QUANTITY and isinstance(EVERY_QUANTITY[name].of, Linear)
 
 
-@once_per_layout
+@once_per_scene
 def names_by_surface(layout: Layout) -> tuple[frozenset[str], ...]:
     """The :func:`present_names` of each surface."""
     scene = layout.scene

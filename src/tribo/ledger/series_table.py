@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.layout.layout import Layout, once_per_layout
+from tribo.layout.layout import Layout, once_per_scene
 from tribo.ledger.accounts import Integrals
 from tribo.ledger.quantities import BLOCK_QUANTITIES, OPTIONAL_QUANTITIES
 from tribo.ledger.reported import Reported, names_by_surface, needs_accounts, reported
@@ -34,19 +34,14 @@ class SeriesTable(NamedTuple):
     starts: np.ndarray  # (names,) the first column of each
     values: np.ndarray  # (times, columns)
 
-    def rows(self, selected: slice | np.ndarray) -> SeriesTable:
-        return SeriesTable(self.names, self.starts, self.values[selected])
+    def largest(self, values: np.ndarray, runs: int = 1) -> np.ndarray:
+        """The largest magnitude of each quantity in each of some runs, (names, runs).
 
-    def largest(self, runs: int = 1) -> np.ndarray:
-        """The largest magnitude of each quantity in each of some runs, (names, runs)."""
-        each = np.abs(self.values).reshape(-1, runs, self.values.shape[1])
+        The `values` are some of those here, or their differences, (..., columns).
+        """
+        each = np.abs(values).reshape(-1, runs, values.shape[-1])
         highest = np.maximum.reduce(each, axis=0, initial=0.0)
         return np.maximum.reduceat(highest, self.starts, axis=1).T
-
-    def minus(self, other: SeriesTable) -> SeriesTable:
-        """The differences of the series from those of another run at the same times."""
-        with np.errstate(invalid="ignore"):  # of two infinite energies
-            return SeriesTable(self.names, self.starts, self.values - other.values)
 
 
 def series_table(
@@ -138,7 +133,7 @@ class Kind(NamedTuple):
     sums: bool  # works are sums over surfaces
 
 
-@once_per_layout
+@once_per_scene
 def _kind_of(layout: Layout) -> Kind:
     present = frozenset[str]().union(*names_by_surface(layout)).intersection(OPTIONAL_QUANTITIES)
     parts = tuple([(name, part.start, part.stop) for name, part in layout.parts.items()])

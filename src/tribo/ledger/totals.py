@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -74,12 +74,6 @@ class SurfaceSeries(AsperiteSeries):
     def _record(self) -> np.record:
         """The surface as the kernels know it."""
         return self._layout.surfaces[self._index]
-
-    @lazy_property
-    def motions(self) -> tuple[Motion, ...]:
-        if self._among is None:
-            return super().motions
-        return tuple([self._among.part(span) for span in self.spans])
 
     @property
     def place(self) -> tuple[Layout, int]:
@@ -178,8 +172,9 @@ class SurfaceSeries(AsperiteSeries):
     @lazy_property
     def change_of_internal(self) -> np.ndarray:
         """The change of the internal energy: of all energy that is not bulk kinetic."""
-        within = self._total(lambda e: e.moving + e.internal) - self._bulk
-        within = within + self.stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]].sum(axis=1)
+        within = self._total(lambda e: e.within) - self._bulk
+        stored = self.stored[:, [SPRINGS, BATH, TORSIONAL, WITHIN]]
+        within = within + np.add.reduce(stored, axis=1)
         return self.samples.change(within)
 
     def force(self, name: str, axis: int) -> np.ndarray:
@@ -225,7 +220,7 @@ class SurfaceSeries(AsperiteSeries):
         facing = self._layout.scene.surfaces[self._index].facing_sign
         return facing * self.force("f1", 1)
 
-    @property
+    @lazy_property
     def stored(self) -> np.ndarray:
         """The stored energies and momenta, (times, STORED)."""
         return self.samples.stored[:, self._index]
@@ -281,15 +276,16 @@ class SurfaceSeries(AsperiteSeries):
         """The velocity V in the surface's first frame."""
         mass = self._mass
         stored = self.stored
-        px = self._total(lambda e: e.vx * e.span.asperites.mass) + stored[:, MOMENTUM_X]
-        py = self._total(lambda e: e.vy * e.span.asperites.mass) + stored[:, MOMENTUM_Y]
+        px = self._total(lambda e: e.momentum[0]) + stored[:, MOMENTUM_X]
+        py = self._total(lambda e: e.momentum[1]) + stored[:, MOMENTUM_Y]
         return px / mass, py / mass
 
     @lazy_property
     def _bulk(self) -> np.ndarray:
         """The kinetic energy of the motion with V, in the surface's first frame."""
         lag_x, lag_y = self._lag
-        return np.asarray(0.5 * self._mass * (lag_x**2 + lag_y**2))
+        bulk: np.ndarray = 0.5 * self._mass * (lag_x**2 + lag_y**2)
+        return bulk
 
     def sum_over(
         self,
@@ -302,11 +298,10 @@ class SurfaceSeries(AsperiteSeries):
 
     def _total(self, value: Callable[[Motion], np.ndarray]) -> np.ndarray:
         """The sum over the asperites of a quantity; see :func:`_sum`."""
-        motions = self.motions
-        if len(motions) == 1:
-            total: np.ndarray = 0.0 + np.add.reduce(value(motions[0]), axis=1)
-            return total
-        return _sum(value(motion) for motion in motions)
+        if self._among is None:
+            return _sum([value(motion) for motion in self.motions])
+        every = value(self._among)
+        return _sum([every[:, span.place] for span in self.spans])
 
 
 @dataclass(eq=False)
@@ -321,8 +316,9 @@ class SystemSeries:
     def change_of_energy(self) -> np.ndarray:
         """The change of the total energy; that of bobs at one place is infinite."""
         potential = self.samples.contact + self.samples.field
-        changes = (w.change_of_kinetic + w.change_of_internal for w in self.wholes)
-        return np.asarray(sum(changes) + self.samples.change(potential))
+        change = self.samples.change(potential)
+        changes = [whole.change_of_kinetic + whole.change_of_internal for whole in self.wholes]
+        return sum(changes) + change
 
     def applied(self, integrals: Integrals) -> np.ndarray:
         """The work of drives, ends, reservoirs and moving fields."""
@@ -379,7 +375,7 @@ def _side_by_side(series: list[np.ndarray]) -> np.ndarray:
 
 def _sum(values: Iterable[np.ndarray]) -> np.ndarray:
     """The sum over asperites, with the same bits for any number of times, unlike products."""
-    total: np.ndarray | float = 0.0
+    total: Any = 0.0
     for value in values:
         total = total + np.add.reduce(value, axis=1)
-    return np.asarray(total)
+    return total  # type: ignore[no-any-return]

@@ -257,7 +257,10 @@ class Pair:
         self._potential_memory, self.numbers = memory_of((self.potential,))
         self.units = self._units(own=False, in_lanes=False)
         driven = layout if layout.model.pivots is not None else None
-        self.factors = Factors(*factors_of(layout, np.asarray(layout.asperites)), {}, driven)
+        state, accounts = factors_of(layout, np.asarray(layout.asperites))
+        self.factors = Factors(state, accounts, {}, driven)
+        # By which tolerances of the layout are those of the loop's rows.
+        self._sizes = np.abs(np.concatenate([state, accounts]))[:, :ENERGY]
         self._first_step = FIRST_STEP_FACTOR * first_step
         self._order = method.order
         slots = np.asarray(layout.asperites)["dof_x"].tolist()
@@ -326,7 +329,7 @@ class Pair:
 
     def lacks(self, starts: np.ndarray) -> np.ndarray:
         """Whether starts, y (members, 2 coordinates), have centres of mass displaced along x."""
-        return np.asarray(starts[:, self.zeros].any(axis=1))
+        return np.logical_or.reduce(starts[:, self.zeros], axis=1)
 
     def integrate(
         self,
@@ -395,9 +398,8 @@ class Pair:
     def _limits_of(self, tolerance: Tolerance) -> np.ndarray:
         """What the loop takes of tolerances: those of its own rows, and its first step."""
         everything = np.concatenate([tolerance.y, tolerance.s])
-        factors = np.abs(np.concatenate([self.factors.state, self.factors.accounts]))[:, :ENERGY]
         with np.errstate(divide="ignore"):
-            own = np.minimum.reduce(everything[:, None] / factors, axis=0)
+            own = np.minimum.reduce(everything[:, None] / self._sizes, axis=0)
         both = np.zeros((2, LANES))
         rates = [step_rows.OF_V1, step_rows.OF_V2, step_rows.OF_J]
         both[0, rates] = own[[step_rows.V1, step_rows.V2, step_rows.J]]

@@ -95,10 +95,18 @@ class Bath(ComparedByValue):
         return self.masses * self.frequencies**2
 
 
+# The bath of most surfaces, which all of them share: none of its values can be changed.
+NO_BATH = Bath()
+
+
+def no_bath() -> Bath:
+    return NO_BATH
+
+
 def as_bath(value: object) -> Bath:
     """A bath from a table of a scene file, None (no bath), or a Bath unchanged."""
     if value is None:
-        return Bath()
+        return NO_BATH
     if isinstance(value, Bath):
         return check.as_parent(value, [Bath])  # type: ignore[no-any-return]
     table = check.known_keys(value, KEYS)

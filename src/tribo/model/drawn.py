@@ -122,9 +122,9 @@ def with_columns(table: Any, folder: Path) -> Any:
 
 def with_draws(table: Any, name: str, count: int) -> Any:
     """A table of asperites with numbers in place of distributions, and of columns of files."""
+    if not isinstance(table, Mapping):
+        return table
     found = with_columns(table, Path())
-    if not isinstance(found, Mapping):
-        return found
     drawn_values = {
         key: drawn(str(key), value, name, count)
         for key, value in found.items()

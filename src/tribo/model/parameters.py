@@ -108,7 +108,11 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     for part in PARTS_OF_SCENE:
         if part in whole or part in of_parts:
             own[part] = _changed_settings(scene, part, whole, of_parts.get(part, {}))
-    surfaces = tuple(_changed_surface(s, of_parts) for s in scene.surfaces)
+    changed_names = {part.partition(".")[0] for part in of_parts}
+    surfaces = tuple(
+        _changed_surface(surface, of_parts) if surface.name in changed_names else surface
+        for surface in scene.surfaces
+    )
     if any(map(operator.is_not, surfaces, scene.surfaces)):
         own["surfaces"] = surfaces
     for part, name in ((INTERACTION, "interactions"), (FIELD, "fields")):

@@ -24,7 +24,7 @@ from tribo.model.scene_writer import output_table, surface_table, toml, without_
 from tribo.model.settings import Numerics, Output
 from tribo.model.smoothness import smoothness_of
 from tribo.model.surface import Surface
-from tribo.model.tables import ComparedByValue, from_table, part, table_of
+from tribo.model.tables import ComparedByValue, field_names, from_table, part, table_of
 from tribo.model.topography import Topography
 from tribo.potentials import tables as potentials
 from tribo.potentials.from_ase import Live
@@ -113,6 +113,10 @@ class Scene(ComparedByValue):
         for i, surface in enumerate(self.surfaces):
             with inside(f"surface[{i}].initial"):
                 self._check_initial(surface)
+        self._check_times()
+
+    def _check_times(self) -> None:
+        """Refuse samples after the end."""
         times = self.output.times
         if times is not None and times[-1] > self.duration:
             raise InputError(
@@ -149,7 +153,8 @@ class Scene(ComparedByValue):
         for i, interaction in enumerate(interactions):
             with inside(f"interaction[{i}]"):
                 _check_names("between", interaction.between, "surfaces", names)
-                _check_names("species", interaction.species, "species", self.species)
+                if interaction.species is not None:
+                    _check_names("species", interaction.species, "species", self.species)
         self._refuse_two_for_one_pair(interactions)
         return interactions
 
@@ -264,10 +269,18 @@ class Scene(ComparedByValue):
         ]
         return replace(self, surfaces=tuple(surfaces))
 
+    def with_settings(self, output: Output, numerics: Numerics) -> Scene:
+        """The same physics with other settings: all else was checked before."""
+        own = {name: getattr(self, name) for name in field_names(Scene)}
+        scene = object.__new__(Scene)
+        vars(scene).update(own, output=output, numerics=numerics)
+        scene._check_times()
+        return scene
+
     @property
     def species(self) -> list[str]:
         """The species of the bobs, in alphabetical order."""
-        return sorted({name for s in self.surfaces for name in s.species_of_each.tolist()})
+        return sorted(set().union(*[surface.species_names for surface in self.surfaces]))
 
     def has_contact_within(self, surface: Surface) -> bool:
         """Whether the bobs of the surface interact with one another."""

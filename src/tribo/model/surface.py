@@ -13,7 +13,7 @@ import numpy as np
 from tribo import validation as check
 from tribo.model.asperite import Asperite
 from tribo.model.bars import Ends, as_bars
-from tribo.model.bath import Bath, as_bath
+from tribo.model.bath import Bath, as_bath, no_bath
 from tribo.model.block import check_block
 from tribo.model.drawn import column, is_column, with_draws
 from tribo.model.drive import Drive
@@ -103,7 +103,7 @@ class Surface(ComparedByValue):
     bars: str | Ends = "clamped"
     springs: Springs = field(default_factory=Springs)
     elastic: Elastic | None = None
-    bath: Bath = field(default_factory=Bath)
+    bath: Bath = field(default_factory=no_bath)
     langevin: Langevin | tuple[Langevin, Langevin] | None = None
     species: str | tuple[str, ...] = ""
     asperite: Asperite = field(default_factory=Asperite)
@@ -304,8 +304,8 @@ class Surface(ComparedByValue):
         lengths = check.pair(unit="length")
         velocity = check.pair(unit="length / time")
         check.fields(self, bob=lengths, velocity=velocity, spacing=lengths)
-        check.vector("shape", self.shape, size=2)
-        shape = tuple(check.integer(f"shape[{i}]", n, 1) for i, n in enumerate(self.shape))
+        given = check.listed("shape", self.shape, size=2)
+        shape = tuple([check.integer(f"shape[{i}]", n, 1) for i, n in enumerate(given)])
         object.__setattr__(self, "shape", shape)
         check.fields(self, depth=check.one(unit="length"), positions=self._listed_positions)
         if self.count > check.LARGEST_COUNT:
@@ -330,6 +330,11 @@ class Surface(ComparedByValue):
         if len(names) != self.count or not all(isinstance(name, str) for name in names):
             raise must_be(field, f"one name, or one per asperite ({self.count})", given)
         return tuple(str(name) for name in names)
+
+    @property
+    def species_names(self) -> tuple[str, ...]:
+        """The species of its bobs: one, or one for each."""
+        return (self.species,) if isinstance(self.species, str) else self.species
 
     @property
     def species_of_each(self) -> np.ndarray:

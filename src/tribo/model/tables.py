@@ -11,6 +11,8 @@ from tribo.model.schedule import Schedule
 from tribo.validation import Check, InputError, as_parent, known_keys
 
 Kind = TypeVar("Kind")
+# Values that TOML has as they are.
+SAME_IN_TOML = (float, str, bool, int)
 
 
 class ComparedByValue:
@@ -65,12 +67,16 @@ def changed(item: Kind, values: Mapping[str, Any]) -> Kind:
 def table_of(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that are not None, as values of TOML."""
     values = {name: getattr(item, name) for name in field_names(type(item))}
-    return {name: _of_toml(value) for name, value in values.items() if value is not None}
+    return {
+        name: value if type(value) in SAME_IN_TOML else _of_toml(value)
+        for name, value in values.items()
+        if value is not None
+    }
 
 
 def _of_toml(value: Any) -> Any:
     """A value as TOML has it: arrays and tuples as lists, schedules and dataclasses as tables."""
-    if type(value) in (float, str, bool, int):
+    if type(value) in SAME_IN_TOML:
         return value
     if isinstance(value, np.ndarray):
         return value.tolist()

@@ -162,6 +162,8 @@ def returned_numbers(plugin: object, field: str, method: str, *arguments: object
     """Call a method.  Raises InputError unless it returns real numbers, as many as it should."""
     value = call_method(plugin, field, method, *arguments)
     count = RETURN_COUNTS.get(method, 1)
+    if count == 1 and type(value) in (int, float):  # nearly always
+        return value
     # np.where of numbers is an array without dimensions.
     several = value if isinstance(value, tuple) else (value,)
     items = [x[()] if isinstance(x, np.ndarray) else x for x in several]

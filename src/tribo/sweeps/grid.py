@@ -68,6 +68,8 @@ class Grid:
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
             self.first = with_values(scene, self.point(0))  # the scene of the first point
+            # Names of axes of which all values are numbers in which members may differ.
+            self.of_numbers = {axis.name for axis in self.axes if self._has_numbers(axis)}
             for axis in self.axes:
                 self._check(axis)
 
@@ -76,7 +78,7 @@ class Grid:
 
         Of numbers in which members may differ the extremes are tried, as of other members.
         """
-        if not self.has_numbers(axis):
+        if axis.name not in self.of_numbers:
             first = self.point(0)
             for place in range(1, len(axis.rows)):
                 with_values(self.scene, first | axis.at(place))
@@ -87,7 +89,7 @@ class Grid:
             if place:
                 with_values(self.first, {key: own[self.bound[key]] for key in self.bound_to(own)})
 
-    def has_numbers(self, axis: Axis) -> bool:
+    def _has_numbers(self, axis: Axis) -> bool:
         """Whether all values are numbers in which members may differ."""
         if any(isinstance(each, (str, bool)) for row in axis.rows for each in row):
             return False
@@ -138,7 +140,7 @@ def _axis(key: object, values: object) -> Axis:
     rows = []
     if not is_list(values) or len(values) == 0:
         raise must_be(name, "a list of numbers or words", values)
-    for item in values:
+    for item in values.tolist() if isinstance(values, np.ndarray) else values:
         if together and not (is_list(item) and len(item) == len(keys)):
             raise must_be(name, f"a list of {len(keys)} values each, one for each key", item)
         row = tuple(map(scalar, item if together else [item]))

@@ -129,7 +129,7 @@ def _served_by_one_plan(
     grid: Grid, request: Request, variation: Variation
 ) -> tuple[list[Axis], Simulation | None]:
     """The axes whose values can be those of members, and the simulation that shows it."""
-    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and grid.has_numbers(axis)]
+    candidates = [axis for axis in grid.axes if len(axis.rows) > 1 and axis.name in grid.of_numbers]
     if not candidates:
         return [], None
     places = [len(axis.rows) // 2 if axis in candidates else 0 for axis in grid.axes]
