@@ -1,5 +1,6 @@
 """Contact in lanes agrees with one pair after another, for built-in potentials and for a user's."""
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import tribo
 from support.kernels import shared_kernel
 from tribo import explanation
+from tribo.compiler.jit import compilations
 from tribo.compiler.lanes import LANES, NARROW, broadcast, lane, narrow, where_less, widen
 from tribo.compiler.lanes_memory import load, rows_of, store
 from tribo.compiler.numbers_in_lanes import numbers_at_lane, numbers_in_lanes
@@ -136,6 +138,31 @@ def test_a_users_potential(potential, arithmetic):
         (tribo.Surface("upper"), tribo.Surface("lower", facing="up")), potential, 1.0
     )
     assert explanation.contact(lay_out(scene), METHODS["verlet"]).arithmetic == arithmetic
+
+
+class Bell(NamedTuple):
+    """A potential that no other test compiles."""
+
+    height: float
+
+    def energy(self, r):
+        """U of a bell."""
+        return self.height * np.exp(-r * r)
+
+
+def test_a_formula_is_compiled_once():
+    """Whether it can be computed in lanes is found by compiling what kernels then call."""
+    potential = as_potential(Bell(0.3))
+    formula = type_of(potential).formulas["force_between"]
+    with compilations() as recorded:
+        assert_alike(potential)
+    compiled = Counter(
+        event.data["args"]
+        for _, event in recorded.buffer
+        if event.is_start and event.data["dispatcher"].py_func is formula
+    )
+    assert len(compiled) >= 3  # of one distance, of four and of eight
+    assert set(compiled.values()) == {1}
 
 
 @shared_kernel

@@ -16,22 +16,28 @@ from tribo.compiler.lanes import LANES, broadcast, lane, lanes, spread_like, wit
 from tribo.compiler.numbers_in_lanes import lane_of, numbers_at_lane
 
 
-@functools.cache
-def is_vectorized(potential_type: Any, charge: Any = types.float64) -> bool:
-    """Whether a potential's formula compiles for Lanes, with charges of one bob or of eight.
+def is_vectorized(potential_type: Any) -> bool:
+    """Whether a potential's formula compiles for Lanes.
 
     Raises NumbaError if it does not compile for another reason than an operation that Lanes lack.
     """
-    force = potential_type.formulas["force_between"]
-    compiled = njit(**OWNING_KERNEL)(force)
-    charge = lanes if lanes in potential_type.types else charge
+    return _formula_in_lanes(potential_type, types.float64) is not None
+
+
+@functools.cache
+def _formula_in_lanes(potential_type: Any, charge: Any) -> Any:
+    """The force between charges of one bob or of eight, compiled; None if Lanes lack an operation.
+
+    Raises NumbaError if it does not compile for another reason.
+    """
+    compiled = njit(**OWNING_KERNEL)(potential_type.formulas["force_between"])
     try:
         compiled.compile((potential_type, lanes, charge, lanes))
     except TypingError as error:
         if lanes.name not in str(error):
             raise
-        return False
-    return True
+        return None
+    return compiled
 
 
 def force_in_lanes(potential, r, end, charge, others, low, high):
@@ -45,7 +51,14 @@ def force_in_lanes(potential, r, end, charge, others, low, high):
 
 @overload(force_in_lanes, **OVERLOAD)
 def _force_in_lanes(potential, r, end, charge, others, low, high):
-    return force_in_lanes if is_vectorized(potential, charge) else _one_by_one
+    formula = _formula_in_lanes(potential, lanes if lanes in potential.types else charge)
+    if formula is None:
+        return _one_by_one
+
+    def all_together(potential, r, end, charge, others, low, high):
+        return formula(potential, r, charge, others)
+
+    return all_together
 
 
 def _one_by_one(potential, r, end, charge, others, low, high):
