@@ -292,7 +292,14 @@ def lane(builder, x, i):
 )
 def with_lane(builder, x, i, value):
     """The Lanes x with another number in lane i."""
-    return builder.insert_element(x, value, builder.trunc(i, _INDEX))
+    if isinstance(i, ir.Constant):
+        return builder.insert_element(x, value, builder.trunc(i, _INDEX))
+    # To insert at a place that is not known, LLVM stores the register, and loads it again before
+    # the processor has written the number.
+    kind = ir.VectorType(i.type, x.type.count)
+    numbers = ir.Constant(kind, list(range(x.type.count)))
+    here = builder.icmp_signed("==", _spread(builder, i, kind), numbers)
+    return builder.select(here, _spread(builder, value, x.type), x)
 
 
 def _are_between(low, high, x):

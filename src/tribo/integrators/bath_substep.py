@@ -29,22 +29,30 @@ def rotate_oscillators(q, v, k, centre, turn):
     return rate, change_of_rate
 
 
-@kernel
-def rotate_bath_of(model, bath, s, i, q, v, rotations):
-    """Rotate the oscillators of bar i; returns their momentum after it."""
-    px = broadcast(0.0)
-    py = broadcast(0.0)
-    x = model.displaced[X, i]
-    y = model.displaced[Y, i]
-    first, count, slot = oscillators_of(s, i, 0)
+@inlined
+def rotate_along_axis(bath, oscillators, place, q, v, rotations):
+    """Rotate a bar's oscillators along an axis about its place there; their momentum after it."""
+    first, count, slot = oscillators
+    momentum = broadcast(0.0)
     for m in range(0, count, LANES):
         turn = rotation_of(rotations, first + m)
-        mass = block(bath[OSCILLATOR_MASS], first + m)
-        rate, _ = rotate_oscillators(q, v, slot + m, x, turn)
-        px = px + mass * rate
-        rate, _ = rotate_oscillators(q, v, slot + count + m, y, turn)
-        py = py + mass * rate
-    return sum_of_lanes(px), sum_of_lanes(py)
+        rate, _ = rotate_oscillators(q, v, slot + m, place, turn)
+        momentum = momentum + block(bath[OSCILLATOR_MASS], first + m) * rate
+    return sum_of_lanes(momentum)
+
+
+@kernel
+def rotate_bath_of(model, bath, s, i, q, v, rotations):
+    """Rotate the oscillators of bar i; returns their momentum after it.
+
+    One axis after the other: the processor has too few registers for both.
+    """
+    first, count, slot = oscillators_of(s, i, 0)
+    along_x = first, count, slot
+    along_y = first, count, slot + count
+    px = rotate_along_axis(bath, along_x, model.displaced[X, i], q, v, rotations)
+    py = rotate_along_axis(bath, along_y, model.displaced[Y, i], q, v, rotations)
+    return px, py
 
 
 @apart

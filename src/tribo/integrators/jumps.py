@@ -81,19 +81,25 @@ def pseudowork_along_jump(jumps, s, i, px, py):
     return px * coordinates(s.dof_x, s, i, jumps) + py * coordinates(s.dof_y, s, i, jumps)
 
 
-@apart
+@inlined
 def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
     """Add the works of a block's reservoir against the forces of half a kick along its jump."""
     if acts(reservoirs):
         if s.gamma > 0.0 or s.swing_gamma > 0.0:
-            swing, _, x, y = acceleration
-            about = broadcast(0.0)
-            if s.fixed == 0:
-                torque = constant(model, INERTIA, s, i) * swing
-                about = 0.5 * torque * block(reservoirs.jumps, i)
-            half = 0.5 * constant(model, MASS, s, i)
-            pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, half * x, half * y)
-            add_to_reservoir(s, i, -about, -pseudowork, accounts)
+            add_works_along_jump(model, reservoirs, s, i, acceleration, accounts)
+
+
+@apart
+def add_works_along_jump(model, reservoirs, s, i, acceleration, accounts):
+    """The same where the block has a reservoir."""
+    swing, _, x, y = acceleration
+    about = broadcast(0.0)
+    if s.fixed == 0:
+        torque = constant(model, INERTIA, s, i) * swing
+        about = 0.5 * torque * block(reservoirs.jumps, i)
+    half = 0.5 * constant(model, MASS, s, i)
+    pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, half * x, half * y)
+    add_to_reservoir(s, i, -about, -pseudowork, accounts)
 
 
 @inlined

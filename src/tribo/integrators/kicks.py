@@ -11,7 +11,7 @@ The time is Lanes, as in the equations of motion.
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_memory import block, set_block
-from tribo.integrators.jumps import acts, add_opposite_works, reservoirs_of, with_jump
+from tribo.integrators.jumps import add_opposite_works, reservoirs_of, with_jump
 from tribo.kernels import blocks
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels.accounts import Powers
@@ -83,8 +83,7 @@ def kick_block(model, s, i, t, tau, state, work, acceleration):
     power = Powers(state.s, tau)
     velocities = with_jump(reservoirs, s, i, (omega, nu, vx, vy))
     powers_of_block(model, s, i, 0.0, t, q, velocities, power)
-    if acts(reservoirs):
-        add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
+    add_opposite_works(model, reservoirs, s, i, acceleration, state.s)
 
 
 @inlined
@@ -108,7 +107,7 @@ def add_half_shared_works(model, t, tau, state):
     """Add half of the works that are of no asperite: noise changes a surface's momentum."""
     if not blocks.absent(model.friction):
         power = Powers(state.s, tau)
-        shared_powers(model, model.ledger, t, blocks.halves(state.y)[1], power)
+        shared_powers(model, t, blocks.halves(state.y)[1], power)
 
 
 @inlined
@@ -150,7 +149,7 @@ def repeat_kick(model, active, t, tau, state, work):
     reservoirs = reservoirs_of(work.before, state, 2.0 * tau)
     power = Powers(state.s, 2.0 * tau)
     if blocks.absent(model.friction):
-        shared_powers(model, model.ledger, t, v, power)
+        shared_powers(model, t, v, power)
     else:
         add_half_shared_works(model, t, tau, state)
     for k in range(model.surfaces.shape[0]):

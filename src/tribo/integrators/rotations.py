@@ -50,17 +50,23 @@ def set_rotations(frequencies, tau, rotations):
         set_rotation(frequencies, i, tau, rotations)
 
 
-@apart
+@inlined
 def set_active_rotations(model, active, tau, rotations):
     """The same of pendulums in active blocks; the time of their selection is kept as well."""
-    frequencies = model.constants[FREQUENCY]
-    last = frequencies.size
+    last = model.constants.shape[1]
     selected = 0.0
     if active is not None:
         if active.blocks.size > 0:
             selected = active.selected[0]
-    if rotations[0, last] == tau and rotations[0, last + 1] == selected:
-        return
+    if rotations[0, last] != tau or rotations[0, last + 1] != selected:
+        set_other_rotations(model, active, tau, selected, rotations)
+
+
+@apart
+def set_other_rotations(model, active, tau, selected, rotations):
+    """The same for another time, or other active blocks, than those that are in place."""
+    frequencies = model.constants[FREQUENCY]
+    last = frequencies.size
     rotations[0, last] = tau
     rotations[0, last + 1] = selected
     for k in range(model.surfaces.shape[0]):

@@ -148,7 +148,7 @@ def drift_piece(model, neighbours, piece, now, tau, state, work):
         drift_block(model, s, i, now, tau, state, turn)
         if has_lists(neighbours):
             crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
-    if sum_of_lanes(crossed) > 0.0:
+    if has_lists(neighbours) and sum_of_lanes(crossed) > 0.0:
         neighbours.crossed[0] = 1
 
 
@@ -180,7 +180,7 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
         phase = teams.KICK, t, tau, state, work
         call_unit(model.units[rows.SHARE_STEP], (model, neighbours, *phase))
     if part == WHOLE:
-        shared_powers(model, model.ledger, now, work.middle, Powers(state.s, tau))
+        shared_powers(model, now, work.middle, Powers(state.s, tau))
     else:
         add_half_shared_works(model, now, tau, state)
     return 0.0

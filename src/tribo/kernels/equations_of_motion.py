@@ -141,9 +141,16 @@ def friction_forces(model, friction, swing_friction, v):
                 set_block(swing_friction[0], i, -gamma * block(v, i))
 
 
-@apart
+@inlined
 def gather_contact(model, members):
-    """Sum the contact forces on each rigid surface."""
+    """Sum the contact forces on each rigid surface, if there is any."""
+    if model.rigid:
+        sum_contact(model, members)
+
+
+@apart
+def sum_contact(model, members):
+    """The same where there is one."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if s.drive == RIGID:

@@ -285,6 +285,8 @@ class Model(NamedTuple):
     found: np.ndarray  # (FOUND,), scratch: the next encounters, see `kernels.encounters`
     ledger: bool  # whether works are kept
     sums: bool  # whether accounts are sums over asperites
+    shared: bool  # whether there are accounts that are of no asperite
+    rigid: bool  # whether any surface moves by the sum of the contact forces on it
     on_bobs: bool  # whether other forces than contact with other surfaces act on bobs
     on_bars: bool  # whether other forces than f2 act on bars
     elastic: Elastic

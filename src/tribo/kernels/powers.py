@@ -330,23 +330,29 @@ def power_of_stage(model, s, t):
     return totals(model.members, force * rate_of_schedule(model.schedules, s.stage_schedule, t))
 
 
+@inlined
+def shared_powers(model, t, v, power):
+    """Add the powers of the accounts that are of no asperite, if there are any."""
+    if model.shared:
+        add_shared_powers(model, t, v, power)
+
+
 @apart
-def shared_powers(model, ledger, t, v, power):
-    """Add the powers of the accounts that are of no asperite, if there is a ledger."""
-    if ledger:
-        if model.fields.power.size > 0:
-            field_powers(model, t, power)
-        for k in range(model.surfaces.shape[0]):
-            s = model.surfaces[k]
-            if s.acc_block >= 0:
-                # The surface's external force at the velocity of its centre of mass.
-                fx, fy = external_force(model, s)
-                px, py = momentum(model, s, v)
-                x = (fx * px + fy * py) * s.inverse_total_mass
-                add_total(model.members, power.accounts, s.acc_block, power.tau * x)
-            if s.acc_stage >= 0:
-                x = power_of_stage(model, s, t)
-                add_total(model.members, power.accounts, s.acc_stage, power.tau * x)
+def add_shared_powers(model, t, v, power):
+    """The same where there are some."""
+    if model.fields.power.size > 0:
+        field_powers(model, t, power)
+    for k in range(model.surfaces.shape[0]):
+        s = model.surfaces[k]
+        if s.acc_block >= 0:
+            # The surface's external force at the velocity of its centre of mass.
+            fx, fy = external_force(model, s)
+            px, py = momentum(model, s, v)
+            x = (fx * px + fy * py) * s.inverse_total_mass
+            add_total(model.members, power.accounts, s.acc_block, power.tau * x)
+        if s.acc_stage >= 0:
+            x = power_of_stage(model, s, t)
+            add_total(model.members, power.accounts, s.acc_stage, power.tau * x)
 
 
 @kernel
@@ -367,7 +373,7 @@ def powers_unit(model, t, q, v, accounts):
             velocities = all_coordinates(s, i, v)
             powers_of_block(model, s, i, 1.0, t, q, velocities, power)
     set_bath_momenta(model, v)
-    shared_powers(model, model.ledger, t, v, power)
+    shared_powers(model, t, v, power)
     if not absent(model.torsional):
         call_unit(model.units[rows.TORSIONAL_POWERS], (model, t, q, v, accounts))
     return 0.0

@@ -88,6 +88,8 @@ def model_of(
         found=room((encounters.FOUND,)),
         ledger=tables.ledger is not None,
         sums=tables.sums is not None,
+        shared=tables.ledger is not None and _has_shared_accounts(tables.surfaces, acting),
+        rigid=bool(np.any(tables.surfaces.drive == records.RIGID)),
         on_bobs=any(scratch[name].size for name in ("inner", "external")),
         on_bars=any(scratch[name].size for name in ("internal", "friction", "left", "right")),
         species=room((0,)) if tables.species is None else tables.species,
@@ -119,6 +121,12 @@ def model_of(
         for n, each in enumerate(forces or ()):
             units.set_custom(customs, n, unit, each.plugin)
     return model
+
+
+def _has_shared_accounts(surfaces: Any, fields: tuple[parts.FieldOn, ...]) -> bool:
+    """Whether works are kept of surfaces as a whole, of stages, or of moving fields."""
+    of_surfaces = np.any(surfaces.acc_block >= 0) or np.any(surfaces.acc_stage >= 0)
+    return bool(of_surfaces) or any(each.account >= 0 for each in fields)
 
 
 class Units:
