@@ -55,18 +55,36 @@ class _Model(extending.models.PrimitiveModel):
 class Kept:
     """A tuple that :func:`keep` has written into memory."""
 
-    def __init__(self, item: Any, kind: KeptType) -> None:
+    def __init__(self, item: Any, kind: KeptType, words: np.ndarray) -> None:
         self.item = item  # whose arrays must live as long
         self.kind = kind
-        self.words = np.array(words_of(item), np.int64)
-        self.address = self.words.ctypes.data
+        self.words = words
+        self.address = words.ctypes.data
+
+    def with_fields_of(self, item: Any) -> "Kept":
+        """Another tuple of the same type, where fields that are the same objects are known."""
+        words = self.words.copy()
+        for new, old, (_, place) in zip(item, self.item, self.kind.places.values(), strict=True):
+            if new is not old:
+                own = words_of(new)
+                words[place : place + len(own)] = own
+        return Kept(item, self.kind, words)
 
 
 def keep(item: Any) -> Any:
     """A tuple as an argument of time loops; as it is if it is none, or nothing is compiled."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return checked(item)
-    return Kept(item, kept_type(item)) if isinstance(item, tuple) else item
+    if not isinstance(item, tuple):
+        return item
+    return Kept(item, kept_type(item), np.array(words_of(item), np.int64))
+
+
+def keep_like(known: Any, item: Any) -> Any:
+    """The same of a tuple that differs in a few fields from one that is kept."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return checked(item)
+    return known.with_fields_of(item)
 
 
 # Class of a tuple, and which of its fields are absent -> its type, which takes long to find.

@@ -8,7 +8,7 @@ import numpy as np
 
 from tribo.compiler.generators import as_argument
 from tribo.compiler.jit import undisturbed
-from tribo.compiler.kept import keep
+from tribo.compiler.kept import keep, keep_like
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
@@ -20,7 +20,7 @@ from tribo.integrators.stiffness import MOVED, WATCH_ROWS
 from tribo.kernels.model import Neighbours
 from tribo.kernels.records import CLOCK
 from tribo.kernels.samples import Record, State, empty_state, initial_state
-from tribo.layout.contacts import with_room
+from tribo.layout.contacts import NO_NEIGHBOURS, with_room
 from tribo.layout.layout import Layout
 from tribo.ledger.samples import Samples, sample_columns
 from tribo.loops.legs import LegsOfLoop
@@ -31,12 +31,20 @@ from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
 from tribo.threads.shared_run import assisted
-from tribo.threads.writable_memory import arrays_in, own_model, shared_loop
+from tribo.threads.writable_memory import arrays_in, common_of, own_model, shared_loop
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")
 # Which blocks are active, and how long the others have not been advanced.
 SELECTION = ("blocks", "first", "since", "place", "selected")
+
+
+_NO_LISTS = keep(NO_NEIGHBOURS)
+
+
+def kept_lists(neighbours: Neighbours) -> Any:
+    """Lists of neighbours as loops are given them; scenes without lists share theirs."""
+    return _NO_LISTS if neighbours is NO_NEIGHBOURS else keep(neighbours)
 
 
 class GeneralLoop(TimeLoop):
@@ -62,8 +70,9 @@ class GeneralLoop(TimeLoop):
         self.model, self.calls = own_model(layout)
         self._legs = LegsOfLoop(layout, self.model)
         self._keeps_rates = not method.splits
-        self._kept = keep(self.model)
-        self._lists = keep(self._neighbours)
+        common = common_of(layout)
+        self._kept = keep_like(common.kept, self.model)
+        self._lists = kept_lists(self._neighbours)
         self._assistants = threads - 1
         self.adaptive = method.adaptive
         self.step = setting.step
@@ -83,12 +92,11 @@ class GeneralLoop(TimeLoop):
         self.recorded = np.concatenate([core, coordinates + core]), places.s
         self._noise: tuple[np.random.Generator, ...] = ()
         work = method.coefficients.workspace(self.model, self.state)
-        set_loop_units(self.model)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
-            set_step_units(self.model, self.state, work, 0)
-        else:
-            set_rate_units(self.model)
+        if method.name not in common.units:
+            common.units[method.name] = self._units(work)
+        self.model.units[:] = common.units[method.name]
         speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)
@@ -99,6 +107,17 @@ class GeneralLoop(TimeLoop):
         self.compiled = shared_loop(method.loop)
         self._assist: Any = shared_loop(assist) if self._assistants else None
         self._errors: list[Exception] = []  # of units, in the present call
+        self._columns: Columns = ()  # that it has filled last, and the record of them
+        self._record: Any = None
+
+    def _units(self, work: Any) -> np.ndarray:
+        """The addresses of all units that the loop needs."""
+        set_loop_units(self.model)
+        if self._keeps_rates:
+            set_rate_units(self.model)
+        else:
+            set_step_units(self.model, self.state, work, 0)
+        return self.model.units.copy()
 
     def _hold(self) -> None:
         """Let the loop use the state and the scratch that are there now."""
@@ -152,9 +171,11 @@ class GeneralLoop(TimeLoop):
     ) -> tuple[Any, ...]:
         """The arguments of the loop, behind the model; `noise` in place of its own generator."""
         self._make_room()
-        record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
+        if self._columns is not columns:
+            self._columns = columns
+            self._record = keep(Record(*columns, *self.recorded))  # type: ignore[call-arg]
         state, *scratch = self._held
-        run = self.clocks, state, times, record, budget
+        run = self.clocks, state, times, self._record, budget
         drawn_from = noise or map(as_argument, self._noise)
         return self._lists, *self._constants, *run, *drawn_from, *scratch
 
@@ -166,7 +187,7 @@ class GeneralLoop(TimeLoop):
 
     def _set_neighbours(self, neighbours: Neighbours) -> None:
         self._neighbours = neighbours
-        self._lists = keep(neighbours)
+        self._lists = kept_lists(neighbours)
 
     def forget_neighbours(self) -> None:
         if self.layout.rows > 0:

@@ -123,6 +123,24 @@ def model_of(
     return model
 
 
+def with_own_memory(model: Model) -> Model:
+    """The same model, with memory that no other loop writes; but for threads and calculators."""
+    used = [name for name in SCRATCH if getattr(model, name).size > 0]
+    scratch = {name: room(getattr(model, name).shape) for name in used}
+    body = model.elastic
+    if model.bodies:
+        own = {"grid": room(body.grid.shape), "waves": room(body.waves.shape)}
+        body = body._replace(**own, calls=body.calls.copy())
+    return model._replace(
+        **scratch,
+        found=room(model.found.shape),
+        units=model.units.copy(),
+        surfaces=model.surfaces.copy(),
+        schedules=_copied(model.schedules),
+        elastic=body,
+    )
+
+
 def _has_shared_accounts(surfaces: Any, fields: tuple[parts.FieldOn, ...]) -> bool:
     """Whether works are kept of surfaces as a whole, of stages, or of moving fields."""
     of_surfaces = np.any(surfaces.acc_block >= 0) or np.any(surfaces.acc_stage >= 0)

@@ -5,7 +5,7 @@ A layout is only read, so that several threads can run it.
 
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,12 +17,12 @@ from tribo.compiler.pointers import map_arrays
 from tribo.compiler.unit_errors import raising
 from tribo.kernels.model import Model
 from tribo.layout import contacts
-from tribo.layout.elastic_body import ElasticBodies, bodies_of
-from tribo.layout.layout import Layout
+from tribo.layout.elastic_body import NO_BODIES, ElasticBodies, bodies_of
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.potentials.from_ase import Call
-from tribo.threads.kernel_model import model_of
+from tribo.threads.kernel_model import model_of, with_own_memory
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
 
@@ -32,23 +32,43 @@ def shared_loop(function: Any) -> Any:
     return time_loop(function)
 
 
+class Common(NamedTuple):
+    """What all loops of a layout have in common."""
+
+    model: Model  # whose scratch no loop writes
+    kept: Any  # the model, as loops are given it
+    units: dict[str, np.ndarray]  # name of a method -> addresses of all units that its loops need
+
+
+@once_per_layout
+def common_of(layout: Layout) -> Common:
+    """What all loops of a layout have in common, with the units of plug-ins.
+
+    Raises InputError.
+    """
+    tables = layout.model._replace(surfaces=layout.model.surfaces.copy())
+    elastic = NO_BODIES
+    if any(surface.elastic is not None for surface in layout.scene.surfaces):
+        columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
+        elastic = bodies_of(layout.scene, tables.surfaces, columns, tables.each.shape[1])
+    team = None if tables.team is None else new_team(layout.scene, tables)
+    model = model_of(layout.scene, tables, layout.rows > 0, team, elastic)
+    return Common(model, keep(model), {})
+
+
 def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
     """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
-    tables = layout.model._replace(surfaces=layout.model.surfaces.copy())
+    model = with_own_memory(common_of(layout).model)
     calls: tuple[Call | ElasticBodies, ...] = ()
     if layout.calculator_calls:
         depths = [layout.depths[part] for part in layout.parts.values()]
-        calculators, calls = contacts.calculators(layout.scene, depths, tables.surfaces.start)
-        tables = tables._replace(calculators=calculators)
-    team = None if tables.team is None else new_team(layout.scene, tables)
-    listed = layout.rows > 0
-    if all(surface.elastic is None for surface in layout.scene.surfaces):
-        return model_of(layout.scene, tables, listed, team), calls
-    columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
-    elastic = bodies_of(layout.scene, tables.surfaces, columns, tables.each.shape[1])
-    if elastic.columns.size > 0:
-        calls = (*calls, ElasticBodies(layout.scene, elastic))
-    return model_of(layout.scene, tables, listed, team, elastic=elastic), calls
+        calculators, calls = contacts.calculators(layout.scene, depths, model.surfaces.start)
+        model = model._replace(calculators=calculators)
+    if layout.model.team is not None:
+        model = model._replace(team=new_team(layout.scene, layout.model))
+    if model.elastic.columns.size > 0:
+        calls = (*calls, ElasticBodies(layout.scene, model.elastic))
+    return model, calls
 
 
 def together(item: Any) -> tuple[Any, np.ndarray]:
