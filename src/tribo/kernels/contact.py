@@ -95,15 +95,15 @@ def block_of(neighbours, is_listed, n):
 
 
 @inlined
-def without_others(force, species, kinds, i, m):
-    """The forces of bob i where a block of bobs is of a kind that it acts on, 0 elsewhere."""
+def of_partners(x, species, kinds, i, m, other):
+    """`x` where a block of bobs is of a kind that bob i acts on, the number `other` elsewhere."""
     if species is None:
-        return force
+        return x
     partners = partner_species(species, kinds, i)
     if partners == -1:
-        return force
+        return x
     away = absolute(block(species, m) - float(partners))
-    return where_less(away, 0.5, force, 0.0)
+    return where_less(away, 0.5, x, other)
 
 
 @inlined
@@ -146,7 +146,7 @@ def add_block_forces(model, contact, table, i, m, low, high):
     dx, dy, dz = differences(model, contact.box, model.bobs[X, i], model.bobs[Y, i], i, m)
     others = block(charges, m)
     f = block_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
-    f = without_others(f, contact.species, contact.kinds, i, m)
+    f = of_partners(f, contact.species, contact.kinds, i, m, 0.0)
     x, y = blocks.vectors(table, m)
     blocks.set_vectors(table, m, x - f * dx, y - f * dy)
     return f * dx, f * dy

@@ -5,16 +5,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import apart, kernel
-from tribo.compiler.lanes import between_lanes, broadcast, maximum
+from tribo.compiler.jit import apart, inlined, kernel
+from tribo.compiler.lanes import between_lanes, broadcast, maximum, sqrt, where_less
+from tribo.compiler.lanes import lane as one_lane
 from tribo.compiler.lanes_memory import block
 from tribo.compiler.units import call_unit
 from tribo.kernels import blocks
 from tribo.kernels import records as rows
-from tribo.kernels.contact import acting, block_of, distance_of, first_candidate, row_of
-from tribo.kernels.neighbours import is_partner, partner_species
-from tribo.kernels.potential_units import clearance_at, energy_at
-from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE
+from tribo.kernels.contact import (
+    acting,
+    block_of,
+    differences,
+    first_candidate,
+    of_partners,
+    row_of,
+    separations,
+)
+from tribo.kernels.potential_units import clearances_at, energy_at
+from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE, X, Y
 
 # With noise, an encounter can matter if at some distance up to the present one, of this many that
 # are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:
@@ -71,54 +79,82 @@ def can_matter(contacts, n, r, charge, other_charge, lane, thermal):
     return False
 
 
+@inlined
+def distances_of(model, i, m, low, high):
+    """Distances of bob i from a block of bobs, of which those from `low` to `high` are wanted."""
+    difference = differences(model, model.box, model.bobs[X, i], model.bobs[Y, i], i, m)
+    dx, dy, dz = difference
+    square = dx * dx + dy * dy + dz * dz
+    return separations(square, *difference, low, high)[0]
+
+
+@inlined
+def speeds_towards(speeds, i, m):
+    """Largest speeds at which bob i and each of a block of bobs can approach each other."""
+    vx = speeds[0, i] - block(speeds[0], m)
+    vy = speeds[1, i] - block(speeds[1], m)
+    return sqrt(vx * vx + vy * vy) + speeds[2, i] + block(speeds[2], m)
+
+
+@kernel
+def find_fastest(model, n, i, m, low, high, r, rates, found, lane):
+    """Let the pairs of bob i and some of a block replace slower ones that were found before."""
+    charges = model.each[CHARGE]
+    thermal = found[THERMAL]
+    for k in range(low, high):
+        rate = one_lane(rates, k)
+        if rate > found[RATE]:
+            j = m + k
+            own = one_lane(r, k)
+            if can_matter(model.contacts, n, own, charges[i], charges[j], lane, thermal):
+                found[RATE] = rate
+            elif rate > found[IGNORED]:
+                found[IGNORED] = rate
+                found[ONE] = i
+                found[OTHER] = j
+
+
 @kernel
 def encounter_of_contact(model, n, neighbours, speeds, found, lane):
     """Let encounters of the nth interaction replace those found before that come later."""
     contact = acting(model, n, None, model.box, model.species)
-    contacts = model.contacts
     charges = model.each[CHARGE]
-    rate = found[RATE]
-    closest = found[CLOSEST]
-    clearance = found[CLEARANCE]
-    ignored = found[IGNORED]
-    thermal = found[THERMAL]
+    closest = broadcast(found[CLOSEST])
+    clearance = broadcast(found[CLEARANCE])
     for k in range(contact.first, contact.stop):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
         for i in range(*blocks.column_range(one, lane)):
-            partners = partner_species(contact.species, contact.kinds, i)
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             for place in range(first, last):
-                low, high = blocks.columns_at(block_of(neighbours, is_listed, place), lane)
-                for j in range(max(start, low), min(high, other.end)):
-                    if not is_partner(contact.species, partners, j):
-                        continue
-                    r = distance_of(model, i, j)
-                    vx = speeds[0, i] - speeds[0, j]
-                    vy = speeds[1, i] - speeds[1, j]
-                    speed = math.sqrt(vx * vx + vy * vy) + speeds[2, i] + speeds[2, j]
-                    own = clearance_at(contacts, n, r, charges[i], charges[j], lane)
-                    if own < math.inf:
-                        closest = min(closest, r)
-                    clearance = min(clearance, own)
-                    faster = speed / own
-                    if faster > rate:
-                        if can_matter(contacts, n, r, charges[i], charges[j], lane, thermal):
-                            rate = faster
-                        elif faster > ignored:
-                            ignored = faster
-                            found[ONE] = i
-                            found[OTHER] = j
+                m = block_of(neighbours, is_listed, place)
+                begin, end = blocks.columns_at(m, lane)
+                low = max(start, begin) - m
+                high = min(end, other.end) - m
+                r = distances_of(model, i, m, low, high)
+                own = clearances_at(model.contacts, n, r, charges[i], block(charges, m))
+                own = of_partners(own, contact.species, contact.kinds, i, m, math.inf)
+                own = between_lanes(low, high, own, math.inf)
+                closest = lower(closest, where_less(own, math.inf, r, math.inf))
+                clearance = lower(clearance, own)
+                rates = speeds_towards(speeds, i, m) / own
+                rates = where_less(-1.0, rates, rates, 0.0)  # 0 where it is nan
+                if maximum(rates) > found[RATE]:
+                    find_fastest(model, n, i, m, low, high, r, rates, found, lane)
         if contact.rows[k] >= 0:
             pair = contact.pairs[k, 0], contact.pairs[k, 1]
             speed = closing_speed(model, neighbours.active, pair, speeds)
-            rate = max(rate, speed / neighbours.skin)
-            clearance = min(clearance, neighbours.skin)
-    found[RATE] = rate
-    found[CLOSEST] = closest
-    found[CLEARANCE] = clearance
-    found[IGNORED] = ignored
+            found[RATE] = max(found[RATE], speed / neighbours.skin)
+            clearance = lower(clearance, broadcast(neighbours.skin))
+    found[CLOSEST] = -maximum(-closest)
+    found[CLEARANCE] = -maximum(-clearance)
+
+
+@inlined
+def lower(x, y):
+    """The smaller of the numbers in each lane; those of x where one of y is nan."""
+    return where_less(y, x, y, x)
 
 
 @kernel
@@ -148,7 +184,7 @@ def encounters_unit(model, neighbours, speeds, lane):
     found[ONE] = -1.0
     found[OTHER] = -1.0
     found[THERMAL] = thermal_energy(model, model.own, lane)
-    for n in range(model.contacts.clearance.size):
+    for n in range(model.contacts.clearances.size):
         encounter_of_contact(model, n, neighbours, speeds, found, lane)
     return 0.0
 

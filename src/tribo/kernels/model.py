@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     forces: np.ndarray  # (n,) units that add forces on bobs
     pieces: np.ndarray  # (n,) units that do a piece of that; 0 where no threads share it
     energy: np.ndarray  # (n,) units that find the energy at a distance
-    clearance: np.ndarray  # (n,) units that find how far bobs may move before their force changes
+    clearances: np.ndarray  # (n,) units that find how far bobs may move before a force changes
     numbers: np.ndarray  # (n,) of the potentials
     memory: np.ndarray  # where these are
     feature: np.ndarray  # (n,) shortest length over which a force changes [length]

@@ -217,7 +217,7 @@ def _units_of(model: Model) -> tuple[np.ndarray, ...]:
     contacts = model.contacts
     fields = model.fields
     return (
-        *(model.units, contacts.forces, contacts.energy, contacts.clearance),
+        *(model.units, contacts.forces, contacts.energy, contacts.clearances),
         *(fields.forces, fields.energy, fields.power, model.drives.forces, model.ends.forces),
     )
 

@@ -24,7 +24,7 @@ from tribo.compiler.units import memory_of
 from tribo.integrators.collocation import Collocation
 from tribo.integrators.methods import METHODS, Method
 from tribo.integrators.step_control import Tolerance
-from tribo.kernels.potential_units import clearance_unit, energy_unit
+from tribo.kernels.potential_units import clearance_unit, clearances_unit, energy_unit
 from tribo.kernels.records import ASPERITE, BARS, CHARGE, CLOCK, FORCED, FREE
 from tribo.kernels.status import COMPLETED, PAUSED, Status
 from tribo.layout.layout import Layout, once_per_layout
@@ -45,7 +45,7 @@ from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_members
-from tribo.pair.potential import PotentialUnits, clearances_unit, force_unit
+from tribo.pair.potential import PotentialUnits, force_unit
 from tribo.pair.step import table
 from tribo.plugins.sources import is_own
 from tribo.threads.kernel_model import Known

@@ -13,15 +13,12 @@ from tribo.compiler.lanes import (
     FAST_INVERSE_ROOTS,
     LANES,
     inverse_root,
-    lane,
     sqrt,
     where_less,
-    with_lane,
 )
-from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, call_unit_in_lanes, fetched
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
-from tribo.kernels.potential_units import clearance_of, energy_of
+from tribo.kernels.potential_units import clearance_of, clearance_of_each, energy_of
 
 
 class PotentialUnits(NamedTuple):
@@ -61,11 +58,7 @@ def force_over_distance(potential, square, one, other):
 
 def clearances_of(potential, r, one, other):
     """Clearances at eight distances; the potential or the charges may be one for each."""
-    clear = r
-    for i in range(LANES):
-        each = clearance_of(potential, lane(r, i), lane_of(one, i), lane_of(other, i), i)
-        clear = with_lane(clear, i, each)
-    return clear
+    return clearance_of_each(potential, r, one, other)
 
 
 def _called_force(units, square, one, other):
@@ -123,8 +116,3 @@ def _energy_between(potential, r, one, other, lane):
 def force_unit(potential, square, one, other):
     """The unit of :func:`force_over_distance`."""
     return force_over_distance(fetched(potential), square, one, other)
-
-
-def clearances_unit(potential, r, one, other):
-    """The unit of :func:`clearances_of`."""
-    return clearances_of(fetched(potential), r, one, other)

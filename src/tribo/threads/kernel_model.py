@@ -126,7 +126,7 @@ def model_of(
 def with_own_memory(model: Model) -> Model:
     """The same model, with memory that no other loop writes; but for threads and calculators."""
     used = [name for name in SCRATCH if getattr(model, name).size > 0]
-    scratch = {name: room(getattr(model, name).shape) for name in used}
+    scratch: Any = {name: room(getattr(model, name).shape) for name in used}
     body = model.elastic
     if model.bodies:
         own = {"grid": room(body.grid.shape), "waves": room(body.waves.shape)}
@@ -205,7 +205,8 @@ class Units:
         contacts.forces[n] = known.unit(forces, at)
         at_distance = known.kind, types.float64, types.float64, types.float64, number
         contacts.energy[n] = known.unit(potential_units.energy_unit, at_distance)
-        contacts.clearance[n] = known.unit(potential_units.clearance_unit, at_distance)
+        at_each = known.kind, lanes, types.float64, lanes
+        contacts.clearances[n] = known.unit(potential_units.clearances_unit, at_each, lanes)
         if shared:
             contacts.pieces[n] = known.unit(pieces, (*at, number))
 
@@ -380,7 +381,7 @@ def _contacts(contacts: tuple[parts.Contact, ...]) -> Contacts:
         forces=_addresses(count),
         pieces=_addresses(count),
         energy=_addresses(count),
-        clearance=_addresses(count),
+        clearances=_addresses(count),
         numbers=numbers,
         memory=memory,
         feature=np.array([float(each.potential.feature()[0]) for each in contacts]),
