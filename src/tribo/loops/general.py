@@ -2,6 +2,7 @@
 
 import json
 import time
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -39,12 +40,12 @@ LISTS = ("start", "index", "place", "made", "listed")
 SELECTION = ("blocks", "first", "since", "place", "selected")
 
 
-_NO_LISTS = keep(NO_NEIGHBOURS)
+_no_lists = cache(lambda: keep(NO_NEIGHBOURS))
 
 
 def kept_lists(neighbours: Neighbours) -> Any:
     """Lists of neighbours as loops are given them; scenes without lists share theirs."""
-    return _NO_LISTS if neighbours is NO_NEIGHBOURS else keep(neighbours)
+    return _no_lists() if neighbours is NO_NEIGHBOURS else keep(neighbours)
 
 
 class GeneralLoop(TimeLoop):
