@@ -39,6 +39,14 @@ settings.load_profile("ci")
 SLOW = frozenset(Path(__file__).with_name("slow_tests.txt").read_text("utf-8").splitlines())
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile in one process each where pytest-xdist has one for every core."""
+    if hasattr(config, "workerinput"):
+        from tribo.compiler import helpers
+
+        helpers.MOST_PROCESSES = 1
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the tests of `slow_tests.txt`, whose names are as pytest prints them."""

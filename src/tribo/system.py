@@ -66,6 +66,16 @@ def pipe_of_signals() -> tuple[int, int]:
     return reader, writer
 
 
+# The environment variable with the number of threads of a run.
+THREADS_VARIABLE = "TRIBO_THREADS"
+
+
+def allowed_cores() -> int:
+    """Number of cores that this process may use, at most as many as TRIBO_THREADS says."""
+    text = os.environ.get(THREADS_VARIABLE, "").strip()
+    return min(available_cores(), int(text)) if text.isdecimal() else available_cores()
+
+
 def available_cores() -> int:
     """Number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):  # not on macOS and Windows

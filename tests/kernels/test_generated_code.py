@@ -25,7 +25,7 @@ from tribo.loops.general import GeneralLoop
 from tribo.loops.interleaved import interleaved
 from tribo.loops.setting import Setting
 from tribo.potentials import as_potential
-from tribo.threads.kernel_model import set_loop_units, set_rate_units
+from tribo.threads.model_units import fulfil, loop_units, rate_units
 from tribo.threads.writable_memory import own_model
 
 NO_LEDGER = tribo.Output(ledger="none")
@@ -104,8 +104,7 @@ def test_members_side_by_side_share_the_units_of_single_runs():
     eight = interleaved(layout, True).model
     assert kept_type(eight) is kept_type(alone)
     for model in (alone, eight):
-        set_loop_units(model)
-        set_rate_units(model)
+        fulfil(loop_units(model) + rate_units(model))
     for place in (records.RATES, records.POWERS, records.SPEEDS, records.SAMPLE):
         assert eight.units[place] == alone.units[place] != 0
 

@@ -71,12 +71,12 @@ from numba import types
 import tribo
 from tribo.compiler.units import memory_of
 from tribo.kernels.potential_units import energy_unit
-from tribo.threads.kernel_model import Known
+from tribo.threads.model_units import Known
 scene = tribo.load_scene(sys.argv[1])
 potential = scene.interactions[0].potential
-known = Known(scene, potential)
+known = Known(potential)
 numbers = types.float64, types.float64, types.float64, types.int64
-address = known.unit(energy_unit, (known.kind, *numbers))
+address = known.job(energy_unit, (known.kind, *numbers)).address()
 double, word = ctypes.c_double, ctypes.c_int64
 unit = ctypes.CFUNCTYPE(double, word, double, double, double, word)(address)
 memory, (place,) = memory_of((potential,))

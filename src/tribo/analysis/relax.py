@@ -20,7 +20,7 @@ from tribo.ledger.separation import asperite_name, closest_bobs
 from tribo.loops.saved_state import State, state_at_rest
 from tribo.model.fields import period_of
 from tribo.model.scene import Scene
-from tribo.threads.kernel_model import set_rate_units
+from tribo.threads.model_units import rate_units
 from tribo.threads.writable_memory import Probe
 from tribo.validation import instance
 
@@ -110,7 +110,7 @@ class _Accelerations:
         # As a plain array, whose fields are found ten times sooner than a recarray's.
         self._asperites = layout.asperites.view(ASPERITE, np.ndarray)
         self._q, self._v, self._found = (room((layout.room[0],)) for _ in range(3))
-        self._probe = Probe(layout, acceleration_probe, set_rate_units)
+        self._probe = Probe(layout, acceleration_probe, rate_units)
         # The unit, the inertia and the asperite of each coordinate, (core,).
         self.lengths = np.ones(layout.core)
         self._inertias = np.ones(layout.core)

@@ -42,6 +42,10 @@ class KernelCache(caching.FunctionCache):
         rtsys.initialize(target)
         return self._load_overload(signature, target)
 
+    def has_file(self, signature: Any, target: Any) -> bool:
+        """Whether there is a file for these types, which may not be whole."""
+        return self._cache_file.path(self._index_key(signature, target.codegen())).exists()
+
     def _save_overload(self, signature: Any, data: Any) -> None:
         with suppress(OSError):  # the code is in memory; another process compiles it again
             super()._save_overload(signature, data)

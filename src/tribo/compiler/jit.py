@@ -14,7 +14,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from copy import copy
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import config, from_dtype, njit, typeof, types
@@ -105,6 +105,30 @@ def time_loop(loop: FunctionType, kept: bool = True) -> Callable[..., Any]:
     compiled = _kept(loop, f"{code_stamp()}_{'' if NATIVE else '_plain'}")
     remove_stale(loop)
     return compiled
+
+
+class LoopJob(NamedTuple):
+    """A time loop to compile, for arguments of some types."""
+
+    function: Any
+    kinds: tuple[Any, ...]
+
+    def is_missing(self) -> bool:
+        """Whether it is neither in memory nor on disk."""
+        loop: Any = time_loop(self.function)
+        if not NATIVE or self.kinds in loop.overloads or not isinstance(loop._cache, KernelCache):
+            return False
+        return not loop._cache.has_file(self.kinds, loop.targetctx)
+
+    def is_shared(self) -> bool:
+        """Whether other processes know its types: it names no plug-ins."""
+        return True
+
+    def compile(self) -> None:
+        """Compile it, or load it from disk.  Raises numba's errors."""
+        loop: Any = time_loop(self.function)
+        with undisturbed():
+            loop.compile(self.kinds)
 
 
 def named(function: FunctionType, stamps: str) -> FunctionType:
@@ -208,7 +232,7 @@ class EntryPoint:
         made: tuple[int, ...] = (),
     ) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
-        kinds = tuple(map(_kind_of, (*fixed, *examples)))
+        kinds = tuple(map(kind_of, (*fixed, *examples)))
         compiled = loop.overloads.get(kinds)
         if compiled is None:
             with undisturbed():
@@ -253,12 +277,12 @@ class EntryPoint:
         return raising(self._code, *self._fixed, *arguments)
 
 
-def _kind_of(argument: Any) -> Any:
+def kind_of(argument: Any) -> Any:
     """numba's type of an argument."""
     if type(argument) is np.ndarray and argument.flags.c_contiguous:
         return _array_kind(argument.dtype, argument.ndim, argument.flags.writeable)
     if type(argument) is tuple:  # numba would import numpy.ma for arrays in it
-        return types.BaseTuple.from_types(tuple(map(_kind_of, argument)))
+        return types.BaseTuple.from_types(tuple(map(kind_of, argument)))
     return typeof(argument)
 
 

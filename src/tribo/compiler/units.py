@@ -13,7 +13,7 @@ and takes a plug-in as it is.
 from collections.abc import Callable
 from contextlib import suppress
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -168,6 +168,38 @@ def address_of(
     return _units[key].address
 
 
+class UnitJob(NamedTuple):
+    """A unit to compile: what :func:`address_of` takes."""
+
+    function: Any
+    kinds: tuple[Any, ...]
+    stamp: str | None = ""
+    version: str = ""
+    returns: types.Type = types.float64
+
+    def address(self) -> Any:
+        """The address of the unit.  Raises numba's errors."""
+        return address_of(*self)
+
+    def is_missing(self) -> bool:
+        """Whether it is neither in memory nor on disk."""
+        if config.DISABLE_JIT or not NATIVE:  # type: ignore[attr-defined]
+            return False
+        if self.stamp is None or (self.function, self.kinds, self.version) in _units:
+            return False
+        unit = _made(self.function, self.returns(*self.kinds), self.stamp)
+        target = unit._targetdescr.target_context
+        return isinstance(unit._cache, KernelCache) and not unit._cache.has_file(unit._sig, target)
+
+    def is_shared(self) -> bool:
+        """Whether other processes know its classes, those of this package, and keep it on disk."""
+        return self.version == "" and self.stamp is not None
+
+    def compile(self) -> None:
+        """Compile it, or load it from disk."""
+        self.address()
+
+
 def unit_codes() -> dict[int, tuple[str, Any]]:
     """Address -> what tells a unit apart in all processes, and the unit, of all that were made."""
     return {
@@ -181,12 +213,19 @@ def _compiled(function: FunctionType, sig: Any, stamp: str | None) -> Any:
     if not NATIVE:
         clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}_plain")
         return cfunc(sig, cache=stamp is not None, **NUMPY_ERRORS)(clone)
+    unit = _made(function, sig, stamp)
+    if stamp is not None:
+        remove_stale(function)
+    unit.compile()
+    return unit
+
+
+def _made(function: FunctionType, sig: Any, stamp: str | None) -> Any:
+    """The unit before it is compiled or loaded."""
     clone = function if stamp is None else named(function, f"{code_stamp()}_{stamp}")
     unit = unit_of(clone, sig.args, sig.return_type, {**NUMPY_ERRORS, **UNCOUNTED})
     if stamp is not None:
-        remove_stale(function)
         # With no folder that can be written, each process compiles.
         with suppress(RuntimeError):
             unit._cache = KernelCache(clone)
-    unit.compile()
     return unit

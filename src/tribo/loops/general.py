@@ -6,9 +6,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numba import config
 
 from tribo.compiler.generators import as_argument
-from tribo.compiler.jit import undisturbed
+from tribo.compiler.jit import LoopJob, kind_of, undisturbed
 from tribo.compiler.kept import keep, keep_like
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
@@ -30,9 +31,9 @@ from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
-from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
+from tribo.threads.model_units import Wanted, loop_units, rate_units, step_units
 from tribo.threads.shared_run import assisted
-from tribo.threads.writable_memory import arrays_in, common_of, own_model, shared_loop
+from tribo.threads.writable_memory import arrays_in, common_of, shared_loop, with_memory
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")
@@ -68,7 +69,7 @@ class GeneralLoop(TimeLoop):
         """Prepare the state, the memory of the method, and what is compiled."""
         self.layout = layout
         self._neighbours = layout.neighbours(method.splits)
-        self.model, self.calls = own_model(layout)
+        self.model, self.calls = with_memory(layout)
         self._legs = LegsOfLoop(layout, self.model)
         self._keeps_rates = not method.splits
         common = common_of(layout)
@@ -95,9 +96,6 @@ class GeneralLoop(TimeLoop):
         work = method.coefficients.workspace(self.model, self.state)
         if method.splits:
             self._noise = (np.random.default_rng([layout.scene.seed, 2]),)
-        if method.name not in common.units:
-            common.units[method.name] = self._units(work)
-        self.model.units[:] = common.units[method.name]
         speeds = room((3, self.model.each.shape[1]))
         self._scratch: tuple[tuple[Any, ...] | np.ndarray, ...]
         self._scratch = (work,) if method.splits else (work, speeds)
@@ -110,15 +108,23 @@ class GeneralLoop(TimeLoop):
         self._errors: list[Exception] = []  # of units, in the present call
         self._columns: Columns = ()  # that it has filled last, and the record of them
         self._record: Any = None
+        if method.name not in common.units:
+            common.fulfil(self._wanted(work), LoopJob(method.loop, self._kinds()))
+            lacking = self.model.units == 0
+            common.units[method.name] = np.where(lacking, common.model.units, self.model.units)
+        self.model.units[:] = common.units[method.name]
 
-    def _units(self, work: Any) -> np.ndarray:
-        """The addresses of all units that the loop needs."""
-        set_loop_units(self.model)
+    def _wanted(self, work: Any) -> list[Wanted]:
+        """The units of this package that its method needs."""
         if self._keeps_rates:
-            set_rate_units(self.model)
-        else:
-            set_step_units(self.model, self.state, work, 0)
-        return self.model.units.copy()
+            return loop_units(self.model) + rate_units(self.model)
+        return loop_units(self.model) + step_units(self.model, self.state, work, 0)
+
+    def _kinds(self) -> tuple[Any, ...]:
+        """numba's types of the arguments of the loop; none where nothing is compiled."""
+        if config.DISABLE_JIT:  # type: ignore[attr-defined]
+            return ()
+        return tuple(map(kind_of, (self._kept, *self._arguments(np.ones(1), self.room(1), 0))))
 
     def _hold(self) -> None:
         """Let the loop use the state and the scratch that are there now."""

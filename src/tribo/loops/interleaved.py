@@ -16,6 +16,7 @@ from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of, fill_own, model_tables
 from tribo.model.scene import Scene
 from tribo.threads.kernel_model import model_of
+from tribo.threads.model_units import fulfil, units_of
 from tribo.threads.writable_memory import together
 
 # Tables with a column for each asperite of each member, and what says where these stand.
@@ -69,7 +70,8 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     numbers = np.empty((LANES, 0), np.int64)
     if own_numbers:
         eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
-    model = model_of(scene, eight)
+    model = model_of(eight)
+    fulfil(units_of(scene, eight, model))
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)

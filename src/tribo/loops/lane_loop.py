@@ -31,7 +31,7 @@ from tribo.loops.interleaved import interleaved, rows_of_numbers
 from tribo.loops.legs import LegsOfLoop
 from tribo.loops.setting import Setting
 from tribo.loops.time_loop import Columns
-from tribo.threads.kernel_model import set_loop_units, set_rate_units, set_step_units
+from tribo.threads.model_units import fulfil, loop_units, rate_units, step_units
 from tribo.threads.writable_memory import shared_loop
 
 # Asperites of a scene whose members are run side by side, at most: eight asperites of one run fill
@@ -83,7 +83,7 @@ class LaneLoop(RecordingLoop):
         self._order = method.order
         self.eight = eight = interleaved(layout, own_numbers)
         self._kept = keep(eight.model), keep(NO_NEIGHBOURS)
-        set_loop_units(eight.model)
+        fulfil(loop_units(eight.model))
         self._legs = LegsOfLoop(layout, eight.model)
         self.coefficients: Any = method.coefficients
         coordinates, accounts = eight.room
@@ -157,7 +157,7 @@ class NystromLanes(LaneLoop):
     def prepare(self, setting: Setting) -> None:
         """Keep a clock for each lane and memory of trials, and compile the loop."""
         self._clocks = np.zeros(LANES, CLOCK).view(np.recarray)
-        set_rate_units(self.eight.model)
+        fulfil(rate_units(self.eight.model))
         speeds = room((3, self.eight.model.each.shape[1]))
         layout = self.layout
         tried = room((TRIED, LANES))
@@ -240,7 +240,7 @@ class SplittingLanes(LaneLoop):
             (self._state, self._work, watch), [self._clocks]
         )
         nothing = Deviates(np.empty((0, LANES)), np.zeros(1, np.int64))
-        set_step_units(self.eight.model, self._state, self._work, nothing)
+        fulfil(step_units(self.eight.model, self._state, self._work, nothing))
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
         step = setting.of_equal_steps()

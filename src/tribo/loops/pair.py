@@ -41,14 +41,16 @@ from tribo.loops.integrate import (
 from tribo.loops.setting import Setting
 from tribo.loops.time_loop import Columns, Memory, TimeLoop
 from tribo.model.effects import Effect
+from tribo.model.identity import plugins_of
 from tribo.pair import step_rows
 from tribo.pair.bodies import Body, pair_of
 from tribo.pair.forces import PAIR
 from tribo.pair.loop import COLUMNS, ENERGY, pair_members
 from tribo.pair.potential import PotentialUnits, force_unit
 from tribo.pair.step import table
+from tribo.plugins.compile_errors import compiling_units
 from tribo.plugins.sources import is_own
-from tribo.threads.kernel_model import Known
+from tribo.threads.model_units import Known
 from tribo.threads.writable_memory import shared_loop
 
 # Columns behind the record's accounts, in place of the contact energy: see `_arcs`.
@@ -302,19 +304,21 @@ class Pair:
         key = (cls, own, in_lanes) if plain else None
         if key in _UNITS:
             return _UNITS[key]._replace(numbers=self.numbers[0])
-        known = Known(self.layout.scene, self.potential, own and bool(numbers_of(self.potential)))
+        known = Known(self.potential, own and bool(numbers_of(self.potential)))
         charges = (lanes, lanes) if own else CHARGES
         distance = known.kind, types.float64, *CHARGES, types.int64
+        of_each = known.kind, lanes, *charges
         if in_lanes:
-            clearance = known.unit(clearances_unit, (known.kind, lanes, *charges), lanes)
+            clearance = known.job(clearances_unit, of_each, lanes)
         else:
-            clearance = known.unit(clearance_unit, distance)
-        units = PotentialUnits(
-            force=known.unit(force_unit, (known.kind, lanes, *charges), lanes),
-            clearance=clearance,
-            energy=known.unit(energy_unit, distance),
-            numbers=self.numbers[0],
-        )
+            clearance = known.job(clearance_unit, distance)
+        with compiling_units(plugins_of(self.layout.scene)):
+            units = PotentialUnits(
+                force=known.job(force_unit, of_each, lanes).address(),
+                clearance=clearance.address(),
+                energy=known.job(energy_unit, distance).address(),
+                numbers=self.numbers[0],
+            )
         if key is not None:
             _UNITS[key] = units
         return units

@@ -1,46 +1,20 @@
-"""The model that kernels read, from the tables of a scene, with the units of its plug-ins."""
+"""The model that kernels read, from the tables of a scene."""
 
 from typing import Any
 
 import numpy as np
-from numba import config, types
+from numba import config
 
-from tribo.compiler.kept import kept_type
-from tribo.compiler.lanes import lanes
 from tribo.compiler.lanes_memory import room
-from tribo.compiler.plugin_methods import type_of
-from tribo.compiler.pointers import PointerType, type_of_pointers
 from tribo.compiler.team import NO_TEAM, Team
-from tribo.compiler.units import WordsInLanesType, WordsType, address_of, memory_of
-from tribo.integrators import bath_substep, inactive, kicks, reservoirs, splitting
-from tribo.integrators.splitting import Work
+from tribo.compiler.units import memory_of
 from tribo.kernels import (
-    baths,
-    contact,
-    contact_forces,
     encounters,
-    equations_of_motion,
-    fields,
-    neighbours,
-    potential_units,
-    powers,
     records,
-    rigid_block,
-    samples,
-    speeds,
-    user_forces,
 )
-from tribo.kernels import elastic as body
 from tribo.kernels import model as parts
 from tribo.kernels.model import Box, Contacts, Customs, Fields, Model, Tables
-from tribo.kernels.samples import State
-from tribo.layout.contacts import NO_NEIGHBOURS
 from tribo.layout.elastic_body import NO_BODIES
-from tribo.model.fields import depends_on_time
-from tribo.model.identity import plugins_of
-from tribo.model.scene import Scene
-from tribo.plugins.compile_errors import compiling_units
-from tribo.plugins.stamps import code_stamp_of, version_of
 
 # Tables of the kernels that are written, one column an asperite, and their numbers of rows.  In the
 # tables of a layout they are True where a loop needs them.
@@ -50,22 +24,13 @@ SCRATCH = {
     "turned": 2,
     **dict.fromkeys(("swing_friction", "couples"), 1),
 }
-VECTOR = PointerType(types.float64, 1)
-TABLE = PointerType(types.float64, 2)
 NO_SPRINGS = parts.Springs(np.recarray(0, records.CHAIN), np.zeros((3, 0)))
 
 
-def model_of(
-    scene: Scene,
-    tables: Tables,
-    listed: bool = False,
-    team: Team | None = None,
-    elastic: parts.Elastic = NO_BODIES,
-) -> Model:
-    """The model of one loop, with scratch that no other loop writes.
+def model_of(tables: Tables, team: Team | None = None, elastic: parts.Elastic = NO_BODIES) -> Model:
+    """The model of one loop, with scratch that no other loop writes, and addresses of no units.
 
-    Units of plug-ins are compiled, or loaded from the disk, if they are not known yet.  There are
-    lists of neighbours if it is `listed`.  Raises InputError.
+    Those that it needs are named by :mod:`tribo.threads.model_units`.
     """
     columns = tables.each.shape[1]
     scratch = {
@@ -74,7 +39,7 @@ def model_of(
     }
     contacts = tables.contacts
     acting = tables.fields or ()
-    model = Model(
+    return Model(
         constants=tables.constants,
         each=tables.each,
         surfaces=tables.surfaces,
@@ -108,19 +73,6 @@ def model_of(
         own=room((1, 0)) if tables.own is None else tables.own,
         schedules=_copied(tables.schedules),
     )
-    units = Units(scene, model)
-    units.set_own(listed)
-    for n, each in enumerate(contacts):
-        units.set_contact(model.contacts, n, each, team is not None)
-    for n, each in enumerate(acting):
-        units.set_field(model.fields, n, each.potential)
-    for customs, unit, forces in (
-        (model.drives, user_forces.custom_drive_unit, tables.drives),
-        (model.ends, user_forces.custom_ends_unit, tables.ends),
-    ):
-        for n, each in enumerate(forces or ()):
-            units.set_custom(customs, n, unit, each.plugin)
-    return model
 
 
 def with_own_memory(model: Model) -> Model:
@@ -145,210 +97,6 @@ def _has_shared_accounts(surfaces: Any, fields: tuple[parts.FieldOn, ...]) -> bo
     """Whether works are kept of surfaces as a whole, of stages, or of moving fields."""
     of_surfaces = np.any(surfaces.acc_block >= 0) or np.any(surfaces.acc_stage >= 0)
     return bool(of_surfaces) or any(each.account >= 0 for each in fields)
-
-
-class Units:
-    """Sets the addresses of a scene's units in its model.  Raises InputError."""
-
-    def __init__(self, scene: Scene, model: Model) -> None:
-        self._scene = scene
-        self.model = model
-        self._model = _kind(model)
-        self._neighbours = _kind(NO_NEIGHBOURS)
-
-    def set_own(self, listed: bool) -> None:
-        """Those of this package that do not depend on the method."""
-        model = self.model
-        at = self._model
-        energies = types.float64, VECTOR, VECTOR, TABLE, TABLE, types.int64
-        bathed = model.bath.size > 0
-        turned = model.torsional.size > 0
-        own = {
-            records.REBUILD: (listed, neighbours.rebuild, (self._neighbours,)),
-            records.BATH_FORCES: (bathed, baths.bath_forces, (VECTOR, VECTOR)),
-            records.BATH_MOMENTA: (bathed, baths.bath_momenta, (VECTOR,)),
-            records.BATH_SAMPLES: (bathed or turned, samples.bath_samples, energies),
-            records.TORSIONAL_ACCELERATIONS: (
-                turned,
-                baths.torsional_accelerations,
-                (lanes, VECTOR, VECTOR),
-            ),
-            records.TORSIONAL_POWERS: (
-                turned,
-                powers.torsional_powers,
-                (lanes, VECTOR, VECTOR, VECTOR),
-            ),
-            records.JOIN_BLOCKS: (model.blocks, rigid_block.join_blocks, (lanes, VECTOR, VECTOR)),
-            records.ELASTIC_FORCES: (model.bodies, body.elastic_forces, ()),
-            records.ELASTIC_ENERGIES: (model.bodies, body.elastic_energies, (TABLE, types.int64)),
-            records.SHARE_CONTACTS: (
-                model.team.counters.size > 0,
-                contact_forces.share_contacts,
-                (self._neighbours,),
-            ),
-        }
-        _set_units(model, at, own)
-
-    def set_contact(self, contacts: Contacts, n: int, each: parts.Contact, shared: bool) -> None:
-        """Those of the nth interaction; with pieces where threads are to share it."""
-        known = Known(self._scene, each.potential, each.numbers is not None)
-        at = (self._model, self._neighbours, known.kind, types.int64)
-        number = types.int64
-        is_open = self.model.box == Box(0.0, 0.0) and self.model.species.size == 0
-        forces = contact.contact_forces_unit
-        pieces = contact_forces.contact_piece_unit
-        if self.model.members.size > 0:
-            forces = contact.contact_forces_of_members_unit
-        elif is_open:
-            forces = contact.open_contact_forces_unit
-            pieces = contact_forces.open_contact_piece_unit
-        contacts.forces[n] = known.unit(forces, at)
-        at_distance = known.kind, types.float64, types.float64, types.float64, number
-        contacts.energy[n] = known.unit(potential_units.energy_unit, at_distance)
-        at_each = known.kind, lanes, types.float64, lanes
-        contacts.clearances[n] = known.unit(potential_units.clearances_unit, at_each, lanes)
-        if shared:
-            contacts.pieces[n] = known.unit(pieces, (*at, number))
-
-    def set_field(self, found: Fields, n: int, potential: Any) -> None:
-        """Those of the nth field, which may depend on time."""
-        known = Known(self._scene, potential)
-        at = self._model, known.kind, types.int64
-        units = fields.field_forces_unit, fields.field_energy_unit, powers.field_power_unit
-        if depends_on_time(potential):
-            units = fields.timed_forces_unit, fields.timed_energy_unit, powers.timed_power_unit
-        forces, energy, power = units
-        found.forces[n] = known.unit(forces, (*at, lanes))
-        found.energy[n] = known.unit(energy, (*at, types.float64, types.int64))
-        if found.account[n] >= 0:
-            kinds = *at, lanes, VECTOR, types.float64
-            found.power[n] = known.unit(power, kinds)
-
-    def set_custom(self, customs: Customs, n: int, unit: Any, plugin: Any) -> None:
-        known = Known(self._scene, plugin)
-        kinds = self._model, known.kind, types.int64, lanes, VECTOR, VECTOR
-        customs.forces[n] = known.unit(unit, kinds)
-
-
-def set_loop_units(model: Model) -> None:
-    """Those of this package that all time loops need."""
-    lists = _kind(NO_NEIGHBOURS)
-    number = types.int64
-    kept = _kind(samples.EXAMPLE_OF_STATE), _kind(samples.EXAMPLE_OF_RECORD)
-    own = {
-        records.SPEEDS: (
-            True,
-            speeds.speeds_unit,
-            (lists, lanes, VECTOR, VECTOR, TABLE),
-        ),
-        records.ENCOUNTERS: (True, encounters.encounters_unit, (lists, TABLE, number)),
-        records.SAMPLE: (
-            True,
-            samples.sample_unit,
-            (lists, types.float64, *kept, number, number),
-        ),
-    }
-    _set_units(model, _kind(model), own)
-
-
-def set_rate_units(model: Model) -> None:
-    """Those of this package that methods need which are given rates of change."""
-    own = {
-        records.RATES: (
-            True,
-            equations_of_motion.rates_unit,
-            (_kind(NO_NEIGHBOURS), lanes, VECTOR, VECTOR, VECTOR),
-        ),
-        records.POWERS: (
-            model.ledger,
-            powers.powers_unit,
-            (lanes, VECTOR, VECTOR, VECTOR),
-        ),
-    }
-    _set_units(model, _kind(model), own)
-
-
-def set_step_units(model: Model, state: State, work: Any, noise: Any) -> None:
-    """Those of this package that splitting methods need, whose argument `noise` is like this."""
-    if not isinstance(work, Work):
-        return
-    at = _kind(model)
-    lists = _kind(NO_NEIGHBOURS)
-    number = types.float64
-    moving = number, _kind(state)
-    within = _kind(state), _kind(work)
-    step = number, number, *within
-    listed = bool(model.units[records.REBUILD])
-    customs = len(model.drives.forces) + len(model.ends.forces)
-    bathed = model.bath.size + model.torsional.size > 0
-    own = {
-        records.DRIFT: (True, splitting.drift_unit, (lists, *step)),
-        records.KICK: (True, splitting.kick_unit, (lists, types.int64, *step)),
-        records.MAKE_LISTS: (listed, inactive.make_lists_unit, (lists, *moving)),
-        records.ADVANCE_INACTIVE: (listed, inactive.advance_inactive_unit, (lists, *moving)),
-        records.KICK_AROUND: (
-            work.substep,
-            splitting.kick_around_substep,
-            (lists, types.int64, *step, types.int64, _kind_of_noise(noise)),
-        ),
-        records.ROTATE_BATHS: (
-            bathed,
-            bath_substep.rotate_baths,
-            (number, number, *within, types.int64),
-        ),
-        records.DAMP: (
-            work.before.size > 0,
-            reservoirs.damp,
-            (number, number, *within, _kind_of_noise(noise)),
-        ),
-        records.SETTLE_CUSTOM_FORCES: (
-            customs > 0,
-            kicks.settle_custom_forces,
-            (lists, lanes, number, VECTOR, VECTOR, _kind(work)),
-        ),
-        records.SHARE_STEP: (
-            model.team.counters.size > 0,
-            splitting.share_step,
-            (lists, types.int64, *step),
-        ),
-    }
-    _set_units(model, at, own)
-
-
-def _set_units(model: Model, at: Any, own: dict[int, tuple[bool, Any, tuple[Any, ...]]]) -> None:
-    """Set the units that are needed; none depends on a plug-in."""
-    for place, (needed, function, kinds) in own.items():
-        if needed:
-            model.units[place] = address_of(function, (at, *kinds), "", "")
-
-
-def _kind(item: Any) -> Any:
-    """The type of a tuple that is kept; None where nothing is compiled."""
-    return None if config.DISABLE_JIT else kept_type(item)  # type: ignore[attr-defined]
-
-
-def _kind_of_noise(noise: Any) -> Any:
-    """The type of random numbers for kicks: the address of a generator, or deviates."""
-    return types.int64 if isinstance(noise, int) else type_of_pointers(noise)
-
-
-class Known:
-    """A plug-in for units: its type, and what tells its code apart."""
-
-    def __init__(self, scene: Scene, plugin: Any, in_lanes: bool = False) -> None:
-        self._scene = scene
-        self._stamp = code_stamp_of([plugin])
-        self._version = version_of([plugin])
-        self.kind: Any = None
-        if not config.DISABLE_JIT:  # type: ignore[attr-defined]
-            self.kind = (WordsInLanesType if in_lanes else WordsType)(type_of(plugin))
-
-    def unit(
-        self, function: Any, kinds: tuple[Any, ...], returns: types.Type = types.float64
-    ) -> Any:
-        """The address of a unit of the plug-in.  Raises InputError."""
-        with compiling_units(plugins_of(self._scene)):
-            return address_of(function, kinds, self._stamp, self._version, returns)
 
 
 def _copied(table: np.ndarray) -> np.ndarray:

@@ -16,11 +16,9 @@ from tribo.integrators.methods import Method
 from tribo.interrupts import held
 from tribo.kernels.model import Tables
 from tribo.model.scene import Scene
-from tribo.system import available_cores
+from tribo.system import THREADS_VARIABLE, available_cores
 from tribo.validation import InputError, integer
 
-# The environment variable with the number of threads of a run.
-VARIABLE = "TRIBO_THREADS"
 # Chunks of rows of a pair of surfaces: one for so many asperites, and at most so many.  The
 # reactions to neighbouring chunks overlap, so more chunks take longer.
 ASPERITES_OF_CHUNK = 1250
@@ -55,12 +53,12 @@ def _wanted(threads: int | None) -> tuple[int, str]:
     """The number of threads that is wanted, and why."""
     if threads is not None:
         return integer("threads", threads, 1), "as given"
-    text = os.environ.get(VARIABLE, "").strip()
+    text = os.environ.get(THREADS_VARIABLE, "").strip()
     if not text:
         return available_cores(), "as many as there are cores"
     if not text.isdecimal() or int(text) < 1:
-        raise InputError(VARIABLE, f"must be a positive integer, got {text!r}")
-    return int(text), f"by {VARIABLE}"
+        raise InputError(THREADS_VARIABLE, f"must be a positive integer, got {text!r}")
+    return int(text), f"by {THREADS_VARIABLE}"
 
 
 def new_team(scene: Scene, model: Tables) -> Team:

@@ -3,13 +3,13 @@
 A layout is only read, so that several threads can run it.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from tribo.compiler.jit import time_loop
+from tribo.compiler.jit import LoopJob, time_loop
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room
@@ -23,6 +23,7 @@ from tribo.model.identity import plugins_of
 from tribo.plugins.compile_errors import compiling
 from tribo.potentials.from_ase import Call
 from tribo.threads.kernel_model import model_of, with_own_memory
+from tribo.threads.model_units import Wanted, fulfil, units_of
 from tribo.threads.shared_run import new_team
 from tribo.validation import InputError
 
@@ -37,27 +38,43 @@ class Common(NamedTuple):
 
     model: Model  # whose scratch no loop writes
     kept: Any  # the model, as loops are given it
+    wanted: list[Wanted]  # the units that it lacks; empty once it has them
     units: dict[str, np.ndarray]  # name of a method -> addresses of all units that its loops need
+
+    def fulfil(self, more: Sequence[Wanted] = (), *loops: LoopJob) -> None:
+        """Find the units that the model lacks, together with `more` and time loops.
+
+        Raises InputError.
+        """
+        fulfil([*self.wanted, *more], *loops)
+        self.wanted.clear()
 
 
 @once_per_layout
 def common_of(layout: Layout) -> Common:
-    """What all loops of a layout have in common, with the units of plug-ins.
-
-    Raises InputError.
-    """
+    """What all loops of a layout have in common."""
     tables = layout.model._replace(surfaces=layout.model.surfaces.copy())
     elastic = NO_BODIES
     if any(surface.elastic is not None for surface in layout.scene.surfaces):
         columns = dict(enumerate(layout.places.columns[part] for part in layout.parts.values()))
         elastic = bodies_of(layout.scene, tables.surfaces, columns, tables.each.shape[1])
     team = None if tables.team is None else new_team(layout.scene, tables)
-    model = model_of(layout.scene, tables, layout.rows > 0, team, elastic)
-    return Common(model, keep(model), {})
+    model = model_of(tables, team, elastic)
+    wanted = units_of(layout.scene, tables, model, layout.rows > 0)
+    return Common(model, keep(model), wanted, {})
 
 
 def own_model(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
-    """The model of a scene for one loop, with arrays and calculators that no other loop uses."""
+    """The model of a scene for one loop, with arrays and calculators that no other loop uses.
+
+    It has the units that it needs for any method.  Raises InputError if a plug-in does not compile.
+    """
+    common_of(layout).fulfil()
+    return with_memory(layout)
+
+
+def with_memory(layout: Layout) -> tuple[Model, tuple[Call | ElasticBodies, ...]]:
+    """The same with the units that are known already."""
     model = with_own_memory(common_of(layout).model)
     calls: tuple[Call | ElasticBodies, ...] = ()
     if layout.calculator_calls:
@@ -108,9 +125,9 @@ class Probe:
     """
 
     def __init__(
-        self, layout: Layout, kernel: Any, units: Callable[[Model], None] | None = None
+        self, layout: Layout, kernel: Any, units: Callable[[Model], list[Wanted]] | None = None
     ) -> None:
-        """Prepare for a layout; `units` sets those that the kernel needs beyond plug-ins."""
+        """Prepare for a layout; `units` names those that the kernel needs beyond plug-ins."""
         self._layout = layout
         self._units = units
         self._neighbours = layout.neighbours()
@@ -121,7 +138,7 @@ class Probe:
         """The model, whose units are compiled with the first arrangements."""
         model, calls = own_model(self._layout)
         if self._units is not None:
-            self._units(model)
+            fulfil(self._units(model))
         return model, calls
 
     def set_schedules(self, table: np.ndarray) -> None:
