@@ -114,9 +114,11 @@ class LoopJob(NamedTuple):
     kinds: tuple[Any, ...]
 
     def is_missing(self) -> bool:
-        """Whether it is neither in memory nor on disk."""
+        """Whether it is neither in memory nor on disk, where it belongs."""
+        if config.DISABLE_JIT or not NATIVE:  # type: ignore[attr-defined]
+            return False
         loop: Any = time_loop(self.function)
-        if not NATIVE or self.kinds in loop.overloads or not isinstance(loop._cache, KernelCache):
+        if self.kinds in loop.overloads or not isinstance(loop._cache, KernelCache):
             return False
         return not loop._cache.has_file(self.kinds, loop.targetctx)
 

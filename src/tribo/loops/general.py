@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import config
 
 from tribo.compiler.generators import as_argument
 from tribo.compiler.jit import LoopJob, kind_of, undisturbed
@@ -109,7 +108,7 @@ class GeneralLoop(TimeLoop):
         self._columns: Columns = ()  # that it has filled last, and the record of them
         self._record: Any = None
         if method.name not in common.units:
-            common.fulfil(self._wanted(work), LoopJob(method.loop, self._kinds()))
+            common.fulfil(self._wanted(work), lambda: LoopJob(method.loop, self._kinds()))
             lacking = self.model.units == 0
             common.units[method.name] = np.where(lacking, common.model.units, self.model.units)
         self.model.units[:] = common.units[method.name]
@@ -118,12 +117,11 @@ class GeneralLoop(TimeLoop):
         """The units of this package that its method needs."""
         if self._keeps_rates:
             return loop_units(self.model) + rate_units(self.model)
-        return loop_units(self.model) + step_units(self.model, self.state, work, 0)
+        listed = self.layout.rows > 0
+        return loop_units(self.model) + step_units(self.model, self.state, work, 0, listed)
 
     def _kinds(self) -> tuple[Any, ...]:
-        """numba's types of the arguments of the loop; none where nothing is compiled."""
-        if config.DISABLE_JIT:  # type: ignore[attr-defined]
-            return ()
+        """numba's types of the arguments of the loop."""
         return tuple(map(kind_of, (self._kept, *self._arguments(np.ones(1), self.room(1), 0))))
 
     def _hold(self) -> None:

@@ -1,6 +1,6 @@
 """The units that a model needs: those of its plug-ins, of its effects, and of its method."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,12 +55,15 @@ class Wanted(NamedTuple):
     plugins: Any = ()  # of the scene, each with its field, for messages of errors
 
 
-def fulfil(wanted: Sequence[Wanted], *loops: LoopJob) -> None:
-    """Compile units and time loops, or load them from disk, and set the addresses of the units.
+def fulfil(wanted: Sequence[Wanted], loop: Callable[[], LoopJob] | None = None) -> None:
+    """Compile units, or load them from disk, and set their addresses.
 
-    Raises InputError if a plug-in does not compile.
+    If some must be compiled, the time loop that calls them is compiled beside them.  Raises
+    InputError if a plug-in does not compile.
     """
-    compile_together([*loops, *(each.job for each in wanted)])
+    missing = [each.job for each in wanted if each.job.is_missing()]
+    if missing:
+        compile_together([*([] if loop is None else [loop()]), *missing])
     for each in wanted:
         with compiling_units(each.plugins):
             each.array[each.place] = each.job.address()
@@ -211,8 +214,13 @@ def rate_units(model: Model) -> list[Wanted]:
     return _of_package(model, own)
 
 
-def step_units(model: Model, state: State, work: Any, noise: Any) -> list[Wanted]:
-    """Those of this package that splitting methods need, whose argument `noise` is like this."""
+def step_units(
+    model: Model, state: State, work: Any, noise: Any, listed: bool = False
+) -> list[Wanted]:
+    """Those of this package that splitting methods need, whose argument `noise` is like this.
+
+    There are lists of neighbours if it is `listed`.
+    """
     if not isinstance(work, Work):
         return []
     lists = _kind(NO_NEIGHBOURS)
@@ -220,7 +228,6 @@ def step_units(model: Model, state: State, work: Any, noise: Any) -> list[Wanted
     moving = number, _kind(state)
     within = _kind(state), _kind(work)
     step = number, number, *within
-    listed = bool(model.units[records.REBUILD])
     customs = len(model.drives.forces) + len(model.ends.forces)
     bathed = model.bath.size + model.torsional.size > 0
     own = {

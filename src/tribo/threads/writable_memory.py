@@ -41,12 +41,14 @@ class Common(NamedTuple):
     wanted: list[Wanted]  # the units that it lacks; empty once it has them
     units: dict[str, np.ndarray]  # name of a method -> addresses of all units that its loops need
 
-    def fulfil(self, more: Sequence[Wanted] = (), *loops: LoopJob) -> None:
-        """Find the units that the model lacks, together with `more` and time loops.
+    def fulfil(
+        self, more: Sequence[Wanted] = (), loop: Callable[[], LoopJob] | None = None
+    ) -> None:
+        """Find the units that the model lacks, together with `more`, and the loop that calls them.
 
         Raises InputError.
         """
-        fulfil([*self.wanted, *more], *loops)
+        fulfil([*self.wanted, *more], loop)
         self.wanted.clear()
 
 
