@@ -4,10 +4,12 @@ Every kind runs in a process of its own with an empty cache, and then in another
 machine code there.  The difference of their times is printed, in seconds of the processor: what
 both have to do, such as importing libraries, is not compiled.
 
-    python benchmarks/compiling.py [--json] [--after [--markdown]]
+    python benchmarks/compiling.py [--json] [--after [--markdown] | --waiting]
 
 --after takes more kinds, in the native way alone, one after another with one cache: what each of
 them compiles beyond those before it.  --markdown prints that as in docs/measured/compiling.md.
+All these are measured in one process.  --waiting measures the seconds that pass until the first
+result, on an empty cache, with one process that compiles and with as many as cores.
 """
 
 import argparse
@@ -102,9 +104,23 @@ def spent(kind: str) -> float:
     return time.process_time() - began
 
 
+def waited(kind: str, processes: str) -> float:
+    """Seconds until the first run of a process has ended, with an empty cache."""
+    with tempfile.TemporaryDirectory() as cache:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": cache, "TRIBO_THREADS": processes}
+        began = time.perf_counter()
+        subprocess.run(
+            [sys.executable, __file__, "--kind", kind],
+            env=environment,
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+        return time.perf_counter() - began
+
+
 def measured(kind: str, way: str, cache: str) -> float:
     """By how much that is more where a cache in this folder lacks the kind than where it has it."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    environment = {**os.environ, "NUMBA_CACHE_DIR": cache, "TRIBO_THREADS": "1"}
     environment.pop("TRIBO_NUMBA", None)
     if way == "plain":
         environment["TRIBO_NUMBA"] = way
@@ -134,6 +150,7 @@ def main() -> None:
     parser.add_argument("--kind", help="measure this kind in this process")
     parser.add_argument("--after", action="store_true")
     parser.add_argument("--markdown", action="store_true")
+    parser.add_argument("--waiting", action="store_true")
     options = parser.parse_args()
     if options.kind:
         print(spent(options.kind))
@@ -147,6 +164,15 @@ def main() -> None:
             print("\n".join(f"| {kind} | {max(taken, 0.0):.1f} |" for kind, taken in later.items()))
         else:
             print("\n".join(f"{kind:34} {taken:5.1f} s" for kind, taken in later.items()))
+        return
+    if options.waiting:
+        for kind in scenes():
+            one, all_cores = waited(kind, "1"), waited(kind, "")
+            print(
+                f"{kind:52} one process {one:5.1f} s, as many as cores {all_cores:5.1f} s "
+                f"({all_cores / one:.2f})",
+                flush=True,
+            )
         return
     table: dict[str, dict[str, float]] = {}
     for kind in scenes():

@@ -12,6 +12,7 @@ import tribo
 from support.command import main
 from support.sliding import long_slide
 from support.sliding import scene as crowded
+from tribo import system
 from tribo.integrators.methods import METHODS
 from tribo.layout import contacts
 from tribo.layout import layout as layouts
@@ -150,14 +151,14 @@ def test_threads_end_with_the_run(shared, error):
 def test_how_many_threads(shared, monkeypatch):
     """The argument, else TRIBO_THREADS, else the cores; one where they do not pay."""
     model, verlet = lay_out(long_slide({})).model, METHODS["verlet"]
-    monkeypatch.delenv(shared_run.VARIABLE, raising=False)
-    assert shared_run.threads_of(model, verlet, None).number == shared_run.available_cores()
-    monkeypatch.setenv(shared_run.VARIABLE, "3")
+    monkeypatch.delenv(system.THREADS_VARIABLE, raising=False)
+    assert shared_run.threads_of(model, verlet, None).number == system.available_cores()
+    monkeypatch.setenv(system.THREADS_VARIABLE, "3")
     assert shared_run.threads_of(model, verlet, None) == (3, "by TRIBO_THREADS")
     assert shared_run.threads_of(model, verlet, 2).number == 2
     assert shared_run.threads_of(model, METHODS["rkn8"], 2).number == 1
     assert shared_run.threads_of(model._replace(team=None), verlet, 2).number == 1
-    monkeypatch.setenv(shared_run.VARIABLE, "many")
+    monkeypatch.setenv(system.THREADS_VARIABLE, "many")
     with pytest.raises(tribo.InputError, match="TRIBO_THREADS: must be a positive integer"):
         shared_run.threads_of(model, verlet, None)
     with pytest.raises(tribo.InputError, match="threads: must be"):
