@@ -71,6 +71,7 @@ SCENES = {
     "species": mixed(),
     "charges": charged(),
     "noise": scene(upper={"langevin": tribo.Langevin(0.1, 5.0)}),
+    "much noise": scene(upper={"langevin": tribo.Langevin(0.1, 1e3)}),
     "noise and a cutoff": scene(
         interactions=REPELLING, upper={"langevin": tribo.Langevin(0.1, 0.1)}
     ),
