@@ -25,7 +25,7 @@ FEWEST_JOBS = 4
 # More processes wait for the longest job.
 MOST_PROCESSES = 4
 # What Python runs in a helper.  It finds modules where this process does.
-PROGRAM = "import sys; sys.path[:] = {path!r}; from tribo.compiler.helpers import help; help()"
+PROGRAM = "import sys; sys.path[:] = {path!r}; from tribo.compiler.helpers import serve; serve()"
 
 
 class Job(Protocol):
@@ -102,7 +102,7 @@ def _done(answers: IO[bytes]) -> None:
         raise EOFError
 
 
-def help() -> None:
+def serve() -> None:
     """Compile jobs from stdin until it ends; write a byte first, and after each of them."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is meant for the process that is helped
     with os.fdopen(os.dup(1), "wb", buffering=0) as answers:
