@@ -1,6 +1,8 @@
 """Jobs are compiled by several processes at once, and a helper that fails changes nothing."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -67,3 +69,29 @@ def test_one_thread_is_one_process(tmp_path, monkeypatch):
     monkeypatch.setenv(THREADS_VARIABLE, "1")
     helpers.compile_together(jobs(tmp_path, ""))
     assert not done(tmp_path)
+
+
+PROGRAM = """
+import numpy as np, tribo
+row = {"shape": (3, 1), "spacing": (1.1, 0.0)}
+upper = tribo.Surface("upper", bob=(0.0, 1.2), velocity=(0.5, 0.0), **row)
+lower = tribo.Surface("lower", facing="up", **row)
+scene = tribo.Scene([upper, lower], tribo.Morse(0.1, 1.0, 1.5), duration=2.0)
+result = tribo.simulate(scene, method="verlet", step=0.01, progress=False)
+print(*(values.tobytes().hex() for _, values in sorted(result.ledger.flat().items())))
+"""
+
+
+@pytest.mark.slow
+def test_two_processes_leave_the_same_code(tmp_path):
+    """The files on disk have the same names, and the results the same bits."""
+    results = []
+    files = []
+    for processes in ("1", "2"):
+        cache = tmp_path / processes
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache), THREADS_VARIABLE: processes}
+        command = [sys.executable, "-c", PROGRAM]
+        results.append(subprocess.check_output(command, env=environment))
+        files.append({path.name for path in cache.rglob("*.nbc")})
+    assert results[0] == results[1] != b""
+    assert files[0] == files[1] != set()
