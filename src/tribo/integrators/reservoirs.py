@@ -33,28 +33,34 @@ from tribo.kernels.blocks import (
     vectors,
 )
 from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
-from tribo.kernels.langevin import damped_motion, normals
+from tribo.kernels.langevin import damped_motion, damping_of, normals
 from tribo.kernels.powers import momentum
 from tribo.kernels.schedule import scheduled
 
 
 @inlined
-def torsion_gains(model, s, i, t, tau, q):
-    """What torsion springs add to the rates of a block of swings in a step.
+def torsion_factor(model, s, i, tau):
+    """What a step adds to the rates of a block of swings for each radian of twist, negative.
 
-    They act in the drifts.  A kick in which the forces balance them must change nothing, so this is
-    the change of rate by two halves of a rotation that meet at the present angle: the torque times
-    tan(w tau / 2) / (w tau / 2).
+    Torsion springs act in the drifts.  A kick in which the forces balance them must change nothing,
+    so this is the change of rate by two halves of a rotation that meet at the present angle: the
+    torque times tan(w tau / 2) / (w tau / 2).
     """
-    if s.fixed > 0:
-        return broadcast(0.0)
     angle = 0.5 * tau * constant(model, rows.FREQUENCY, s, i)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
     sin, cos = sine_cosine(angle)
     ratio = where_less(0.0, angle, sin / (angle * cos), 1.0)
-    twist = block(q, i) - bar_angles(model, s, i, t, q)
     stiffness = constant(model, rows.KAPPA, s, i)
-    return 0.0 - tau * ratio * stiffness * constant(model, rows.INVERSE_INERTIA, s, i) * twist
+    return tau * ratio * stiffness * constant(model, rows.INVERSE_INERTIA, s, i)
+
+
+@inlined
+def torsion_gains(model, s, i, t, factor, q):
+    """What torsion springs add to the rates of a block of swings in a step."""
+    if s.fixed > 0:
+        return broadcast(0.0)
+    twist = block(q, i) - bar_angles(model, s, i, t, q)
+    return 0.0 - factor * twist
 
 
 @inlined
@@ -80,8 +86,39 @@ class Arcs(NamedTuple):
     heat: Any
 
 
+class Factors(NamedTuple):
+    """What a block's friction and noise depend on beside its motion."""
+
+    along: Any  # Damping of the motion along the arcs, where the swings have no reservoir
+    across: Any  # and of that across them
+    torsion: Any  # see `torsion_factor`
+    gamma: Any
+    heat: Any
+
+
 @inlined
-def damp_arcs(arcs, tau, deviates):
+def factors_of(model, s, i, t, tau):
+    """Those of a block of bars with a reservoir."""
+    gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
+    heat = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
+    mobility = constant(model, rows.INVERSE_MASS, s, i)
+    across = damping_of(gamma, heat, mobility, tau)
+    along = across
+    if s.swing_gamma == 0.0:
+        lever = constant(model, rows.L2, s, i)
+        arc = mobility + lever * lever * constant(model, rows.INVERSE_INERTIA, s, i)
+        along = damping_of(gamma, heat, arc, tau)
+    return Factors(along, across, torsion_factor(model, s, i, tau), gamma, heat)
+
+
+@inlined
+def are_alike(model, s):
+    """Whether all blocks of a surface have the same constants, and so the same factors."""
+    return s.constants_mask == 0 and absent(model.own)
+
+
+@inlined
+def damp_arcs(arcs, damping, tau, deviates):
     """Friction and noise on bars along their arcs.
 
     Returns changes of the momentum along the arcs and of that about them, how far bars and swings
@@ -91,7 +128,7 @@ def damp_arcs(arcs, tau, deviates):
     arc = arcs.across + lever * lever * arcs.inverse_inertia
     gain = arcs.gain - lever * arcs.turn_gain
     first, second = deviates
-    along, far = damped_motion(arcs.gamma, arcs.heat, arc, arcs.slip, gain, tau, first, second)
+    along, far = damped_motion(damping, arc, arcs.slip, gain, tau, first, second)
     # A jump has the directions of the momentum that would cause it.
     turn = 0.0 - lever * (far / arc) * arcs.inverse_inertia
     return along, broadcast(0.0), arcs.across * (far / arc), turn, broadcast(0.0)
@@ -119,7 +156,7 @@ def damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, deviates):
 
 
 @inlined
-def damp_block(model, s, i, reservoirs, motion, accounts, noise):
+def damp_block(model, s, i, factors, reservoirs, motion, accounts, noise):
     """Friction and noise on a block of bars, along their arcs and across; on their swings too.
 
     `motion` is the time, and the coordinates and velocities then.
@@ -142,24 +179,23 @@ def damp_block(model, s, i, reservoirs, motion, accounts, noise):
         slip=tx * x + ty * y,
         gain=tx * gain_x + ty * gain_y,
         omega=block(v, i),
-        turn_gain=torsion_gains(model, s, i, t, tau, q),
+        turn_gain=torsion_gains(model, s, i, t, factors.torsion, q),
         across=constant(model, rows.INVERSE_MASS, s, i),
         inverse_inertia=constant(model, rows.INVERSE_INERTIA, s, i),
         lever=constant(model, rows.L2, s, i),
-        gamma=own_number(model.own, rows.OWN_GAMMA, s.gamma, i),
-        heat=temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t),
+        gamma=factors.gamma,
+        heat=factors.heat,
     )
     if s.swing_gamma > 0.0:
         of_arc = first, second, fifth, sixth
         found = damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, of_arc)
     else:
-        found = damp_arcs(arcs, tau, (first, second))
+        found = damp_arcs(arcs, factors.along, tau, (first, second))
     along, turning, far, turn, given = found
     slip = tx * y - ty * x
     curved = tau * arcs.lever * arcs.omega * arcs.omega
     gain = tx * gain_y - ty * gain_x - curved
-    heat = arcs.heat
-    side, aside = damped_motion(arcs.gamma, heat, arcs.across, slip, gain, tau, third, fourth)
+    side, aside = damped_motion(factors.across, arcs.across, slip, gain, tau, third, fourth)
     present = block(model.each[rows.PRESENT], i)
     px = present * (along * tx - side * ty)
     py = present * (along * ty + side * tx)
@@ -197,8 +233,9 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
     other = broadcast(lane(other, 0))
     third = broadcast(lane(third, 0))
     fourth = broadcast(lane(fourth, 0))
-    px, far_x = damped_motion(gamma, heat, mobility, x, gain_x, tau, one, other)
-    py, far_y = damped_motion(gamma, heat, mobility, y, gain_y, tau, third, fourth)
+    damping = damping_of(gamma, heat, mobility, tau)
+    px, far_x = damped_motion(damping, mobility, x, gain_x, tau, one, other)
+    py, far_y = damped_motion(damping, mobility, y, gain_y, tau, third, fourth)
     zero = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         present = block(model.each[rows.PRESENT], i)
@@ -238,14 +275,27 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
             if s.block > 0:
                 damp_rigid_body(model, s, reservoirs, (t, q, v), accounts, noise)
             else:
+                alike = are_alike(model, s)
                 for i in range(s.start, s.stop, LANES):
-                    damp_block(model, s, i, reservoirs, (t, q, v), accounts, noise)
+                    if i == s.start or not alike:
+                        factors = factors_of(model, s, i, t, reservoirs.tau)
+                    damp_block(model, s, i, factors, reservoirs, (t, q, v), accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
             if s.acc_block >= 0:
                 work = 0.5 * (px * (before_x + after_x) + py * (before_y + after_y))
                 add_total(model.members, accounts, s.acc_block, work * s.inverse_total_mass)
+
+
+@inlined
+def factors_of_swings(model, s, i, t, tau):
+    """The damping of a block of swings with a reservoir, and the factor of their torsion."""
+    gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
+    number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
+    heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    mobility = constant(model, rows.INVERSE_INERTIA, s, i)
+    return damping_of(gamma, heat, mobility, tau), torsion_factor(model, s, i, tau)
 
 
 @apart
@@ -257,19 +307,18 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if s.swing_gamma > 0.0 and s.gamma == 0.0:
+                alike = are_alike(model, s)
                 for i in range(s.start, s.stop, LANES):
-                    gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-                    number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-                    heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+                    if i == s.start or not alike:
+                        factors = factors_of_swings(model, s, i, t, tau)
+                    damping, torsion = factors
                     mobility = constant(model, rows.INVERSE_INERTIA, s, i)
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
                     omega = block(v, i)
                     gain = 2.0 * (omega - block(reservoirs.before, i))
-                    gain = gain + torsion_gains(model, s, i, t, tau, q)
-                    gained, turn = damped_motion(
-                        gamma, heat, mobility, omega, gain, tau, one, other
-                    )
+                    gain = gain + torsion_gains(model, s, i, t, torsion, q)
+                    gained, turn = damped_motion(damping, mobility, omega, gain, tau, one, other)
                     now = omega + gained * mobility
                     set_block(v, i, now)
                     if s.acc_swing >= 0:

@@ -9,7 +9,7 @@ heat then flows from one reservoir through the pendulum to the other; see :func:
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import sqrt, where_less
-from tribo.kernels.langevin import damped_motion, decay_means, spread_of_travel
+from tribo.kernels.langevin import damped_motion, damping_of, decay_means, spread_of_travel
 
 # What no rate of damping is smaller than; lanes without an asperite have none.
 TINY = 1e-300
@@ -124,9 +124,11 @@ def damped_arc(rates, temperatures, masses, lever, velocities, gains, tau, devia
     gained = c * gain - s * turn
     slow_w = s * v + c * omega
     slow_gained = s * gain + c * turn
-    change, jump = damped_motion(fast, strength / (fast + TINY), 1.0, w, gained, tau, first, second)
+    damping = damping_of(fast, strength / (fast + TINY), 1.0, tau)
+    change, jump = damped_motion(damping, 1.0, w, gained, tau, first, second)
+    slow_damping = damping_of(slow, slow_strength / (slow + TINY), 1.0, tau)
     slow_change, slow_jump = damped_motion(
-        slow, slow_strength / (slow + TINY), 1.0, slow_w, slow_gained, tau, third, fourth
+        slow_damping, 1.0, slow_w, slow_gained, tau, third, fourth
     )
     # The integrals of products of w follow from their changes, up to noise without a mean:
     # d(w_a w_b) = (2 D_ab - (g_a + g_b) w_a w_b + F_a w_b + F_b w_a) dt.

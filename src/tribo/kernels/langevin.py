@@ -4,7 +4,7 @@ On the swing it is a torque, -gamma omega + noise.  Splitting methods use the ex
 constant force, :func:`damped_motion`; all others integrate the friction alone, and refuse noise.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -48,8 +48,30 @@ def spread_of_travel(x, tangent):
     return where_less(x, 0.05, series, (1.0 - tangent) / x)
 
 
+class Damping(NamedTuple):
+    """What friction and noise do to a degree of freedom in a step of some length; all Lanes."""
+
+    z: Any  # gamma tau / mass
+    of_velocity: Any  # means of a velocity, see `decay_means`
+    of_gain: Any
+    tangent: Any  # tanh(z / 2) / (z / 2)
+    noise: Any  # standard deviation of the noise in the velocity
+    spread: Any  # of the part of that in the displacement over tau which is independent of it
+
+
 @inlined
-def damped_motion(gamma, temperature, mobility, velocity, gain, tau, one, other):
+def damping_of(gamma, temperature, mobility, tau):
+    """What friction and noise do in a step to a degree of freedom of mass 1 / mobility."""
+    z = gamma * tau * mobility
+    kept, of_velocity, of_gain = decay_means(z)
+    noise = sqrt(temperature * mobility * z * of_velocity * (1.0 + kept))
+    tangent = 2.0 * of_velocity / (1.0 + kept)
+    spread = sqrt(temperature * mobility * spread_of_travel(0.5 * z, tangent))
+    return Damping(z, of_velocity, of_gain, tangent, noise, spread)
+
+
+@inlined
+def damped_motion(damping, mobility, velocity, gain, tau, one, other):
     """What friction and noise do in a step to a degree of freedom of mass 1 / mobility.
 
     A step is a drift, a kick and a drift.  In place of it, the velocity and the displacement are
@@ -61,15 +83,10 @@ def damped_motion(gamma, temperature, mobility, velocity, gain, tau, one, other)
     forces add to it in the step; `one` and `other` are normal deviates.  Returns the momentum that
     it takes up, and the displacement that the drifts leave out.
     """
-    z = gamma * tau * mobility
-    kept, of_velocity, of_gain = decay_means(z)
-    travel = of_velocity * (velocity - 0.5 * gain) + of_gain * gain
-    noise = sqrt(temperature * mobility * z * of_velocity * (1.0 + kept)) * one
-    change = noise - z * travel
-    x = 0.5 * z
-    tangent = 2.0 * of_velocity / (1.0 + kept)
-    spread = sqrt(temperature * mobility * spread_of_travel(x, tangent)) * other
-    travel = travel + 0.5 * tangent * noise + spread
+    travel = damping.of_velocity * (velocity - 0.5 * gain) + damping.of_gain * gain
+    noise = damping.noise * one
+    change = noise - damping.z * travel
+    travel = travel + 0.5 * damping.tangent * noise + damping.spread * other
     return change / mobility, tau * (travel - velocity - 0.5 * change)
 
 
