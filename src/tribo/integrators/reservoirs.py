@@ -40,11 +40,11 @@ from tribo.kernels.schedule import scheduled
 
 @inlined
 def torsion_factor(model, s, i, tau):
-    """What a step adds to the rates of a block of swings for each radian of twist, negative.
+    """How much of the rates of a block of swings torsion springs take in a step, per twist.
 
-    Torsion springs act in the drifts.  A kick in which the forces balance them must change nothing,
-    so this is the change of rate by two halves of a rotation that meet at the present angle: the
-    torque times tan(w tau / 2) / (w tau / 2).
+    They act in the drifts.  A kick in which the forces balance them must change nothing, so this is
+    the change of rate by two halves of a rotation that meet at the present angle: the torque times
+    tan(w tau / 2) / (w tau / 2).
     """
     angle = 0.5 * tau * constant(model, rows.FREQUENCY, s, i)
     angle = where_less(angle, 1.0, angle, 1.0)  # longer steps resolve no swing
