@@ -29,6 +29,7 @@ from tribo.live_pages.retarget import object_of
 from tribo.pair import step_rows
 from tribo.pair.loop import COLUMNS, pair_collocation
 from tribo.plugins.stamps import code_stamp_of
+from tribo.system import THREADS_VARIABLE
 from tribo.validation import InputError
 
 # What to do where a scene cannot go in.
@@ -118,7 +119,8 @@ def compiled_apart(main: str, given: Any, key: str, folder: str | None = None) -
     paths = os.pathsep.join(str(each) for each in sys.path if each)
     environment = os.environ | GENERIC | {"PYTHONPATH": paths}
     if folder is not None:
-        environment["NUMBA_CACHE_DIR"] = folder
+        # What other processes compile is machine code alone.
+        environment |= {"NUMBA_CACHE_DIR": folder, THREADS_VARIABLE: "1"}
     content = pickled((sys.path, given))
     done = subprocess.run(command, input=content, capture_output=True, env=environment, check=False)
     if done.returncode == 0:
