@@ -287,3 +287,27 @@ def test_forces_of_runs_with_noise_are_those_of_the_kicks(kappa):
         kicks = getattr(found, f"f1_{axis}")[:-1, 0] + getattr(found, f"f2_{axis}")[:-1, 0]
         reservoir = getattr(found, f"f_T_{axis}")[1:, 0]
         assert np.max(np.abs(change - kicks - reservoir)) < 1e-12 * np.max(np.abs(change)) + 1e-12
+
+
+@pytest.mark.parametrize("on", ["bar", "swing"])
+def test_each_asperite_is_damped_by_its_own_mass(on):
+    """In a row of two blocks: the heavy ones move as they do where they stand first."""
+
+    def swings(masses):
+        asperites = {"m1": masses, "m2": masses}
+        upper = tribo.Surface(
+            "upper",
+            shape=(len(masses), 1),
+            spacing=(1.1, 0.0),
+            asperite=asperites,
+            initial={"swing": 0.3},
+            drive=tribo.Free(),
+            langevin=tribo.Langevin(gamma=0.5, on=on),
+        )
+        lower = tribo.Surface("lower", bob=(0.0, -50.0), facing="up")
+        scene = tribo.Scene([upper, lower], (), 2.0, output=tribo.Output(samples=5))
+        return tribo.simulate(scene, method="verlet", step=0.02)["upper"].theta
+
+    light_first = swings([1.0] * 8 + [3.0, 4.0])
+    heavy_first = swings([4.0, 3.0] + [1.0] * 8)
+    np.testing.assert_allclose(light_first, heavy_first[:, ::-1], rtol=1e-13, atol=1e-15)
