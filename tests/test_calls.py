@@ -20,10 +20,10 @@ import tribo
 PREPARED = 42
 ESTIMATED = 617
 SIMULATED = 3980
-# The same of three asperites on three by adaptive steps; measured: 1,342, 4,982 and 13,202.
-PREPARED_LATTICE = 1390
-ESTIMATED_LATTICE = 5140
-SIMULATED_LATTICE = 13600
+# The same of three asperites on three by adaptive steps; measured: 1,084, 4,376 and 12,416.
+PREPARED_LATTICE = 1115
+ESTIMATED_LATTICE = 4510
+SIMULATED_LATTICE = 12790
 # Of 100 members, and of 121 points of a grid; measured: 14,410 and 19,760.
 MEMBERS = 14850
 POINTS = 20350

@@ -208,6 +208,21 @@ def test_temperature(kind):
     assert lost == pytest.approx(MASS * wanted[-1], abs=0.1)
 
 
+@pytest.mark.parametrize("kind", ["steps", "linear"])
+def test_temperature_of_a_block(kind):
+    """A block of one asperite moves as the asperite does, and stays at rest until it is heated."""
+    cold_first = [[0, 0.0], [2.0, 0.0], [2.0, 1.5], [4.0, 0.5]]
+    langevin = tribo.Langevin(1.5, tribo.Schedule(cold_first, kind=kind))
+    alone, block = (
+        tribo.simulate(scene_of(drive, langevin=langevin), method="verlet", step=0.05)
+        for drive in (tribo.Free(), tribo.Free(block=True))
+    )
+    for name in ("x_cm", "y_cm", "vx_cm", "heat"):
+        np.testing.assert_allclose(block["tip"][name], alone["tip"][name], atol=1e-12)
+    moved = np.abs(block["tip"]["vx_cm"][:, 0])
+    assert np.all(moved[block.t <= 2.0] == 0.0) and np.all(moved[block.t > 2.0] > 0.0)
+
+
 def test_members_side_by_side():
     """Members in lanes have the bits of runs alone, with kinks between samples."""
     drive = tribo.Pulled(stiffness=STIFFNESS, speed=POINTS, load=[[0, 0.1], [4.25, 0.3]])

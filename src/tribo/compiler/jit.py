@@ -223,7 +223,8 @@ class EntryPoint:
 
     To look up the types of a dozen arguments takes longer than a short run.  Its first arguments
     are `fixed`; the others have the types of `examples` in each call.  Arguments at the places
-    `made` are not checked, as the caller makes them itself as it has made the examples.
+    `made` are not checked, as the caller makes them itself as it has made the examples; none are
+    where nothing is compiled.
     """
 
     def __init__(
@@ -234,15 +235,10 @@ class EntryPoint:
         made: tuple[int, ...] = (),
     ) -> None:
         """Compile the loop, or load it from disk.  Raises numba's errors."""
-        kinds = tuple(map(kind_of, (*fixed, *examples)))
-        compiled = loop.overloads.get(kinds)
-        if compiled is None:
-            with undisturbed():
-                loop.compile(kinds)
-            compiled = loop.overloads[kinds]
-        self._code = compiled.entry_point if NATIVE else loop
+        self._code = _code_for(loop, (*fixed, *examples))
         self._fixed = fixed
-        checked = [(place, each) for place, each in enumerate(examples) if place not in made]
+        compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
+        checked = [each for each in enumerate(examples) if compiled and each[0] not in made]
         self._arrays = tuple(
             (place, example.dtype, example.strides)
             for place, example in checked
@@ -277,6 +273,17 @@ class EntryPoint:
         if not hooks_before:
             return self._code(*self._fixed, *arguments)
         return raising(self._code, *self._fixed, *arguments)
+
+
+def _code_for(loop: Any, arguments: tuple[Any, ...]) -> Any:
+    """The machine code of a loop for arguments of these types; the loop by other means."""
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return loop
+    kinds = tuple(map(kind_of, arguments))
+    if kinds not in loop.overloads:
+        with undisturbed():
+            loop.compile(kinds)
+    return loop.overloads[kinds].entry_point if NATIVE else loop
 
 
 def kind_of(argument: Any) -> Any:

@@ -225,7 +225,8 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
     gain_y = 2.0 * (vy - broadcast(lane(coordinates(s.dof_y, s, first, reservoirs.before), 0)))
     one, other, third, fourth, _, _ = normals(noise, s.temperature, 1, 4)
     gamma = broadcast(s.gamma * (s.end - s.start))
-    heat = broadcast(s.temperature)
+    number = rows.OWN_TEMPERATURE, s.temperature
+    temperature = temperature_of(model, s.heat_schedule, *number, first, t)
     mobility = broadcast(1.0 / s.mass)
     x = vx - s.reservoir_x
     y = vy - s.reservoir_y
@@ -233,7 +234,7 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
     other = broadcast(lane(other, 0))
     third = broadcast(lane(third, 0))
     fourth = broadcast(lane(fourth, 0))
-    damping = damping_of(gamma, heat, mobility, tau)
+    damping = damping_of(gamma, temperature, mobility, tau)
     px, far_x = damped_motion(damping, mobility, x, gain_x, tau, one, other)
     py, far_y = damped_motion(damping, mobility, y, gain_y, tau, third, fourth)
     zero = broadcast(0.0)
@@ -272,7 +273,7 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
             if s.gamma == 0.0:
                 continue
             before_x, before_y = momentum(model, s, v)
-            if s.block > 0:
+            if s.block == rows.RIGID_ASPERITES:
                 damp_rigid_body(model, s, reservoirs, (t, q, v), accounts, noise)
             else:
                 alike = are_alike(model, s)

@@ -10,7 +10,6 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numba import config
 
-from tribo.compiler.jit import EntryPoint
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes import LANES
 from tribo.integrators.methods import Method
@@ -214,7 +213,6 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         """Compile the loop, and keep its memory, into which members are loaded."""
         setting = unit_setting(layout, method)
         super().__init__(layout, method, setting, layout.start, first_step)
-        self._method = method
         self._longest = first_step
         others = arrays_in((self.clocks, self._neighbours.active))
         self.state, self._scratch = self.keep((self.state, self._scratch), others)
@@ -222,8 +220,6 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         q = layout.places.q
         coordinates = layout.room[0]
         self._places = np.concatenate([q, coordinates + q])
-        examples = self._arguments(layout.times, self.room(1), 0)
-        self._entry = EntryPoint(self.compiled, (self._kept,), examples)
 
     def fill(
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
@@ -253,9 +249,6 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
                 for each in own:
                     each[...] = 0.0
         return counts
-
-    def _call(self, arguments: tuple[Any, ...]) -> int:
-        return self._entry(*arguments)
 
     def _to_end(self, columns: Columns) -> int:
         """Run the member through the times of the scene; PAUSED if it makes no progress."""

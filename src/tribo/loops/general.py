@@ -2,14 +2,15 @@
 
 import json
 import time
+from collections.abc import Hashable
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from tribo.compiler.generators import as_argument
-from tribo.compiler.jit import LoopJob, kind_of, undisturbed
-from tribo.compiler.kept import keep, keep_like
+from tribo.compiler.jit import EntryPoint, LoopJob, kind_of, undisturbed
+from tribo.compiler.kept import Kept, keep, keep_like
 from tribo.compiler.lanes import LANES
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.team import CLOSED
@@ -39,6 +40,9 @@ LISTS = ("start", "index", "place", "made", "listed")
 # Which blocks are active, and how long the others have not been advanced.
 SELECTION = ("blocks", "first", "since", "place", "selected")
 
+
+# The code of loops, by loop and what tells the types of their arguments: scenes share it.
+_ENTRIES: dict[Hashable, EntryPoint] = {}
 
 _no_lists = cache(lambda: keep(NO_NEIGHBOURS))
 
@@ -75,6 +79,7 @@ class GeneralLoop(TimeLoop):
         self._kept = keep_like(common.kept, self.model)
         self._lists = kept_lists(self._neighbours)
         self._assistants = threads - 1
+        self._method = method
         self.adaptive = method.adaptive
         self.step = setting.step
         self.clocks = np.zeros(1, CLOCK).view(np.recarray)
@@ -103,6 +108,7 @@ class GeneralLoop(TimeLoop):
         self._constants = method.coefficients, keep(in_blocks(setting, layout))
         self._hold()
         self.compiled = shared_loop(method.loop)
+        self._entry: EntryPoint | None = None
         self._assist: Any = shared_loop(assist) if self._assistants else None
         self._errors: list[Exception] = []  # of units, in the present call
         self._columns: Columns = ()  # that it has filled last, and the record of them
@@ -143,9 +149,23 @@ class GeneralLoop(TimeLoop):
     def _call(self, arguments: tuple[Any, ...]) -> int:
         errors = self._errors = []
         with assisted(self.model.team, self._assistants, self.assist), keeping(errors):
-            code: int = self.compiled(self._kept, *arguments)
+            code: int = self._entry_for(arguments)(*arguments)
         raise_first(errors)
         return code
+
+    def _entry_for(self, arguments: tuple[Any, ...]) -> EntryPoint:
+        """The code of the loop, for arguments of the types that all calls have."""
+        if self._entry is None:
+            kept = (self._kept, *arguments)
+            key = (
+                self.compiled,
+                type(self._method.coefficients),
+                *(each.kind for each in kept if isinstance(each, Kept)),
+            )
+            if key not in _ENTRIES:
+                _ENTRIES[key] = EntryPoint(self.compiled, (self._kept,), arguments)
+            self._entry = _ENTRIES[key].with_fixed(self._kept)
+        return self._entry
 
     def assist(self) -> None:
         """Share the steps that another thread takes, until it has no more."""
