@@ -13,6 +13,7 @@ from support.command import main
 from support.sliding import long_slide
 from support.sliding import scene as crowded
 from tribo import system
+from tribo.ensembles.runner import Execution
 from tribo.integrators.methods import METHODS
 from tribo.layout import contacts
 from tribo.layout import layout as layouts
@@ -163,6 +164,18 @@ def test_how_many_threads(shared, monkeypatch):
         shared_run.threads_of(model, verlet, None)
     with pytest.raises(tribo.InputError, match="threads: must be"):
         shared_run.threads_of(model, verlet, 0)
+
+
+def test_how_many_members_run_at_the_same_time(monkeypatch):
+    """As many as a run has threads."""
+    monkeypatch.setenv(system.THREADS_VARIABLE, "3")
+    assert Execution.checked(None, None).threads == 3
+    assert Execution.checked(None, 2).threads == 2
+    monkeypatch.setenv(system.THREADS_VARIABLE, "0")
+    with pytest.raises(tribo.InputError, match="TRIBO_THREADS: must be a positive integer"):
+        Execution.checked(None, None)
+    monkeypatch.delenv(system.THREADS_VARIABLE)
+    assert Execution.checked(None, None).threads == shared_run.wanted_threads(None)[0]
 
 
 def test_the_option(tmp_path, capsys):

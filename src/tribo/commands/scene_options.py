@@ -115,7 +115,7 @@ def add_many_runs(command: argparse.ArgumentParser, members: str) -> None:
     command.add_argument("--sampler", choices=["sobol", "latin-hypercube"], help=sampler)
     command.add_argument("--seed", type=int, default=0, help="seed of the members (default: 0)")
     add_numerics(command)
-    threads = "threads of this process (default: all cores)"
+    threads = "runs at the same time in this process (default: TRIBO_THREADS, or all cores)"
     command.add_argument("--threads", type=int, metavar="N", help=threads)
     processes = "processes that run members or points at the same time (default: 1)"
     command.add_argument("--processes", type=int, default=1, metavar="N", help=processes)

@@ -58,9 +58,12 @@ def compile_together(jobs: Sequence[Job]) -> None:
     for helper in helpers:
         helper.start()
     try:
-        with suppress(IndexError):
-            while True:
-                waiting.popleft().compile()
+        while True:
+            try:
+                job = waiting.popleft()
+            except IndexError:  # helpers have taken the others
+                break
+            job.compile()
         for helper in helpers:
             helper.join()
     finally:

@@ -154,7 +154,8 @@ def address_of(
 ) -> Any:
     """The address of a unit for arguments of these types, compiled or loaded at its first use.
 
-    `stamp` is the hash of what a plug-in is compiled from; with None nothing is kept on disk.
+    `stamp` is the hash of what a plug-in is compiled from; "" for code of this package alone, whose
+    units raise no errors.  With None nothing is kept on disk.
     `version` tells plug-ins without a stamp apart.  Raises numba's errors.
     """
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
@@ -182,7 +183,7 @@ class UnitJob(NamedTuple):
         return address_of(*self)
 
     def is_missing(self) -> bool:
-        """Whether it is neither in memory nor on disk."""
+        """Whether it could be on disk, and is neither there nor in memory."""
         if config.DISABLE_JIT or not NATIVE:  # type: ignore[attr-defined]
             return False
         if self.stamp is None or (self.function, self.kinds, self.version) in _units:
@@ -192,8 +193,8 @@ class UnitJob(NamedTuple):
         return isinstance(unit._cache, KernelCache) and not unit._cache.has_file(unit._sig, target)
 
     def is_shared(self) -> bool:
-        """Whether other processes know its classes, those of this package, and keep it on disk."""
-        return self.version == "" and self.stamp is not None
+        """Whether other processes know its classes, which are those of this package alone."""
+        return self.version == ""
 
     def compile(self) -> None:
         """Compile it, or load it from disk."""

@@ -108,8 +108,8 @@ def ensemble(
     accuracy, method, step, allow_unresolved
         As for :func:`prepare`.  A step is required where no accuracy of single runs can be kept.
     threads : int, optional
-        Threads that run members in batches; by default one for each core.  Values do not depend on
-        it.
+        Threads that run members in batches; by default TRIBO_THREADS, or one for each core that
+        this process may use.  Values do not depend on it.
     progress : callable or bool, optional
         As for :func:`simulate`, with the number of members that have been run.
     seed : int

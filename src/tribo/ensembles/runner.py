@@ -6,7 +6,6 @@ setting in batches and finer ones where needed (CheckedRuns), or each on its own
 
 from __future__ import annotations
 
-import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
@@ -29,7 +28,8 @@ from tribo.ledger.sinks import exceeds_memory
 from tribo.loops.batch import has_batches
 from tribo.loops.lane_loop import fit_lanes
 from tribo.prepared import Simulation
-from tribo.validation import integer, must_be
+from tribo.threads.shared_run import wanted_threads
+from tribo.validation import must_be
 
 # Work of a member in batches with an accuracy, at most [force evaluations x asperites]: 4 ms, as a
 # result takes.  Of longer runs, those that choose the setting take longer than what batches save.
@@ -47,11 +47,10 @@ class Execution(NamedTuple):
 
     @classmethod
     def checked(cls, engine: Engine | None, threads: int | None) -> Execution:
-        """What runs members, with a thread for each core by default.  Raises InputError."""
+        """What runs members, with so many threads.  Raises InputError."""
         if engine is not None and not (hasattr(engine, "submit") or hasattr(engine, "map")):
             raise must_be("engine", "an executor, with submit or map", engine)
-        threads = os.cpu_count() or 1 if threads is None else integer("threads", threads, 1)
-        return cls(engine, threads)
+        return cls(engine, wanted_threads(threads)[0])
 
     def collect(self, chunks: Iterable[KeptValues], store: Store) -> bool:
         """Take in the next members, in order, and tell how many there are; whether interrupted."""

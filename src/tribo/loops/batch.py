@@ -216,6 +216,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         self._longest = first_step
         others = arrays_in((self.clocks, self._neighbours.active))
         self.state, self._scratch = self.keep((self.state, self._scratch), others)
+        self._clock_before = self._fresh[1]  # the first of the others, behind the numbers
         self._hold()
         q = layout.places.q
         coordinates = layout.room[0]
@@ -228,9 +229,9 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         self._constants = self._method.coefficients, keep(in_blocks(setting, self.layout))
         tolerance = setting.tolerance
         if tolerance is not None:
-            clock = self._fresh[1]
-            clock["h"] = integrate.first_step_at(tolerance, self._longest, self._method.order)
-            clock["encounter_fraction"] = tolerance.encounter_fraction
+            before = self._clock_before
+            before["h"] = integrate.first_step_at(tolerance, self._longest, self._method.order)
+            before["encounter_fraction"] = tolerance.encounter_fraction
         counts = np.empty((len(starts.y), COUNTS), np.int64)
         clock = self.clocks.view(np.ndarray)[0]
         for m, count in enumerate(counts):

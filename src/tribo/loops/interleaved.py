@@ -71,7 +71,7 @@ def interleaved(layout: Layout, own_numbers: bool = False) -> Interleaved:
     if own_numbers:
         eight, memory, numbers = _in_one_array(scene, _with_own_numbers(eight))
     model = model_of(eight)
-    fulfil(units_of(scene, eight, model))
+    fulfil(units_of(scene, eight, model, listed=False))
     q = np.array([each.q for each in places])
     size = theirs.coordinates, theirs.accounts
     return Interleaved(model, q, places[0].s, size, memory, numbers)

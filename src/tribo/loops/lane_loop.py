@@ -240,7 +240,7 @@ class SplittingLanes(LaneLoop):
             (self._state, self._work, watch), [self._clocks]
         )
         nothing = Deviates(np.empty((0, LANES)), np.zeros(1, np.int64))
-        fulfil(step_units(self.eight.model, self._state, self._work, nothing))
+        fulfil(step_units(self.eight.model, self._state, self._work, nothing, listed=False))
         self._draws = self.coefficients.kicks.size * deviates_of_substep(self.layout)
         columns = sample_columns(self.layout, LANES)
         step = setting.of_equal_steps()

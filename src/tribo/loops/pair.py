@@ -116,18 +116,17 @@ def factors_of(layout: Layout, asperites: np.ndarray) -> tuple[np.ndarray, np.nd
         q, v, about_x, about_y, twist, arc = columns[i]
         a = asperites[..., i]
         slide = mobility[..., i]
-        to_state[..., i, q] = to_state[..., n + i, v] = 1.0
+        to_state[..., i, q] = 1.0
+        to_state[..., n + i, v] = 1.0
         first = FIRST_ACCOUNT
         contact = slots.acc_contact
-        to_accounts[..., contact, step_rows.J] = to_accounts[
-            ..., contact + 1, first + step_rows.J_Y
-        ] = sign
+        to_accounts[..., contact, step_rows.J] = sign
+        to_accounts[..., contact + 1, first + step_rows.J_Y] = sign
         to_accounts[..., contact + 2, first + about_x] = sign * a["facing"]
         to_accounts[..., contact + 3, first + about_y] = sign * a["facing"]
         if slots.dof_x >= 0:
-            to_state[..., slots.dof_x, step_rows.K] = to_state[
-                ..., n + slots.dof_x, step_rows.J
-            ] = slide
+            to_state[..., slots.dof_x, step_rows.K] = slide
+            to_state[..., n + slots.dof_x, step_rows.J] = slide
             for slot in (slots.acc_slide, slots.acc_block):
                 to_accounts[..., slot, first + step_rows.S] = sign * slide
         if slots.acc_ends >= 0:

@@ -14,7 +14,6 @@ from tribo.compiler.plugin_methods import type_of
 from tribo.compiler.pointers import PointerType, type_of_pointers
 from tribo.compiler.units import UnitJob, WordsInLanesType, WordsType
 from tribo.integrators import bath_substep, inactive, kicks, reservoirs, splitting
-from tribo.integrators.splitting import Work
 from tribo.kernels import (
     baths,
     contact,
@@ -69,7 +68,7 @@ def fulfil(wanted: Sequence[Wanted], loop: Callable[[], LoopJob] | None = None) 
             each.array[each.place] = each.job.address()
 
 
-def units_of(scene: Scene, tables: Tables, model: Model, listed: bool = False) -> list[Wanted]:
+def units_of(scene: Scene, tables: Tables, model: Model, listed: bool) -> list[Wanted]:
     """The units that a model needs for any method: those of its plug-ins and effects.
 
     It is the model of these tables, with lists of neighbours if it is `listed`.
@@ -214,15 +213,11 @@ def rate_units(model: Model) -> list[Wanted]:
     return _of_package(model, own)
 
 
-def step_units(
-    model: Model, state: State, work: Any, noise: Any, listed: bool = False
-) -> list[Wanted]:
+def step_units(model: Model, state: State, work: Any, noise: Any, listed: bool) -> list[Wanted]:
     """Those of this package that splitting methods need, whose argument `noise` is like this.
 
     There are lists of neighbours if it is `listed`.
     """
-    if not isinstance(work, Work):
-        return []
     lists = _kind(NO_NEIGHBOURS)
     number = types.float64
     moving = number, _kind(state)

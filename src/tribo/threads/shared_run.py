@@ -39,7 +39,7 @@ def threads_of(model: Tables, method: Method, threads: int | None) -> Threads:
 
     One where they do not pay.  Raises InputError if the number wanted is no positive integer.
     """
-    wanted, why = _wanted(threads)
+    wanted, why = wanted_threads(threads)
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return Threads(1, "since nothing is compiled")
     if not method.splits:
@@ -49,8 +49,11 @@ def threads_of(model: Tables, method: Method, threads: int | None) -> Threads:
     return Threads(min(wanted, TILES), why)
 
 
-def _wanted(threads: int | None) -> tuple[int, str]:
-    """The number of threads that is wanted, and why."""
+def wanted_threads(threads: int | None) -> tuple[int, str]:
+    """The number of threads as given, by TRIBO_THREADS, or that of cores; and why.
+
+    Raises InputError if it is no positive integer.
+    """
     if threads is not None:
         return integer("threads", threads, 1), "as given"
     text = os.environ.get(THREADS_VARIABLE, "").strip()
