@@ -15,7 +15,7 @@ from scipy import stats
 import tribo
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
-# with an estimate, and of `simulate`; measured: 40, 599 and 3,860, and two more for each run of a
+# with an estimate, and of `simulate`; measured: 40, 599 and 3,872, and two more for each run of a
 # pair once there are plug-ins of the user's.
 PREPARED = 42
 ESTIMATED = 617
@@ -24,7 +24,7 @@ SIMULATED = 3980
 PREPARED_LATTICE = 1115
 ESTIMATED_LATTICE = 4510
 SIMULATED_LATTICE = 12790
-# Of 100 members, and of 121 points of a grid; measured: 14,410 and 19,760.
+# Of 100 members, and of 121 points of a grid; measured: 14,418 and 19,770.
 MEMBERS = 14850
 POINTS = 20350
 # Of each further thousand of members that differ in starts; measured: 28.

@@ -28,7 +28,7 @@ from tribo.ledger.nearest import nearest
 from tribo.ledger.separation import in_box
 from tribo.loops.pair import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
-from tribo.potentials.potential import Potential
+from tribo.potentials.potential import Potential, acting_charges
 
 # Of gauss-radau-15 in the loop for pairs.
 PAIR = Cost(5.13, 21.4, 12.0, 0.0, 0.0, 18)
@@ -175,12 +175,13 @@ def steps_towards(layout: Layout) -> float:
 
 
 def _clearances(potential: Potential, r: np.ndarray) -> np.ndarray:
-    """The clearances of charges of 1 at distances r (n,): together if the class has no own rule."""
+    """The clearances of bobs at distances r (n,): together if the class has no rule of its own."""
     kind = type(potential)
     of_both = kind.clearance_between is Potential.clearance_between
     if not of_both or kind.clearance is not Potential.clearance:
-        return np.array([potential.clearance_between(each, 1.0, 1.0) for each in r.tolist()])
-    if not potential.acts_between(1.0, 1.0):
+        charges = acting_charges(potential)
+        return np.array([potential.clearance_between(each, *charges) for each in r.tolist()])
+    if not potential.acts_at_all():
         return np.full(r.size, np.inf)
     length, reach = potential.feature()
     return np.maximum(length, r - min(reach, potential.range()))

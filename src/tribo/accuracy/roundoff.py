@@ -15,6 +15,7 @@ from tribo.ledger.accounts import FORCES, Accounts, OfAccounts, Part, forces_wit
 from tribo.ledger.motion import Motion
 from tribo.ledger.row_products import row_product
 from tribo.model.fields import period_of
+from tribo.potentials.potential import acting_charges
 
 # Roundings of a term: those of the rates in it, of their squares, of products and of the sum.
 TERM_ROUNDINGS = 4.0
@@ -254,5 +255,6 @@ def _shortest_length(layout: Layout, motion: Motion) -> float:
             dx = x[one][:MOST_BOBS, None] - x[other][:MOST_BOBS]
             dy = y[one][:MOST_BOBS, None] - y[other][:MOST_BOBS]
             nearest = np.minimum.reduce(np.hypot(dx, dy), axis=None)
-            lengths.append(float(contact.potential.clearance_between(nearest, 1.0, 1.0)))
+            charges = acting_charges(contact.potential)
+            lengths.append(float(contact.potential.clearance_between(nearest, *charges)))
     return min((length for length in lengths if length > 0.0), default=np.inf)

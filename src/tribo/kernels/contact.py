@@ -30,7 +30,7 @@ from tribo.compiler.units import fetched
 from tribo.kernels import blocks
 from tribo.kernels.model import Acting
 from tribo.kernels.neighbours import image, is_partner, partner_species
-from tribo.kernels.potential_in_lanes import force_in_lanes, range_in_lanes
+from tribo.kernels.potential_in_lanes import force_in_lanes, range_of_all_in_lanes
 from tribo.kernels.potential_units import energy_at
 from tribo.kernels.records import CHARGE, X, Y, Z
 
@@ -122,7 +122,7 @@ def over_distances(potential, square, separation, charge, others, low, high):
     `separation` (dx, dy, dz) of each pair, whose square is `square`.
     """
     r, inverse = separations(square, *separation, low, high)
-    end = range_in_lanes(potential, 1.0, 1.0)
+    end = range_of_all_in_lanes(potential)
     f = force_in_lanes(potential, r, end, charge, others, low, high)
     return between_lanes(low, high, where_less(square, end * end, f * inverse, 0.0), 0.0)
 

@@ -81,17 +81,25 @@ def range_in_lanes(potential, one, other):
 
 @overload(range_in_lanes, **OVERLOAD)
 def _range_in_lanes(potential, one, other):
-    if lanes in potential.types:
-        return _ranges
-    if lanes in (one, other):
-        return lambda potential, one, other: potential.range()
+    if lanes in (*potential.types, one, other):
+        return lambda potential, one, other: range_of_all_in_lanes(potential)
     return range_in_lanes
 
 
-def _ranges(potential, one, other):
+def range_of_all_in_lanes(potential):
+    """The distance from which the force of all charges is zero; Lanes where its numbers are."""
+    return potential.range_of_all()
+
+
+@overload(range_of_all_in_lanes, **OVERLOAD)
+def _range_of_all_in_lanes(potential):
+    return _ranges if lanes in potential.types else range_of_all_in_lanes
+
+
+def _ranges(potential):
     ranges = broadcast(0.0)
     for i in range(LANES):
-        ranges = with_lane(ranges, i, numbers_at_lane(potential, i).range())
+        ranges = with_lane(ranges, i, numbers_at_lane(potential, i).range_of_all())
     return ranges
 
 

@@ -1,5 +1,7 @@
 """Contacts between bobs, as kernels read them: species, calculators and neighbour lists."""
 
+import itertools
+
 import numpy as np
 from numba import config
 
@@ -17,6 +19,8 @@ from tribo.validation import inside
 SKIN = 0.1
 # Pairs of bobs up to which every pair is visited, rather than a neighbour list.
 UNLISTED_PAIRS = 4096
+# Pairs of unlike charges of two surfaces up to which each is asked whether it is coupled.
+MOST_CHARGES = 100_000
 # How much farther than the list of neighbours the active blocks reach, in units of its skin: more
 # active blocks cost more in each step, a shorter margin has them selected more often.
 MARGIN = 10.0
@@ -66,13 +70,22 @@ def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
 
 
 def are_coupled(scene: Scene, interaction: Interaction, pair: tuple[int, int]) -> bool:
-    """Whether the charges of any bobs of two surfaces are coupled by an interaction."""
+    """Whether the charges of any bobs of two surfaces are coupled by an interaction.
+
+    One that acts on none at all, as with a strength of zero, is not left out: other runs of the
+    same layout may have another strength.
+    """
     potential = interaction.potential
     if interaction.calculator is not None:
         return True
-    charges = [float(np.abs(scene.surfaces[k].each["charge"]).max()) for k in pair]
+    # Not np.unique, which imports masked arrays.
+    ones, others = (sorted(set(scene.surfaces[k].each["charge"].tolist())) for k in pair)
+    if len(ones) * len(others) > MOST_CHARGES:
+        return True
     try:
-        return bool(potential.acts_between(*charges) or not potential.acts_between(1.0, 1.0))
+        if not potential.acts_at_all():
+            return True
+        return any(itertools.starmap(potential.acts_between, itertools.product(ones, others)))
     except Exception:  # of the user's code, whose line the compiler names
         return True
 

@@ -38,24 +38,15 @@ def contact_pairs(layout: Layout, places: np.ndarray, index: int) -> Iterator[Co
 
 def _groups(layout: Layout, index: int) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
     """Bobs of a surface, bobs of another one, and the distance at which they are in contact."""
-    surfaces = layout.scene.surfaces
     starts = [part.start for part in layout.parts.values()]
     for pair, reaches in repulsions_of(layout).items():
         if index not in pair or pair[0] == pair[1]:
             continue
         for reach in reaches:
-            species = reach.species
-            for kinds in {species, species and species[::-1]}:
-                chosen = {}
-                for place, k in enumerate(pair):
-                    surface = surfaces[k]
-                    selected = np.sign(surface.each["charge"]) == reach.signs[place]
-                    selected = np.broadcast_to(selected, surface.count)
-                    if kinds is not None:
-                        selected = selected & (surface.species_of_each == kinds[place])
-                    chosen[k] = starts[k] + np.flatnonzero(selected)
-                (other,) = set(pair) - {index}
-                yield chosen[index], chosen[other], reach.distance
+            one = starts[pair[0]] + reach.mine
+            other = starts[pair[1]] + reach.theirs
+            mine, theirs = (one, other) if pair[0] == index else (other, one)
+            yield mine, theirs, reach.distance
 
 
 def _within(

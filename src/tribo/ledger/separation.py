@@ -10,6 +10,7 @@ largest distance at which its energy is that fraction.  A potential that states 
 which it is weak, as that of Coulomb, has neither.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
@@ -42,6 +43,8 @@ IN_CONTACT = 0.01
 # one of the distance beyond which it is weak, which a part of a sum may exceed by far.
 WITHIN_RANGE = np.geomspace(1.0, 0.01, 234)
 DISTANCES = np.geomspace(1e3, 0.05, 500)
+# Unlike charges of a surface up to which each has its own distance of contact.
+MOST_CHARGES = 32
 # Halvings of a step of 2 %, to 1e-12 of the distance of contact.
 HALVINGS = 36
 
@@ -129,12 +132,14 @@ def asperite_name(layout: Layout, index: int) -> str:
 
 
 class Reach(NamedTuple):
-    """The distance of two bobs in contact."""
+    """The distance at which bobs of two surfaces are in contact."""
 
     distance: float  # [length]
     ends: bool  # whether their potential is zero beyond it
-    species: tuple[str, str] | None  # of the two bobs; None for any
-    signs: tuple[float, float]  # of their charges
+    mine: np.ndarray  # the bobs of the first surface, by their numbers there
+    theirs: np.ndarray
+    # False where unlike charges among them are in contact at other distances, at most at this one.
+    is_exact: bool
 
 
 def touching(
@@ -225,41 +230,59 @@ def _reaches(scene: Scene, repelling: bool = False) -> dict[tuple[int, int], lis
             endless.update(scene.pairs(interaction))
             continue
         ends = bool(np.isfinite(interaction.potential.range()))
+        least = _least_energy(scene, interaction)
+        species = interaction.species
         for pair in scene.pairs(interaction):
-            one, other = (_charges(scene.surfaces[k]) for k in pair)
-            for sign, charge in one.items():
-                for its_sign, its in other.items():
-                    look = interaction.potential, charge, its, _least_energy(scene, interaction)
-                    distance = reach_of(*look, repelling)
-                    reach = Reach(distance, ends, interaction.species, (sign, its_sign))
-                    found.setdefault(pair, []).append(reach)
+            for kinds in {species, species and species[::-1]}:
+                one, other = (
+                    _bobs_by_charge(scene.surfaces[k], kinds and kinds[place])
+                    for place, k in enumerate(pair)
+                )
+                for charges, mine in one:
+                    for its, theirs in other:
+                        distances = [
+                            reach_of(interaction.potential, own, another, least, repelling)
+                            for own, another in itertools.product(charges, its)
+                        ]
+                        far = max(distances)
+                        is_exact = min(distances) == far
+                        reach = Reach(far, ends, mine, theirs, is_exact)
+                        found.setdefault(pair, []).append(reach)
     return {pair: reach for pair, reach in found.items() if pair not in endless}
 
 
-def _charges(surface: Surface) -> dict[float, float]:
-    """The largest charge of each sign on a surface."""
-    charges = surface.each["charge"]
-    signs = np.unique(np.sign(charges)).tolist()
-    return {sign: sign * float(np.max(np.abs(charges[np.sign(charges) == sign]))) for sign in signs}
+def _bobs_by_charge(
+    surface: Surface, kind: str | None
+) -> list[tuple[tuple[float, ...], np.ndarray]]:
+    """Bobs of a species, or of any, in groups of one charge, or of one sign if there are many.
+
+    With each group stands its charge, or the smallest and the largest of its sign.
+    """
+    charges = np.broadcast_to(surface.each["charge"], surface.count)
+    chosen = np.full(surface.count, True)
+    if kind is not None:
+        chosen &= surface.species_of_each == kind
+    groups = charges if np.unique(charges[chosen]).size <= MOST_CHARGES else np.sign(charges)
+    found = []
+    for value in np.unique(groups[chosen]).tolist():
+        bobs = np.flatnonzero(chosen & (groups == value))
+        ends = {float(np.min(charges[bobs])), float(np.max(charges[bobs]))}
+        found.append((tuple(ends), bobs))
+    return found
 
 
 def _in_contact(
     layout: Layout, places: np.ndarray, pair: tuple[int, int], reaches: list[Reach]
 ) -> np.ndarray:
     """Whether any two bobs of two surfaces are in contact, (times,), from (times, n, 3)."""
-    surfaces = [layout.scene.surfaces[k] for k in pair]
-    bobs = [places[:, layout.parts[surface.name]] for surface in surfaces]
+    one, other = (places[:, layout.parts[layout.scene.surfaces[k].name]] for k in pair)
     found = np.zeros(len(places), dtype=bool)
-    for distance, _, species, signs in reaches:
-        for kinds in {species, species and species[::-1]}:
-            selected = []
-            for k, (each, surface) in enumerate(zip(bobs, surfaces, strict=True)):
-                chosen = np.sign(surface.each["charge"]) == signs[k]
-                if kinds is not None:
-                    chosen &= surface.species_of_each == kinds[k]
-                selected.append(each if np.all(chosen) else each[:, chosen])
-            mine, theirs = selected
-            found |= _any_within(layout, mine, theirs, distance)
+    for reach in reaches:
+        mine, theirs = (
+            bobs if chosen.size == bobs.shape[1] else bobs[:, chosen]
+            for bobs, chosen in ((one, reach.mine), (other, reach.theirs))
+        )
+        found |= _any_within(layout, mine, theirs, reach.distance)
     return found
 
 
@@ -346,7 +369,7 @@ def real(value: Any) -> float:
     return math.nan if isinstance(value, complex) else float(value)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=2 * MOST_CHARGES**2)
 def reach_of(potential: Any, one: float, other: float, least: float, repelling: bool) -> float:
     """The largest distance at which two charges act on each other, or repel each other [length].
 
@@ -386,13 +409,22 @@ def reach_of(potential: Any, one: float, other: float, least: float, repelling: 
 
 def contact_distance_of(scene: Scene, surface: Surface) -> float:
     """The largest distance at which bobs of a surface are in contact with another [length]."""
+    return max((each.distance for each in _repulsions_on(scene, surface)), default=0.0)
+
+
+def _repulsions_on(scene: Scene, surface: Surface) -> list[Reach]:
     index = [each.name for each in scene.surfaces].index(surface.name)
-    reaches = [r for pair, own in _reaches(scene, True).items() if index in pair for r in own]
-    return max((each.distance for each in reaches), default=0.0)
+    pairs = _reaches(scene, repelling=True).items()
+    return [reach for pair, own in pairs if index in pair for reach in own]
 
 
 def has_contact_distance(scene: Scene, surface: Surface) -> bool:
-    """Whether all contacts of a surface with others have a range, or decay."""
+    """Whether all contacts of a surface with others have a range, or decay.
+
+    They have none where more unlike charges than `MOST_CHARGES` make unlike distances.
+    """
     index = [each.name for each in scene.surfaces].index(surface.name)
     mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
-    return bool(mine) and all(map(has_reach, mine))
+    if not mine or not all(map(has_reach, mine)):
+        return False
+    return all(reach.is_exact for reach in _repulsions_on(scene, surface))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tribo.plugins.classes import parts
-from tribo.potentials.potential import Potential
+from tribo.potentials.potential import Potential, acting_charges
 
 # Distances from the end of a potential, in units of its range, at which its energy is looked at.
 INWARD = (2.0**-8, 2.0**-9, 2.0**-10)
@@ -36,8 +36,9 @@ def _at_end(potential: Potential) -> float:
     if not math.isfinite(end):
         return math.inf
     try:
+        charges = acting_charges(potential)
         with np.errstate(all="ignore"):
-            energies = [float(potential.energy_between(end * (1.0 - x), 1.0, 1.0)) for x in INWARD]
+            energies = [float(potential.energy_between(end * (1.0 - x), *charges)) for x in INWARD]
             far, near = np.log2(np.abs(np.divide(energies[:-1], energies[1:]))).tolist()
     except Exception:  # a user's methods may raise anything: it is reported when they are compiled
         return math.inf

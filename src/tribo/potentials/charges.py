@@ -37,8 +37,8 @@ class Coulomb(Charged):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * inverse * inverse
 
-    def acts_between(self, one, other):
-        return self.strength * one * other != 0.0
+    def acts_at_all(self):
+        return self.strength != 0.0
 
 
 class Yukawa(Charged):
@@ -69,8 +69,8 @@ class Yukawa(Charged):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.strength * np.exp(-self.screening * r) * (self.screening + inverse) * inverse
 
-    def acts_between(self, one, other):
-        return self.strength * one * other != 0.0
+    def acts_at_all(self):
+        return self.strength != 0.0
 
 
 class Plummer(Charged):
@@ -100,8 +100,8 @@ class Plummer(Charged):
         square = r * r + self.softening * self.softening
         return self.strength * r / (square * np.sqrt(square))
 
-    def acts_between(self, one, other):
-        return self.strength * one * other != 0.0
+    def acts_at_all(self):
+        return self.strength != 0.0
 
     def feature(self):
         """Length over which the force changes near r = 0 [length]; farther out that length is r."""

@@ -31,26 +31,30 @@ class Sum(Potential):
         return as_potential(cls(first, second))
 
     def energy(self, r):
-        own = np.where(r < self.first.range_between(1.0, 1.0), self.first.energy(r), 0.0)
-        its = np.where(r < self.second.range_between(1.0, 1.0), self.second.energy(r), 0.0)
+        own = np.where(r < self.first.range_of_all(), self.first.energy(r), 0.0)
+        its = np.where(r < self.second.range_of_all(), self.second.energy(r), 0.0)
         return own + its
 
     def force(self, r):
-        own = np.where(r < self.first.range_between(1.0, 1.0), self.first.force(r), 0.0)
-        its = np.where(r < self.second.range_between(1.0, 1.0), self.second.force(r), 0.0)
+        own = np.where(r < self.first.range_of_all(), self.first.force(r), 0.0)
+        its = np.where(r < self.second.range_of_all(), self.second.force(r), 0.0)
         return own + its
 
     def energy_between(self, r, one, other):
         own = self.first.energy_between(r, one, other)
         its = self.second.energy_between(r, one, other)
-        own = np.where(r < self.first.range_between(1.0, 1.0), own, 0.0)
-        return own + np.where(r < self.second.range_between(1.0, 1.0), its, 0.0)
+        own = np.where(r < self.first.range_of_all(), own, 0.0)
+        return own + np.where(r < self.second.range_of_all(), its, 0.0)
 
     def force_between(self, r, one, other):
         own = self.first.force_between(r, one, other)
         its = self.second.force_between(r, one, other)
-        own = np.where(r < self.first.range_between(1.0, 1.0), own, 0.0)
-        return own + np.where(r < self.second.range_between(1.0, 1.0), its, 0.0)
+        own = np.where(r < self.first.range_of_all(), own, 0.0)
+        return own + np.where(r < self.second.range_of_all(), its, 0.0)
+
+    def acts_at_all(self):
+        """Whether either part acts."""
+        return self.first.acts_at_all() or self.second.acts_at_all()
 
     def acts_between(self, one, other):
         """Whether either part acts between two charges."""
@@ -102,6 +106,9 @@ class Wrapper(Potential):
 
     potential: Potential
 
+    def acts_at_all(self):
+        return self.potential.acts_at_all()
+
     def acts_between(self, one, other):
         return self.potential.acts_between(one, other)
 
@@ -152,6 +159,10 @@ class Scaled(Wrapper):
     def energy_subtracted(self, charge):
         """That of the potential, times the factor."""
         return abs(self.factor) * self.potential.energy_subtracted(charge)
+
+    def acts_at_all(self):
+        """Whether the factor is not zero, and the potential acts."""
+        return self.factor != 0.0 and self.potential.acts_at_all()
 
     def acts_between(self, one, other):
         """Whether the factor is not zero, and the potential acts between two charges."""

@@ -64,6 +64,7 @@ class Truncated(WithCutoff):
     """U below the cutoff, zero beyond: U and the force jump."""
 
     _at_cutoff = -1  # U jumps
+    acts_at_all = Wrapper.acts_at_all
     acts_between = Wrapper.acts_between
 
     def energy(self, r):
@@ -83,6 +84,7 @@ class Shifted(WithCutoff):
     """U - U(cutoff) below the cutoff, zero beyond: the force jumps."""
 
     _at_cutoff = 0  # the force jumps
+    acts_at_all = Wrapper.acts_at_all
     acts_between = Wrapper.acts_between
 
     def energy(self, r):
@@ -117,6 +119,7 @@ class ForceShifted(WithCutoff):
     """U - U(cutoff) + (r - cutoff) F(cutoff) below the cutoff: the force has a kink."""
 
     _at_cutoff = 1  # the force has a kink
+    acts_at_all = Wrapper.acts_at_all
     acts_between = Wrapper.acts_between
 
     def energy(self, r):
@@ -171,6 +174,7 @@ class Switched(WithCutoff):
     switch_from: float
     _limits = (*WithCutoff._limits, ("switch_from", ">", "length"))
     _at_cutoff = 2
+    acts_at_all = Wrapper.acts_at_all
     acts_between = Wrapper.acts_between
 
     def energy(self, r):

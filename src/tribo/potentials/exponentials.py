@@ -39,7 +39,7 @@ class Morse(Potential):
         e = np.exp(-self.alpha * (r - self.r0))
         return 2.0 * self.alpha * self.D * e * (e - 1.0)
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.D != 0.0
 
     def feature(self):
@@ -75,7 +75,7 @@ class BornMayer(Potential):
     def force(self, r):
         return self.A / self.rho * np.exp(-r / self.rho)
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.A != 0.0
 
     def feature(self):

@@ -39,7 +39,7 @@ BODY = """
         return {energy}
     def force(self, r):
         return -({slope})
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return {acts}
 Expression.expression_text = {text!r}
 """

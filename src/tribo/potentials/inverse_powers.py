@@ -35,7 +35,7 @@ class LennardJones(Potential):
         s6 = (self.sigma * inverse) ** 6
         return 24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0)
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.epsilon != 0.0
 
     def feature(self):
@@ -77,7 +77,7 @@ class WeeksChandlerAndersen(Potential):
         s6 = (self.sigma * inverse) ** 6
         return (r < self.range()) * (24.0 * self.epsilon * inverse * s6 * (2.0 * s6 - 1.0))
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.epsilon != 0.0
 
     def feature(self):
@@ -137,7 +137,7 @@ class Mie(Potential):
         scale = self.epsilon * n / (n - m) * (n / m) ** (m / (n - m))
         return scale * (n * s**n - m * s**m) * inverse
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.epsilon != 0.0
 
     def feature(self):
@@ -181,7 +181,7 @@ class SoftSphere(Potential):
         inverse = 1.0 / r  # loops over pairs compute it too
         return self.n * self.epsilon * (self.sigma * inverse) ** self.n * inverse
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.epsilon != 0.0
 
     def feature(self):

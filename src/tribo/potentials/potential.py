@@ -20,6 +20,7 @@ import inspect
 import math
 from collections import namedtuple
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Self, dataclass_transform
 
 from tribo.plugins import classes as plugins
@@ -40,6 +41,8 @@ AT_CUTOFF: dict[str, Any] = {}
 COMBINED: dict[str, Any] = {}
 # Distance from which a switched potential is reduced, if it is not given [cutoff].
 SWITCH_FROM = 0.9
+# Pairs of charges of which each potential acts on one, unless it acts on none or has unusual rules.
+CHARGES = (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (0.0, 0.0), (0.0, 1.0), (1.0, 2.0), (2.0, 2.0)
 # What named tuples have beside their fields.
 OF_TUPLES = (
     *("__new__", "__repr__", "__getnewargs__", "__match_args__"),
@@ -53,6 +56,7 @@ DOCUMENTATION = {
     "force": "Force -dU/dr [energy / length] for a coupling of 1, positive if it repels.",
     "energy_between": "Energy U(r) [energy] of two charges at distance r [length].",
     "force_between": "Force -dU/dr [energy / length] between two charges, positive if it repels.",
+    "acts_at_all": "Whether U of some charges differs from zero at any distance.",
     "acts_between": "Whether U of two charges differs from zero at any distance.",
     "minimum": "Position, energy and curvature (r, U, d2U/dr2) of the minimum.",
 }
@@ -84,21 +88,18 @@ def _force_of_charges_one(self, r):
 
 def acts_if_coupled(self, one, other):
     """Whether U of two charges differs from zero at any distance: where they are coupled."""
-    return self.coupling(one, other) != 0.0
+    return self.acts_at_all() and self.coupling(one, other) != 0.0
 
 
 def _acts_by(factors: tuple[str, ...]) -> Callable[..., Any]:
-    """The same of an energy that is a product with some fields as its factors."""
-    if not factors:
-        return acts_if_coupled
-    met = " and ".join(f"self.{name} != 0.0" for name in factors)
-    text = f"{met} and self.coupling(one, other) != 0.0"
+    """Whether an energy that is a product with some fields as its factors differs from zero."""
+    text = " and ".join(f"self.{name} != 0.0" for name in factors) or "True"
     made: dict[str, Callable[..., Any]] = {}
     # As text, since numba reads fields by names that stand in the source alone.
-    exec(f"def acts_between(self, one, other):\n    return {text}", {}, made)
-    method = made["acts_between"]
+    exec(f"def acts_at_all(self):\n    return {text}", {}, made)
+    method = made["acts_at_all"]
     method.__module__ = __name__
-    method.__doc__ = acts_if_coupled.__doc__
+    method.__doc__ = DOCUMENTATION["acts_at_all"]
     return method
 
 
@@ -117,10 +118,12 @@ def following(own: Mapping[str, Any]) -> dict[str, Callable[..., Any]]:
     if own.keys() & sources and "force_between" not in own:
         found["force_between"] = _complex_step_between if between else _force_of_charges
     if own.keys() & sources and "acts_between" not in own:
+        found["acts_between"] = acts_if_coupled
+    if own.keys() & {"energy", "force", "energy_between"}:
         factors = ()
         if "energy" in own and not between:
             factors = factors_of(own["energy"]) or factors_by_call(own["energy"])
-        found["acts_between"] = _acts_by(factors)
+        found["acts_at_all"] = _acts_by(factors)
     return found
 
 
@@ -199,12 +202,16 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         length, reach = self.feature()
         return max(length, r - min(reach, self.range()))
 
+    def acts_at_all(self) -> bool:
+        """Whether U of some charges differs from zero at any distance; not with a strength of 0."""
+        return True
+
     def acts_between(self, one: Real, other: Real) -> bool:
         """Whether U of two charges differs from zero at any distance.
 
         Where it does not, as with a strength of zero, there is no encounter.
         """
-        return self.coupling(one, other) != 0.0
+        return self.acts_at_all() and self.coupling(one, other) != 0.0
 
     def clearance_between(self, r: Real, one: Real, other: Real) -> Real:
         """The clearance of two charges: infinite where no force acts between them."""
@@ -213,6 +220,10 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
     def range_between(self, one: Real, other: Real) -> Real:
         """The range of two charges: zero where no force acts between them."""
         return self.range() if self.acts_between(one, other) else 0.0
+
+    def range_of_all(self) -> Real:
+        """The largest range of any charges: zero where no force acts at all."""
+        return self.range() if self.acts_at_all() else 0.0
 
     def range(self) -> float:
         """Distance from which U and the force are zero [length]; infinity by default."""
@@ -386,6 +397,15 @@ def _check(potential: Potential) -> None:
         raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
         plugins.returned_numbers(potential, "potential", method)
+
+
+def acting_charges(potential: Potential) -> tuple[float, float]:
+    """Two charges between which a potential acts: of 1 if it does, as most potentials do."""
+    with suppress(Exception):  # of the user's code, whose line the compiler names
+        for one, other in CHARGES:
+            if potential.acts_between(one, other):
+                return one, other
+    return CHARGES[0]
 
 
 def _added(part: object) -> Potential:

@@ -36,7 +36,7 @@ class Gaussian(Potential):
         x = r / self.width
         return self.height / self.width * x * np.exp(-0.5 * x * x)
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.height != 0.0
 
     def feature(self):
@@ -74,7 +74,7 @@ class Hertz(Potential):
         overlap = np.maximum(1.0 - r / self.d, 0.0)
         return 2.5 * self.A / self.d * overlap * np.sqrt(overlap)
 
-    def acts_between(self, one, other):
+    def acts_at_all(self):
         return self.A != 0.0
 
     def feature(self):

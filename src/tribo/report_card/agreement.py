@@ -42,7 +42,7 @@ def check_agreement(scan: PotentialScan) -> list[Check]:
     note = ""
     try:
         with np.errstate(all="ignore"):
-            found = (np.asarray(method(r, 1.0, 1.0), float) for method in scan.methods)
+            found = (np.asarray(method(r, *scan.charges), float) for method in scan.methods)
             arrays = [np.broadcast_to(values, r.shape) for values in found]
     except Exception as error:
         note = f"takes no arrays ({type(error).__name__}); np.where and np.maximum do"
@@ -55,8 +55,8 @@ def check_agreement(scan: PotentialScan) -> list[Check]:
 def check_third_law(scan: PotentialScan) -> Check:
     """Check that energy and force stay the same if two charges are exchanged."""
     r = scan.r[:: max(1, scan.r.size // DISTANCES)]
-    one = [scan.one_by_one(method, r, *CHARGES) for method in scan.methods]
-    other = [scan.one_by_one(method, r, *CHARGES[::-1]) for method in scan.methods]
+    one = [scan.one_by_one(method, r, CHARGES) for method in scan.methods]
+    other = [scan.one_by_one(method, r, CHARGES[::-1]) for method in scan.methods]
     text = f"charges exchanged, at {r.size} distances"
     return check_same("third law", text, scan, r, one, other)
 

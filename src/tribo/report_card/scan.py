@@ -15,11 +15,12 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from tribo.analysis.contact_probe import ContactProbe
+from tribo.model.asperite import Asperite
 from tribo.model.interaction import Interaction
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface
 from tribo.plugins.classes import parts
-from tribo.potentials.potential import Potential
+from tribo.potentials.potential import Potential, acting_charges
 from tribo.validation import LARGEST_NUMBER, InputError
 
 if TYPE_CHECKING:
@@ -67,14 +68,16 @@ class PotentialScan:
         """Find the distances at which a potential is checked, and its compiled values there."""
         self.potential = potential
         self.cutoff = float(potential.range())  # from which there is no force
-        surfaces = Surface("one"), Surface("other", facing="up")
+        self.charges = acting_charges(potential)
+        one, other = (Asperite(charge=charge) for charge in self.charges)
+        surfaces = Surface("one", asperite=one), Surface("other", facing="up", asperite=other)
         self._probe = ContactProbe(Scene(surfaces, (Interaction(potential),), 1.0))
         self.domain = _domain(potential)  # for which the potential is declared
         self.length = self._typical()  # that of the first minimum if there is one
         self.low, self.high = self._felt()
         self.edges = self._edges()  # (n + 1,) of cells
         self.r = np.sqrt(self.edges[:-1] * self.edges[1:])  # middles of the cells
-        # Compiled U and -dU/dr at r, for charges of 1.
+        # Compiled U and -dU/dr at r.
         self.energy, self.force = self.compiled(self.r)
         chance = np.random.default_rng(5).uniform(size=self.r.size)
         self.random = self.edges[:-1] + chance * np.diff(self.edges)  # one in each cell
@@ -94,12 +97,13 @@ class PotentialScan:
         return self.potential.energy_between, self.potential.force_between
 
     def one_by_one(
-        self, method: Method, r: np.ndarray, one: float = 1.0, other: float = 1.0
+        self, method: Method, r: np.ndarray, charges: tuple[float, float] | None = None
     ) -> np.ndarray:
         """Values of a method of the potential at one r after another, in the precision of r.
 
-        They are between two charges, and nan where the method raises.
+        They are between two charges, or those of the scan, and nan where the method raises.
         """
+        one, other = self.charges if charges is None else charges
         found = np.full(r.shape, np.nan, r.dtype)
         with np.errstate(all="ignore"):
             for i, x in enumerate(r.flat):
@@ -110,7 +114,7 @@ class PotentialScan:
     def python_energies(self, r: np.ndarray) -> np.ndarray:
         """U(r) in the precision of r: of the whole array, or one by one if it takes no arrays."""
         with suppress(Exception):
-            energies = np.asarray(self.potential.energy_between(r, 1.0, 1.0))
+            energies = np.asarray(self.potential.energy_between(r, *self.charges))
             if energies.shape == r.shape:
                 return energies
         return self.one_by_one(self.potential.energy_between, r)
@@ -120,7 +124,7 @@ class PotentialScan:
         positions = np.zeros((r.size, 2, 3))
         positions[:, 0, 0] = r.ravel()
         try:
-            energies, forces = self._probe(positions, np.ones((r.size, 2)))
+            energies, forces = self._probe(positions, np.tile(self.charges, (r.size, 1)))
         except InputError as error:
             raise InputError("potential", error.problem) from None
         except Exception as error:

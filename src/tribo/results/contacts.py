@@ -9,7 +9,7 @@ import numpy as np
 from tribo.kernels.records import CHARGE
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.contact_pairs import ContactPairs, contact_pairs
-from tribo.ledger.separation import has_contact_distance
+from tribo.ledger.separation import MOST_CHARGES, has_contact_distance
 from tribo.results.run_result import RunResult, index_of, of_all
 from tribo.validation import InputError, integer
 
@@ -52,14 +52,16 @@ def contacts(result: RunResult, surface: str, bins: int = 20) -> xarray.Dataset:
         raise InputError(
             "surface",
             f'must have contacts with a range; those of "{surface}" have none: it interacts with '
-            "no other surface, or by a potential that does not state where it is weak",
+            "no other surface, by a potential that does not state where it is weak, or its range "
+            f"depends on more than {MOST_CHARGES} unlike charges",
         )
     layout = lay_out(result.scene)
     part = layout.parts[surface]
     found = list(contact_pairs(layout, _places(result, layout), index))
     forces = [pair_forces(layout, pairs) for pairs in found]
     largest = max((float(np.max(own)) for own in forces if own.size), default=1.0)
-    edges = np.linspace(0.0, largest, bins + 1)
+    # Interactions that attract may exceed the repulsion of one by which bobs are in contact.
+    edges = np.linspace(0.0, largest if largest > 0.0 else 1.0, bins + 1)
     share = [np.mean(pairs.of_asperites(part) > 0) for pairs in found]
     means = [np.mean(own) if own.size else np.nan for own in forces]
     maxima = [np.max(own) if own.size else np.nan for own in forces]
