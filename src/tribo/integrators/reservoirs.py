@@ -68,8 +68,8 @@ def temperature_of(model, schedule, row, number, i, t):
     """The temperature of a reservoir on a pack: a number, or what its schedule has at a time."""
     if schedule == 0:
         return own_number(model.own, row, number, i)
-    heat = scheduled(model.schedules, schedule, t)
-    return where_less(heat, 0.0, 0.0, heat)  # what rounding made negative
+    temperature = scheduled(model.schedules, schedule, t)
+    return where_less(temperature, 0.0, 0.0, temperature)  # what rounding made negative
 
 
 class Arcs(NamedTuple):
@@ -83,7 +83,7 @@ class Arcs(NamedTuple):
     inverse_inertia: Any
     lever: Any
     gamma: Any
-    heat: Any
+    temperature: Any
 
 
 class Factors(NamedTuple):
@@ -93,22 +93,22 @@ class Factors(NamedTuple):
     across: Any  # and of that across them
     torsion: Any  # see `torsion_factor`
     gamma: Any
-    heat: Any
+    temperature: Any
 
 
 @inlined
 def factors_of(model, s, i, t, tau):
     """Those of a pack of bars with a reservoir."""
     gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
-    heat = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
+    temperature = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
     mobility = constant(model, rows.INVERSE_MASS, s, i)
-    across = damping_of(gamma, heat, mobility, tau)
+    across = damping_of(gamma, temperature, mobility, tau)
     along = across
     if s.swing_gamma == 0.0:
         lever = constant(model, rows.L2, s, i)
         arc = mobility + lever * lever * constant(model, rows.INVERSE_INERTIA, s, i)
-        along = damping_of(gamma, heat, arc, tau)
-    return Factors(along, across, torsion_factor(model, s, i, tau), gamma, heat)
+        along = damping_of(gamma, temperature, arc, tau)
+    return Factors(along, across, torsion_factor(model, s, i, tau), gamma, temperature)
 
 
 @inlined
@@ -142,10 +142,10 @@ def damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, deviates):
     turned = omega - pack(reservoirs.before, i)
     swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
     number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-    swing_heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    swing_temperature = temperature_of(model, s.swing_heat_schedule, *number, i, t)
     return damped_arc(
         (arcs.gamma * arcs.across, swing_gamma * arcs.inverse_inertia),
-        (arcs.heat, swing_heat),
+        (arcs.temperature, swing_temperature),
         (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
         lever,
         (arcs.slip + lever * omega, omega),
@@ -184,7 +184,7 @@ def damp_pack(model, s, i, factors, reservoirs, motion, accounts, noise):
         inverse_inertia=constant(model, rows.INVERSE_INERTIA, s, i),
         lever=constant(model, rows.L2, s, i),
         gamma=factors.gamma,
-        heat=factors.heat,
+        temperature=factors.temperature,
     )
     if s.swing_gamma > 0.0:
         of_arc = first, second, fifth, sixth
@@ -294,9 +294,9 @@ def factors_of_swings(model, s, i, t, tau):
     """The damping of a pack of swings with a reservoir, and the factor of their torsion."""
     gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
     number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-    heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    temperature = temperature_of(model, s.swing_heat_schedule, *number, i, t)
     mobility = constant(model, rows.INVERSE_INERTIA, s, i)
-    return damping_of(gamma, heat, mobility, tau), torsion_factor(model, s, i, tau)
+    return damping_of(gamma, temperature, mobility, tau), torsion_factor(model, s, i, tau)
 
 
 @apart
