@@ -41,7 +41,7 @@ def make_lists(model, neighbours, t, state):
 
 
 def make_lists_unit(model, neighbours, t, state):
-    """The same; active packs are selected again if bobs have moved too far for the last ones."""
+    """The unit of :func:`make_lists`; selects active packs again if bobs have moved too far."""
     active = neighbours.active
     if active.packs.size > 0:
         if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
@@ -62,7 +62,7 @@ def advance_inactive(model, neighbours, t, state):
 
 
 def advance_inactive_unit(model, neighbours, t, state):
-    """The same."""
+    """The unit of :func:`advance_inactive`."""
     active = neighbours.active
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]

@@ -122,7 +122,7 @@ def drift(model, neighbours, now, tau, state, work):
 
 
 def drift_unit(model, neighbours, now, tau, state, work):
-    """The same."""
+    """The unit of :func:`drift`."""
     active = packs.active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
     if model.team.counters.size == 0:
@@ -159,7 +159,7 @@ def kick(model, neighbours, part, t, tau, state, work):
 
 
 def kick_unit(model, neighbours, part, t, tau, state, work):
-    """The same."""
+    """The unit of :func:`kick`."""
     active = packs.active_of(neighbours)
     now = broadcast(t)
     if part == AGAIN:
@@ -194,13 +194,13 @@ def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise)
     bathed = not (packs.absent(model.bath) and packs.absent(model.torsional))
     keep_velocities(reservoirs, v)
     kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
-    part = 0.5 * tau if damped else tau
+    turned = 0.5 * tau if damped else tau
     if bathed:
-        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
+        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, turned, state, work, m))
     if damped:
         call_unit(model.units[rows.DAMP], (model, t, tau, state, work, noise))
         if bathed:
-            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
+            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, turned, state, work, m))
     kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
     if damped:
         if m == 0:
@@ -226,8 +226,8 @@ def step_piece(model, neighbours, team, number, state, work):
     """A thread's piece of a drift or a kick, by its number and the phase that the team is in."""
     active = packs.active_of(neighbours)
     whole = packs.active_piece(model, active, team.tiles[number, 0])
-    part, parts = team.tiles[number, 1], team.tiles[number, 2]
-    piece = packs.Piece(whole.surface, *teams.part_of(whole.begin, whole.end, part, parts))
+    tile, tiles = team.tiles[number, 1], team.tiles[number, 2]
+    piece = packs.Piece(whole.surface, *teams.part_of(whole.begin, whole.end, tile, tiles))
     phase = team.counters[teams.PHASE]
     t = team.numbers[0]
     tau = team.numbers[1]
