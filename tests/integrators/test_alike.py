@@ -58,7 +58,7 @@ def same_with_own_constants(scene, alike):
 
 
 def scene_of(kinds, series=()):
-    """Surfaces of three blocks, the last one partly filled, with some settings each."""
+    """Surfaces of three packs, the last one partly filled, with some settings each."""
     surfaces, pairs = surfaces_of(kinds, (6, 3))
     potential = tribo.LennardJones(0.02, 0.4).with_cutoff(1.0)
     interactions = [tribo.Interaction(potential, pair) for pair in pairs]
@@ -67,7 +67,7 @@ def scene_of(kinds, series=()):
 
 
 def test_surfaces_of_every_drive():
-    """Bars that are clamped, free or turn, drives and springs, the last blocks partly filled."""
+    """Bars that are clamped, free or turn, drives and springs, the last packs partly filled."""
     kinds = {
         "forced": {},
         "loaded": {"drive": tribo.Forced(load=0.1)},
@@ -87,7 +87,7 @@ def test_surfaces_of_every_drive():
 
 
 def test_baths_reservoirs_plugins_and_forces():
-    """What is computed asperite by asperite, also of those beyond the first block."""
+    """What is computed asperite by asperite, also of those beyond the first pack."""
     bath = {"masses": (0.1,), "frequencies": (0.8,)}
     torsional = {"inertias": (0.1,), "torsional_frequencies": (0.9,)}
     kinds = {
@@ -116,7 +116,7 @@ def test_baths_reservoirs_plugins_and_forces():
     assert one.equals(other) and {"heated.f_T_x", "ends.fL_x", "turned.f_bath_x"} <= set(one)
 
 
-def test_surface_whose_first_block_is_inactive():
+def test_surface_whose_first_pack_is_inactive():
     """Its constants are those of all others, whether it is stepped or not."""
     scene = crossing()
     lower = next(s for s in scene.surfaces if s.name == "lower")

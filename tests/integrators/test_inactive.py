@@ -29,8 +29,8 @@ def lists(monkeypatch):
 def test_results_are_those_of_steps(monkeypatch):
     """Every series agrees to round-off, also of asperites that wake, are hit and left behind."""
     closed = tribo.simulate(crossing(), **VERLET)
-    every = contacts.active_blocks
-    monkeypatch.setattr(contacts, "active_blocks", lambda *scene: step_all(every(*scene)))
+    every = contacts.active_packs
+    monkeypatch.setattr(contacts, "active_packs", lambda *scene: step_all(every(*scene)))
     stepped = tribo.simulate(crossing(), **VERLET)
     assert closed.status == stepped.status == "completed"
     assert closed.cost.steps == stepped.cost.steps
@@ -60,7 +60,7 @@ def test_states_and_pauses(monkeypatch):
 
 
 def test_restored_between_selections():
-    """A loop that is restored while blocks are inactive goes on with the same bits."""
+    """A loop that is restored while packs are inactive goes on with the same bits."""
     layout = lay_out(crossing())
     times = layout.times
     one, other = (
@@ -116,7 +116,7 @@ def test_surfaces_without_lists(monkeypatch):
     monkeypatch.setattr(contacts, "UNLISTED_PAIRS", 1200)
     active = lay_out(crossing()).neighbours(splits=True).active
     assert active.eligible.tolist() == [1, 0, 0]
-    assert lay_out(crossing()).neighbours().active.blocks.size == 0
+    assert lay_out(crossing()).neighbours().active.packs.size == 0
 
 
 def test_explanation_counts_the_live():

@@ -291,7 +291,7 @@ def test_forces_of_runs_with_noise_are_those_of_the_kicks(kappa):
 
 @pytest.mark.parametrize("on", ["bar", "swing"])
 def test_each_asperite_is_damped_by_its_own_mass(on):
-    """In a row of two blocks: the heavy ones move as they do where they stand first."""
+    """In a row of two packs: the heavy ones move as they do where they stand first."""
 
     def swings(masses):
         asperites = {"m1": masses, "m2": masses}

@@ -9,8 +9,8 @@ import tribo
 from support.kernels import shared_kernel
 from tribo.compiler.kept import keep
 from tribo.compiler.lanes_memory import room
-from tribo.kernels.blocks import ONE_RUN
 from tribo.kernels.encounters import NEGLIGIBLE, PROBES, next_encounter
+from tribo.kernels.packs import ONE_RUN
 from tribo.kernels.records import CHARGE, X, Y
 from tribo.layout.layout import lay_out
 from tribo.threads.model_units import fulfil, loop_units
@@ -32,7 +32,7 @@ REPELLING = tribo.LennardJones(0.1, 1.0).with_cutoff(2.5)
 
 
 def scene(counts=(11, 5), interactions=MORSE, periodic=None, upper=None, lower=None):
-    """Two rows whose numbers of asperites fill no block."""
+    """Two rows whose numbers of asperites fill no pack."""
     rows = [{"shape": (n, 1), "spacing": (0.9, 0.0)} for n in counts]
     surfaces = (
         tribo.Surface("upper", bob=(0.0, 1.2), velocity=(0.5, 0.0), **rows[0], **(upper or {})),
@@ -58,8 +58,8 @@ def charged():
 
 
 SCENES = {
-    "one block": scene((3, 2)),
-    "several blocks": scene((19, 26)),
+    "one pack": scene((3, 2)),
+    "several packs": scene((19, 26)),
     "cutoff": scene(interactions=REPELLING),
     "box": scene(interactions=REPELLING, periodic={"x": 11.3}),
     "within": scene(

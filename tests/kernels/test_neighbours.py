@@ -20,8 +20,8 @@ from tribo.loops import general
 from tribo.threads.writable_memory import own_model
 
 
-def listed_blocks(neighbours, row: int) -> np.ndarray:
-    """The blocks in a row."""
+def listed_packs(neighbours, row: int) -> np.ndarray:
+    """The packs in a row."""
     return neighbours.index[neighbours.start[row] : neighbours.start[row + 1]]
 
 
@@ -74,7 +74,7 @@ def update(model, neighbours):
 @settings(max_examples=60)
 @given(places(), st.floats(-100.0, 100.0))
 def test_a_list_has_every_pair_within_reach(given_places, slide):
-    """After any slide the list has the blocks within cutoff and skin, in order, and no others."""
+    """After any slide the list has the packs within cutoff and skin, in order, and no others."""
     upper, lower, box = given_places
     periodic = {key: value for key, value in zip("xz", box, strict=True) if value}
     with pytest.MonkeyPatch.context() as patch:
@@ -93,14 +93,14 @@ def test_a_list_has_every_pair_within_reach(given_places, slide):
         now = np.column_stack([*model.bobs[[[X], [Y]], columns], layout.depths])
         above = now[: len(upper)]
         below = now[len(upper) :]
-        block = columns[len(upper) :] // LANES
+        pack = columns[len(upper) :] // LANES
         near = distances(above, below, box) < CUTOFF
         for i, bob in enumerate(above):
-            found = listed_blocks(neighbours, columns[i])
+            found = listed_packs(neighbours, columns[i])
             assert np.all(np.diff(found) > 0)
-            assert set(block[near[i]]) <= set(found.tolist())
+            assert set(pack[near[i]]) <= set(found.tolist())
             for n in found:
-                wide = distance_of_box(bob, below[block == n], box)
+                wide = distance_of_box(bob, below[pack == n], box)
                 assert wide < CUTOFF + 2.01 * layout.skin
 
 

@@ -134,7 +134,7 @@ def test_small_arrays_stand_side_by_side():
         array[:] = 1.0
 
 
-def test_blocks_at_an_end_where_nothing_is_compiled():
+def test_packs_at_an_end_where_nothing_is_compiled():
     """Slices end with the array; what a register has beyond is zero, and is not stored."""
     array = np.arange(10.0).view(CheckedArray)
     eight = lanes_memory._eight_of(array, 5)

@@ -37,7 +37,7 @@ def test_all_effects_and_methods():
 
 
 def test_compiled():
-    """Compiled kernels add up blocks as uncompiled ones do."""
+    """Compiled kernels add up packs as uncompiled ones do."""
     scene = ledgers.SCENES["arms alike"]
     every, sums, none = (
         ledgers.run(scene, ledger, method="verlet", step=0.02)

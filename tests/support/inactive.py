@@ -74,7 +74,7 @@ def loops(scene):
 
 
 def step_all(active):
-    """Let all asperites be stepped at all times; returns the same blocks."""
+    """Let all asperites be stepped at all times; returns the same packs."""
     active.eligible[:] = 0
     return active
 
@@ -84,10 +84,10 @@ def inactive(loop):
     from tribo.compiler.lanes import LANES
 
     active = loop._neighbours.active
-    blocks = np.ones(active.since.size, bool)
-    blocks[active.blocks[: active.first[-1]]] = False
-    assert np.array_equal(blocks, np.isfinite(active.since)), "times of blocks that are stepped"
-    return blocks[loop.layout.places.columns // LANES]
+    packs = np.ones(active.since.size, bool)
+    packs[active.packs[: active.first[-1]]] = False
+    assert np.array_equal(packs, np.isfinite(active.since)), "times of packs that are stepped"
+    return packs[loop.layout.places.columns // LANES]
 
 
 def positions(loop):
@@ -113,32 +113,32 @@ def longest_paths(loop):
 
 
 def boxes(layout, part, places, paths):
-    """Block of each asperite of a surface; low and high corners of the boxes of the blocks."""
+    """Pack of each asperite of a surface; low and high corners of the boxes of the packs."""
     from tribo.compiler.lanes import LANES
 
-    names, block = np.unique(layout.places.columns[part] // LANES, return_inverse=True)
+    names, pack = np.unique(layout.places.columns[part] // LANES, return_inverse=True)
     corners = []
     for extreme, sign in ((np.minimum, -1.0), (np.maximum, 1.0)):
         corner = np.full((names.size, 3), -sign * np.inf)
-        extreme.at(corner, block, places[part])
+        extreme.at(corner, pack, places[part])
         path = np.zeros(names.size)
-        np.maximum.at(path, block, paths[part])
+        np.maximum.at(path, pack, paths[part])
         corner[:, :2] += sign * path[:, None]
         corners.append(corner)
-    return block, *corners
+    return pack, *corners
 
 
 def out_of_reach(layout, places, paths, reach, period):
-    """Whether each asperite is in a block that is farther than `reach` from the other surfaces."""
+    """Whether each asperite is in a pack that is farther than `reach` from the other surfaces."""
     far = np.zeros(len(places), bool)
     _, low, high = boxes(layout, layout.parts["slider"], places, paths)
     for name in ("lower", "bars"):
-        block, theirs_low, theirs_high = boxes(layout, layout.parts[name], places, paths)
+        pack, theirs_low, theirs_high = boxes(layout, layout.parts[name], places, paths)
         middle = 0.5 * ((low + high)[:, None] - (theirs_low + theirs_high)[None])
         middle[..., 2] -= period * np.round(middle[..., 2] / period)
         widths = 0.5 * ((high - low)[:, None] + (theirs_high - theirs_low)[None])
         gaps = np.maximum(np.abs(middle) - widths, 0.0)
-        far[layout.parts[name]] = np.all(np.sum(gaps**2, axis=-1) >= reach**2, axis=0)[block]
+        far[layout.parts[name]] = np.all(np.sum(gaps**2, axis=-1) >= reach**2, axis=0)[pack]
     return far
 
 
@@ -198,7 +198,7 @@ def check(scene) -> str:
         room = MARGIN * skin
         far = not farthest(places, chosen[0], before[0], speed, t - chosen[1]) < 0.5 * room
         if (late and far) != (selection.selected[0] != before[2]):
-            return f"t = {t}: blocks are selected at another time"
+            return f"t = {t}: packs are selected at another time"
         if late:
             listed = places, t
             lengths = np.diff(neighbours.start)
@@ -219,7 +219,7 @@ def check(scene) -> str:
 
 
 def check_paths(scene) -> str:
-    """What is wrong with the boxes around blocks and their free swings; uncompiled code only."""
+    """What is wrong with the boxes around packs and their free swings; uncompiled code only."""
     from tribo.integrators.inactive import set_boxes_of_paths
     from tribo.kernels.neighbours import inactive_have_crossed
 
@@ -227,7 +227,7 @@ def check_paths(scene) -> str:
     model.surfaces.dtype.names = ("vx", "vy")
     model.surfaces = model.surfaces.view(np.recarray)
     for eligible, width, crossed in ((1, 19.9, True), (1, 20.1, False), (0, 19.9, False)):
-        active = SimpleNamespace(eligible=[eligible], blocks=np.zeros(1))
+        active = SimpleNamespace(eligible=[eligible], packs=np.zeros(1))
         if inactive_have_crossed(model, active, width, -2.0) != crossed:
             return "the distance that a surface moves"
     loop, _ = loops(scene)

@@ -35,7 +35,7 @@ def asperites(count: int, seed: int, **given) -> tribo.Asperite:
 
 
 def rows(upper: dict, lower: dict, **scene) -> tribo.Scene:
-    """Rows of 19 and of 10 asperites, none of which fill whole blocks."""
+    """Rows of 19 and of 10 asperites, none of which fill whole packs."""
     above = {"shape": (19, 1), "spacing": (1.1, 0.0), "asperite": asperites(19, 1)} | upper
     below = {"shape": (10, 1), "spacing": (1.1, 0.0), "asperite": asperites(10, 2)} | lower
     surfaces = (

@@ -1,6 +1,6 @@
 """A rough rigid body of ten unlike asperites, on a row that stands on driven bars.
 
-Ten fill one block of eight, and a part of one.
+Ten fill one pack of eight, and a part of one.
 """
 
 import math

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tribo.kernels.cells import near_blocks, sort_boxes, sort_row
+from tribo.kernels.cells import near_packs, sort_boxes, sort_row
 from tribo.kernels.model import Boxes, Cells
 
 
@@ -96,7 +96,7 @@ def test_boxes_within_reach():
         gaps = np.maximum(abs(away) - widths, 0.0)
         for k, near in enumerate(np.sum(gaps**2, axis=0) < reach**2):
             found = np.full(300, -1)
-            count = near_blocks(lengths, own, k, theirs, reach, cells, found)
+            count = near_packs(lengths, own, k, theirs, reach, cells, found)
             assert np.array_equal(found[:count], np.flatnonzero(near)), f"{periods}, box {k}"
 
 

@@ -69,7 +69,7 @@ def test_rows_of_two_clouds(count, extent, box):
             compare_rows(layout, neighbours, k, now, box)
 
 
-# Bobs of the upper cloud: one more than fills blocks of eight.
+# Bobs of the upper cloud: one more than fills packs of eight.
 UPPER = 33
 
 

@@ -55,7 +55,7 @@ def test_closing_speeds():
     every = [*range(8, 19), 32, 33]
 
     def some(active: list[int], first: list[int]) -> SimpleNamespace:
-        return SimpleNamespace(blocks=np.array(active), first=first)
+        return SimpleNamespace(packs=np.array(active), first=first)
 
     none = some([0], [0, 1, 1, 1])
     assert closing_speed(model, none, (1, 2), np.ones((3, 48))) == 0.0

@@ -23,8 +23,8 @@ from support.package import SOURCE
 FILES = {
     "integrators": "*",
     "pair": "forces loop step step_sums",
-    "kernels": "accounts baths blocks cells contact encounters equations_of_motion fields "
-    "kinematics langevin levers neighbours powers samples speeds springs user_forces",
+    "kernels": "accounts baths cells contact encounters equations_of_motion fields "
+    "kinematics langevin levers neighbours packs powers samples speeds springs user_forces",
     "model": "fields",
     "layout": "contacts layout scene_records span start tables",
     "ledger": "accounts ledger motion totals",

@@ -8,8 +8,8 @@ EQUIVALENT = {
     "kernels/encounters.py: fastest_approach: fastest = 0.0 -> fastest = 1.0": (
         "a bound on the rate that is too high: only the cost changes"
     ),
-    "kernels/blocks.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
-    "kernels/blocks.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
+    "kernels/packs.py: keeps_velocity: s.dof_x < 0 -> s.dof_x < 1": AFTER_SWINGS,
+    "kernels/packs.py: keeps_velocity: s.dof_y < 0 -> s.dof_y < 1": AFTER_SWINGS,
     "integrators/kicks.py: drive_in_kick: s.acc_drive >= 0 -> s.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"
     ),
@@ -27,8 +27,8 @@ EQUIVALENT = {
         "the first slots are those of contact; no drive has slot 0"
     ),
     "kernels/powers.py: powers_unit: "
-    "powers_of_block(model, s, i, 1.0, t, q, velocities, power) -> "
-    "powers_of_block(model, s, i, 2.0, t, q, velocities, power)": (
+    "powers_of_pack(model, s, i, 1.0, t, q, velocities, power) -> "
+    "powers_of_pack(model, s, i, 2.0, t, q, velocities, power)": (
         "only whether the torsion springs count matters: any number but 0 says that they do"
     ),
     "kernels/cells.py: adjacent: cell - 1 -> cell - 2 (2)": WIDER,
@@ -50,8 +50,8 @@ EQUIVALENT = {
     ),
     "integrators/inactive.py: longest_paths: s.dof_phi >= 0 -> s.dof_phi >= 1": AFTER_SWINGS,
     "integrators/inactive.py: longest_paths: "
-    "where_less(0.0, frequency, block(v, i) / frequency, 1.0) -> "
-    "where_less(0.0, frequency, block(v, i) / frequency, 2.0)": ("amplitudes above 1 count as 1"),
+    "where_less(0.0, frequency, pack(v, i) / frequency, 1.0) -> "
+    "where_less(0.0, frequency, pack(v, i) / frequency, 2.0)": ("amplitudes above 1 count as 1"),
     "ledger/accounts.py: account_columns: -1 -> -2": "any negative slot is absent",
     "ledger/accounts.py: _drive: a.acc_drive >= 0 -> a.acc_drive >= 1": (
         "the first slots are those of contact; no drive has slot 0"

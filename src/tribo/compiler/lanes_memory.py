@@ -1,7 +1,7 @@
 """Lanes in memory: eight neighbours of an array.
 
-Blocks begin at multiples of eight in arrays that begin at a multiple of their size, so that no
-block lies in two cache lines.  A few, of springs, do not, and reach beyond the end of an array:
+Packs begin at multiples of eight in arrays that begin at a multiple of their size, so that no
+pack lies in two cache lines.  A few, of springs, do not, and reach beyond the end of an array:
 :func:`room` makes arrays for both.
 """
 
@@ -31,7 +31,7 @@ _own = threading.local()
 
 
 def room(shape: tuple[int, ...]) -> np.ndarray:
-    """A C-contiguous array of zeros that begins with a cache line, with room for a block after."""
+    """A C-contiguous array of zeros that begins with a cache line, with room for a pack after."""
     size = math.prod(shape)
     return _floats(LANES * (size // LANES + 2))[:size].reshape(shape)
 
@@ -106,7 +106,7 @@ def _set_eight(array, i, x):
 
 
 @in_kernels(_eight_of)
-def block(typing_context, array, i):
+def pack(typing_context, array, i):
     """Eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
@@ -116,7 +116,7 @@ def block(typing_context, array, i):
 
 
 @in_kernels(_set_eight)
-def set_block(typing_context, array, i, x):
+def set_pack(typing_context, array, i, x):
     """Set eight elements from place i of a contiguous array on."""
 
     def build(context, builder, sig, args):
@@ -140,16 +140,16 @@ def address_at(typing_context, array, i):
 @inlined
 def load(rows, row):
     """Eight numbers of an array (n, 8)."""
-    return block(rows[row], 0)
+    return pack(rows[row], 0)
 
 
 @inlined
 def store(rows, row, x):
     """Set eight numbers of an array (n, 8)."""
-    set_block(rows[row], 0, x)
+    set_pack(rows[row], 0, x)
 
 
 @inlined
-def add_block(array, i, x):
+def add_pack(array, i, x):
     """Add to eight elements from place i of a contiguous array on."""
-    set_block(array, i, block(array, i) + x)
+    set_pack(array, i, pack(array, i) + x)

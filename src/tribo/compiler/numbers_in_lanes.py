@@ -74,7 +74,7 @@ def numbers_of(potential: Any) -> Sequence[float]:
 
 
 def lane_of(x, i):
-    """Number i of Lanes, counted from any block; a float as it is."""
+    """Number i of Lanes, counted from any pack; a float as it is."""
     return x[i % LANES] if isinstance(x, np.ndarray) else x  # where numba does not compile
 
 

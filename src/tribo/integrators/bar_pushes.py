@@ -1,12 +1,12 @@
 """Momenta that baths and reservoirs give to bars, frozen in place, and the works that they do."""
 
 from tribo.compiler.jit import inlined
-from tribo.compiler.lanes_memory import add_block, block, set_block
+from tribo.compiler.lanes_memory import add_pack, pack, set_pack
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import add_works
-from tribo.kernels.blocks import constant, coordinates, keeps_velocity, vectors
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.levers import pivot_lengths
+from tribo.kernels.packs import constant, coordinates, keeps_velocity, vectors
 
 
 @inlined
@@ -20,20 +20,20 @@ def impulse_on_end(model, s, i, impulse):
 
 @inlined
 def push_bars(model, s, i, px, py, v, accounts, slot):
-    """Give momenta (px, py) to a block of bars, frozen; works are added from account `slot` on."""
+    """Give momenta (px, py) to a pack of bars, frozen; works are added from account `slot` on."""
     l2 = constant(model, rows.L2, s, i)
     mobility = constant(model, rows.INVERSE_MASS, s, i)
     tx, ty = vectors(model.directions, i)
     along = tx * px + ty * py
-    omega = block(v, i)
+    omega = pack(v, i)
     change = 0.0 - l2 * along * constant(model, rows.INVERSE_INERTIA, s, i)
     change_x, change_y = px * mobility, py * mobility
     vx = coordinates(s.dof_x, s, i, v) + 0.5 * change_x
     vy = coordinates(s.dof_y, s, i, v) + 0.5 * change_y
-    set_block(v, i, omega + change)
+    set_pack(v, i, omega + change)
     if not keeps_velocity(s):
-        add_block(v, s.dof_x + i - s.start, change_x)
-        add_block(v, s.dof_y + i - s.start, change_y)
+        add_pack(v, s.dof_x + i - s.start, change_x)
+        add_pack(v, s.dof_y + i - s.start, change_y)
     if slot < 0:
         return
     swept = along * (omega + 0.5 * change)

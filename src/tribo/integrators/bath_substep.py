@@ -7,25 +7,25 @@ these rotations; see `reservoirs`.
 
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes, with_lane
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import add_bath_works_of_jumps, reservoirs_of
 from tribo.integrators.rotations import changes, rotation_of, set_rotations
 from tribo.kernels.accounts import place_of
 from tribo.kernels.baths import oscillators_of
-from tribo.kernels.blocks import absent, column_of_constants, halves, set_vectors, vectors
+from tribo.kernels.packs import absent, column_of_constants, halves, set_vectors, vectors
 from tribo.kernels.records import I2, OSCILLATOR_FREQUENCY, OSCILLATOR_MASS, X, Y
 
 
 @inlined
 def rotate_oscillators(q, v, k, centre, turn):
     """Rotate eight oscillators about a place; returns their rates, and how these changed."""
-    x = block(q, k)
-    rate = block(v, k)
+    x = pack(q, k)
+    rate = pack(v, k)
     change, change_of_rate = changes(x - centre, rate, turn)
     rate = rate + change_of_rate
-    set_block(q, k, x + change)
-    set_block(v, k, rate)
+    set_pack(q, k, x + change)
+    set_pack(v, k, rate)
     return rate, change_of_rate
 
 
@@ -37,7 +37,7 @@ def rotate_along_axis(bath, oscillators, place, q, v, rotations):
     for m in range(0, count, LANES):
         turn = rotation_of(rotations, first + m)
         rate, _ = rotate_oscillators(q, v, slot + m, place, turn)
-        momentum = momentum + block(bath[OSCILLATOR_MASS], first + m) * rate
+        momentum = momentum + pack(bath[OSCILLATOR_MASS], first + m) * rate
     return sum_of_lanes(momentum)
 
 
@@ -93,7 +93,7 @@ def rotate_torsional(model, torsional, tau, q, v, accounts, rotations):
                     for m in range(0, count, LANES):
                         turn = rotation_of(rotations, first + m)
                         _, change = rotate_oscillators(q, v, slot + m, q[j], turn)
-                        gain = gain + block(torsional[OSCILLATOR_MASS], first + m) * change
+                        gain = gain + pack(torsional[OSCILLATOR_MASS], first + m) * change
                     gained = sum_of_lanes(gain)
                     nu = v[j]
                     v[j] -= gained / model.constants[I2, column_of_constants(s, i)]

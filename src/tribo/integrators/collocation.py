@@ -18,9 +18,9 @@ from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import EPSILON, all_finite, evaluate_rates
-from tribo.kernels.blocks import halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.model import Model
+from tribo.kernels.packs import halves
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import State, copy, copy_rows, copy_state
 from tribo.kernels.status import COMPLETED, NOT_CONVERGED, NOT_FINITE

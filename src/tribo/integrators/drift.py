@@ -10,15 +10,15 @@ import numpy as np
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.integrators.bar_pushes import impulse_on_end
 from tribo.integrators.rotations import changes, rotation
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import add_works
-from tribo.kernels.blocks import constant, coordinates, halves, keeps_velocity
-from tribo.kernels.equations_of_motion import place_block
+from tribo.kernels.equations_of_motion import place_pack
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
+from tribo.kernels.packs import constant, coordinates, halves, keeps_velocity
 
 # Gauss-Legendre nodes and weights on (0, 1), for the ends of clamped bars that rotate.
 _ROOT = math.sqrt(0.6)
@@ -49,8 +49,8 @@ def has_still_ends(s):
 
 @inlined
 def arc_of(model, s, i, q):
-    """The integral of x sin x up to the twists of a block, of which works of ends are multiples."""
-    twist = block(q, i) - constant(model, rows.PHI_START, s, i)
+    """The integral of x sin x up to the twists of a pack, of which works of ends are multiples."""
+    twist = pack(q, i) - constant(model, rows.PHI_START, s, i)
     sin, cos = sine_cosine(twist)
     return sin - twist * cos
 
@@ -62,7 +62,7 @@ def begin_end_works(model, q, arcs):
         s = model.surfaces[k]
         if has_still_ends(s):
             for i in range(s.start, s.stop, LANES):
-                set_block(arcs, i, arc_of(model, s, i, q))
+                set_pack(arcs, i, arc_of(model, s, i, q))
 
 
 @apart
@@ -77,12 +77,12 @@ def settle_end_works(model, q, accounts, arcs):
             for i in range(s.start, s.stop, LANES):
                 arc = arc_of(model, s, i, q)
                 force = constant(model, rows.KAPPA, s, i) / constant(model, rows.BAR_LENGTH, s, i)
-                swept = s.facing * force * (arc - block(arcs, i))
+                swept = s.facing * force * (arc - pack(arcs, i))
                 work = levers(model, model.pivots, s, i)[1] * swept
                 add_works(accounts, s, s.acc_ends, i, -work, work)
                 pseudowork = pivot_lengths(model.pivots, s, i) * swept
                 add_works(accounts, s, s.acc_ends + 4 * s.account_stride, i, pseudowork)
-                set_block(arcs, i, arc)
+                set_pack(arcs, i, arc)
 
 
 @inlined
@@ -127,14 +127,14 @@ def add_turning_end_works(model, s, i, twists, t, tau, v, accounts):
 def drift_clamped(model, s, i, t, tau, q, v, turn):
     """New swings on bars that turn uniformly or rest; twist, its rate, and the rate's change."""
     nu = constant(model, rows.NU_START, s, i)
-    old = block(q, i)
-    omega = block(v, i)
+    old = pack(q, i)
+    omega = pack(v, i)
     twist = old - (constant(model, rows.PHI_START, s, i) + nu * t)
     rate = omega - nu
     change, change_of_rate = changes(twist, rate, turn)
     now = old + (change + nu * tau)
-    set_block(q, i, now)
-    set_block(v, i, omega + change_of_rate)
+    set_pack(q, i, now)
+    set_pack(v, i, omega + change_of_rate)
     return now, (twist, rate, change_of_rate)
 
 
@@ -152,50 +152,50 @@ def add_end_works(model, s, i, twists, t, tau, v, accounts):
 def drift_free(model, s, i, tau, q, v, turn):
     """Pendulums and bars rotate against each other about their uniform mean; the new swings."""
     k = s.dof_phi + i - s.start
-    swing = block(q, i)
-    phi = block(q, k)
-    omega = block(v, i)
-    nu = block(v, k)
+    swing = pack(q, i)
+    phi = pack(q, k)
+    omega = pack(v, i)
+    nu = pack(v, k)
     inertia = constant(model, rows.INERTIA, s, i)
     i2 = constant(model, rows.I2, s, i)
     change, change_of_rate = changes(swing - phi, omega - nu, turn)
     share = i2 / (inertia + i2)
     mean = (inertia * omega + i2 * nu) / (inertia + i2)
     now = swing + (mean * tau + share * change)
-    set_block(q, i, now)
-    set_block(q, k, phi + (mean * tau - (1.0 - share) * change))
-    set_block(v, i, omega + share * change_of_rate)
-    set_block(v, k, nu - (1.0 - share) * change_of_rate)
+    set_pack(q, i, now)
+    set_pack(q, k, phi + (mean * tau - (1.0 - share) * change))
+    set_pack(v, i, omega + share * change_of_rate)
+    set_pack(v, k, nu - (1.0 - share) * change_of_rate)
     return now
 
 
 @inlined
 def move(slot, s, i, tau, q, v):
-    """Move a block's coordinates from `slot` on at their velocities; returns them, 0 without."""
+    """Move a pack's coordinates from `slot` on at their velocities; returns them, 0 without."""
     if slot < 0 or keeps_velocity(s):
         return coordinates(slot, s, i, q)
     k = slot + i - s.start
-    now = block(q, k) + tau * block(v, k)
-    set_block(q, k, now)
+    now = pack(q, k) + tau * pack(v, k)
+    set_pack(q, k, now)
     return now
 
 
 @inlined
-def drift_block(model, s, i, now, tau, state, turn):
-    """Drift of a block for tau, which ends now, and the bobs' places then."""
+def drift_pack(model, s, i, now, tau, state, turn):
+    """Drift of a pack for tau, which ends now, and the bobs' places then."""
     q, v = halves(state.y)
     zero = broadcast(0.0)
     twists = zero, zero, zero
     if s.dof_phi >= 0:
         swing = drift_free(model, s, i, tau, q, v, turn)
     elif s.fixed > 0:
-        swing = block(q, i)
+        swing = pack(q, i)
     else:
         swing, twists = drift_clamped(model, s, i, now - tau, tau, q, v, turn)
     x = move(s.dof_x, s, i, tau, q, v)
     y = move(s.dof_y, s, i, tau, q, v)
     # No splitting method takes blocks that tilt, whose bars' angles have a part in places.
-    place_block(model, s, i, now, swing, zero, x, y)
+    place_pack(model, s, i, now, swing, zero, x, y)
     # Works come last, since the next forces do not wait for them.
     if s.acc_ends >= 0 and s.fixed == 0:
         add_end_works(model, s, i, twists, now - tau, tau, v, state.s)

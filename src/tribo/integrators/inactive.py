@@ -1,26 +1,26 @@
-"""Inactive blocks of asperites: out of reach of all others, and not stepped.
+"""Inactive packs of asperites: out of reach of all others, and not stepped.
 
 Where bars keep their uniform motion and nothing but contact acts, an asperite without contact
-swings on its torsion spring alone, and one drift is exact for any time.  Such blocks are left out
-of the loops over blocks; they drift before they can come within reach, and for each sample.
+swings on its torsion spring alone, and one drift is exact for any time.  Such packs are left out
+of the loops over packs; they drift before they can come within reach, and for each sample.
 
-A block is inactive while its bobs, wherever they may swing, are farther from all others than the
+A pack is inactive while its bobs, wherever they may swing, are farther from all others than the
 list of neighbours reaches, by a margin.  When the list is rebuilt, and two bobs can have moved by
-the margin towards each other, the active blocks are selected again.
+the margin towards each other, the active packs are selected again.
 """
 
 import numpy as np
 
 from tribo.compiler.jit import apart, inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, maximum, sqrt, where_less
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.compiler.units import call_unit
-from tribo.integrators.drift import drift_block
+from tribo.integrators.drift import drift_pack
 from tribo.integrators.rotations import rotation
-from tribo.kernels.blocks import constant, halves
-from tribo.kernels.cells import near_blocks, set_boxes, sort_boxes
+from tribo.kernels.cells import near_packs, set_boxes, sort_boxes
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.neighbours import have_crossed, inactive_have_crossed, keep_places
+from tribo.kernels.packs import constant, halves
 from tribo.kernels.records import ADVANCE_INACTIVE, FREQUENCY, L1, MAKE_LISTS, REBUILD
 
 
@@ -41,9 +41,9 @@ def make_lists(model, neighbours, t, state):
 
 
 def make_lists_unit(model, neighbours, t, state):
-    """The same; active blocks are selected again if bobs have moved too far for the last ones."""
+    """The unit of :func:`make_lists`; selects active packs again if bobs have moved too far."""
     active = neighbours.active
-    if active.blocks.size > 0:
+    if active.packs.size > 0:
         if have_crossed(model, active, active.place, active.margin, t - active.selected[0]):
             advance_inactive(model, neighbours, t, state)
             set_active(model, neighbours, active, t, *halves(state.y))
@@ -56,29 +56,29 @@ def make_lists_unit(model, neighbours, t, state):
 
 @inlined
 def advance_inactive(model, neighbours, t, state):
-    """Let all inactive blocks, if there are any, drift to the time t."""
-    if neighbours.active.blocks.size > 0:
+    """Let all inactive packs, if there are any, drift to the time t."""
+    if neighbours.active.packs.size > 0:
         call_unit(model.units[ADVANCE_INACTIVE], (model, neighbours, t, state))
 
 
 def advance_inactive_unit(model, neighbours, t, state):
-    """The same."""
+    """The unit of :func:`advance_inactive`."""
     active = neighbours.active
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         if active.eligible[k] == 1:
             for i in range(s.start, s.stop, LANES):
                 tau = t - active.since[i // LANES]
-                if abs(tau) > 0.0:  # nan for active blocks
+                if abs(tau) > 0.0:  # nan for active packs
                     turn = rotation(constant(model, FREQUENCY, s, i), tau)
-                    drift_block(model, s, i, t, tau, state, turn)
+                    drift_pack(model, s, i, t, tau, state, turn)
                     active.since[i // LANES] = t
     return 0.0
 
 
 @owning_kernel
 def set_active(model, neighbours, active, t, q, v):
-    """Set the active blocks: those within reach of others, and those that cannot be inactive."""
+    """Set the active packs: those within reach of others, and those that cannot be inactive."""
     wanted = np.zeros(active.since.size, np.int8)
     for k in range(neighbours.reach.size):
         mark_pair(model, neighbours, active, k, t, q, v, wanted)
@@ -90,14 +90,14 @@ def set_active(model, neighbours, active, t, q, v):
             active.since[m] = t
             if wanted[m] == 1 or active.eligible[k] == 0:
                 active.since[m] = np.nan
-                active.blocks[n] = m
+                active.packs[n] = m
                 n += 1
     active.first[model.surfaces.shape[0]] = n
 
 
 @owning_kernel
 def mark_pair(model, neighbours, active, k, t, q, v, wanted):
-    """Mark the blocks of the kth pair of surfaces that are within reach of each other."""
+    """Mark the packs of the kth pair of surfaces that are within reach of each other."""
     one = model.surfaces[neighbours.pairs[k, 0]]
     other = model.surfaces[neighbours.pairs[k, 1]]
     reach = neighbours.reach[k] + active.margin
@@ -109,7 +109,7 @@ def mark_pair(model, neighbours, active, k, t, q, v, wanted):
     sort_boxes(model.box, own, boxes, reach, cells)
     near = np.empty(active.since.size, np.int64)
     for m in range((one.stop - one.start) // LANES):
-        count = near_blocks(model.box, own, m, boxes, reach, cells, near)
+        count = near_packs(model.box, own, m, boxes, reach, cells, near)
         for n in range(count):
             wanted[one.start // LANES + m] = 1
             wanted[other.start // LANES + near[n]] = 1
@@ -117,7 +117,7 @@ def mark_pair(model, neighbours, active, k, t, q, v, wanted):
 
 @kernel
 def set_boxes_of_paths(model, active, k, t, q, v, boxes):
-    """Set boxes around all blocks of a surface, and around the paths of inactive bobs."""
+    """Set boxes around all packs of a surface, and around the paths of inactive bobs."""
     set_boxes(model, None, k, boxes)
     if active.eligible[k] == 1:
         s = model.surfaces[k]
@@ -129,7 +129,7 @@ def set_boxes_of_paths(model, active, k, t, q, v, boxes):
 
 @kernel
 def longest_paths(model, s, i, t, q, v):
-    """Bounds on the distances that free swings carry a block of bobs from where they are.
+    """Bounds on the distances that free swings carry a pack of bobs from where they are.
 
     A swing of amplitude A goes by an angle of up to 2 A, and no bob goes farther than the diameter
     of its circle, as it may without a torsion spring.
@@ -140,7 +140,7 @@ def longest_paths(model, s, i, t, q, v):
     if s.dof_phi >= 0:
         return diameter
     frequency = constant(model, FREQUENCY, s, i)
-    twist = block(q, i) - bar_angles(model, s, i, t, q)
-    rate = where_less(0.0, frequency, block(v, i) / frequency, 1.0)
+    twist = pack(q, i) - bar_angles(model, s, i, t, q)
+    rate = where_less(0.0, frequency, pack(v, i) / frequency, 1.0)
     amplitude = sqrt(twist * twist + rate * rate)
     return diameter * where_less(amplitude, 1.0, amplitude, 1.0)

@@ -18,12 +18,12 @@ import numpy as np
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.kernels.accounts import add_works
-from tribo.kernels.blocks import constant, coordinates, set_coordinates, vectors
 from tribo.kernels.equations_of_motion import bar_angles
 from tribo.kernels.kinematics import end_force, rotational_power
 from tribo.kernels.levers import levers, pivot_lengths
+from tribo.kernels.packs import constant, coordinates, set_coordinates, vectors
 from tribo.kernels.records import INERTIA, INVERSE_BAR_LENGTH, KAPPA, L2, MASS
 from tribo.kernels.samples import copy
 
@@ -55,12 +55,12 @@ def keep_velocities(reservoirs, v):
 
 @inlined
 def with_jump(reservoirs, s, i, velocities):
-    """Velocities of a block, and those that carry it along its jump in the time of a step."""
+    """Velocities of a pack, and those that carry it along its jump in the time of a step."""
     omega, nu, vx, vy = velocities
     if not acts(reservoirs):
         return omega, nu, vx, vy
     rate = 1.0 / reservoirs.tau
-    omega = omega + rate * block(reservoirs.jumps, i)
+    omega = omega + rate * pack(reservoirs.jumps, i)
     vx = vx + rate * coordinates(s.dof_x, s, i, reservoirs.jumps)
     vy = vy + rate * coordinates(s.dof_y, s, i, reservoirs.jumps)
     return omega, nu, vx, vy
@@ -68,7 +68,7 @@ def with_jump(reservoirs, s, i, velocities):
 
 @inlined
 def add_to_reservoir(s, i, about, pseudowork, accounts):
-    """Add works about the centre of mass and pseudoworks of a block's reservoir."""
+    """Add works about the centre of mass and pseudoworks of a pack's reservoir."""
     if s.acc_thermal >= 0:
         add_works(accounts, s, s.acc_thermal + 2 * s.account_stride, i, about, pseudowork)
     elif s.acc_swing >= 0:
@@ -77,13 +77,13 @@ def add_to_reservoir(s, i, about, pseudowork, accounts):
 
 @inlined
 def pseudowork_along_jump(jumps, s, i, px, py):
-    """The product of impulses on a block and the jumps of its centres of mass."""
+    """The product of impulses on a pack and the jumps of its centres of mass."""
     return px * coordinates(s.dof_x, s, i, jumps) + py * coordinates(s.dof_y, s, i, jumps)
 
 
 @inlined
 def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
-    """Add the works of a block's reservoir against the forces of half a kick along its jump."""
+    """Add the works of a pack's reservoir against the forces of half a kick along its jump."""
     if acts(reservoirs):
         if s.gamma > 0.0 or s.swing_gamma > 0.0:
             add_works_along_jump(model, reservoirs, s, i, acceleration, accounts)
@@ -91,12 +91,12 @@ def add_opposite_works(model, reservoirs, s, i, acceleration, accounts):
 
 @apart
 def add_works_along_jump(model, reservoirs, s, i, acceleration, accounts):
-    """The same where the block has a reservoir."""
+    """The same where the pack has a reservoir."""
     swing, _, x, y = acceleration
     about = broadcast(0.0)
     if s.fixed == 0:
         torque = constant(model, INERTIA, s, i) * swing
-        about = 0.5 * torque * block(reservoirs.jumps, i)
+        about = 0.5 * torque * pack(reservoirs.jumps, i)
     half = 0.5 * constant(model, MASS, s, i)
     pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, half * x, half * y)
     add_to_reservoir(s, i, -about, -pseudowork, accounts)
@@ -104,7 +104,7 @@ def add_works_along_jump(model, reservoirs, s, i, acceleration, accounts):
 
 @inlined
 def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
-    """Add the works along the jump of a block that belong to momenta from a bath.
+    """Add the works along the jump of a pack that belong to momenta from a bath.
 
     They are those of the bath on the bars, and the opposite ones of the reservoir.
     """
@@ -112,7 +112,7 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
         if s.acc_internal >= 0:
             rate = 1.0 / reservoirs.tau
             tx, ty = vectors(model.directions, i)
-            swept = rate * (tx * px + ty * py) * block(reservoirs.jumps, i)
+            swept = rate * (tx * px + ty * py) * pack(reservoirs.jumps, i)
             lever = constant(model, L2, s, i)
             pivot = pivot_lengths(model.pivots, s, i)
             pseudowork = pseudowork_along_jump(reservoirs.jumps, s, i, rate * px, rate * py)
@@ -123,14 +123,14 @@ def add_bath_works_of_jumps(model, reservoirs, s, i, px, py, accounts):
 
 @inlined
 def set_jump(model, s, i, t, q, jump, jumps, accounts):
-    """Set the jump (angles, x, y) of a block, and add its works on the torsion."""
+    """Set the jump (angles, x, y) of a pack, and add its works on the torsion."""
     turn, x, y = jump
-    set_block(jumps, i, turn)
+    set_pack(jumps, i, turn)
     set_coordinates(s.dof_x, s, i, jumps, x)
     set_coordinates(s.dof_y, s, i, jumps, y)
     if s.fixed == 0:
         phi = bar_angles(model, s, i, t, q)
-        swing = block(q, i) + 0.5 * turn  # in the middle of the jump
+        swing = pack(q, i) + 0.5 * turn  # in the middle of the jump
         torque = constant(model, KAPPA, s, i) * (swing - phi)
         add_to_reservoir(s, i, torque * turn, broadcast(0.0), accounts)
         if s.acc_ends >= 0:
@@ -147,7 +147,7 @@ def add_end_works(model, s, i, swing, phi, torque, jumps, accounts):
     pseudowork = pseudowork_along_jump(jumps, s, i, x, y)
     if s.turning == 1:
         sin, cos = sine_cosine(swing)
-        swept = rotational_power(1.0, block(jumps, i), s.facing * cos, s.facing * sin, x, y)
+        swept = rotational_power(1.0, pack(jumps, i), s.facing * cos, s.facing * sin, x, y)
         with_bar = levers(model, model.pivots, s, i)[1] * swept
         add_works(accounts, s, s.acc_ends, i, -with_bar, with_bar)
         pseudowork = pseudowork + pivot_lengths(model.pivots, s, i) * swept

@@ -19,9 +19,9 @@ from tribo.compiler.jit import expanded, kernel
 from tribo.compiler.lanes_memory import room
 from tribo.integrators.linear_combinations import add, add_twice, combine, combine_twice, largest
 from tribo.integrators.step_control import MAX_GROWTH, evaluate_rates
-from tribo.kernels.blocks import absent, halves
 from tribo.kernels.equations_of_motion import equations_of_motion
 from tribo.kernels.model import Model
+from tribo.kernels.packs import absent, halves
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import State, copy, copy_state
 

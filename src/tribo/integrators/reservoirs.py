@@ -17,13 +17,15 @@ from tribo.compiler.generators import generator_at
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, where_less
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.integrators.bar_pushes import push_bars
 from tribo.integrators.jumps import reservoirs_of, set_jump
 from tribo.integrators.two_reservoirs import damped_arc
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import add_total, add_works
-from tribo.kernels.blocks import (
+from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
+from tribo.kernels.langevin import damped_motion, damping_of, normals
+from tribo.kernels.packs import (
     absent,
     constant,
     coordinates,
@@ -32,15 +34,13 @@ from tribo.kernels.blocks import (
     set_coordinates,
     vectors,
 )
-from tribo.kernels.equations_of_motion import bar_angles, velocities_of_bars
-from tribo.kernels.langevin import damped_motion, damping_of, normals
 from tribo.kernels.powers import momentum
 from tribo.kernels.schedule import scheduled
 
 
 @inlined
 def torsion_factor(model, s, i, tau):
-    """How much of the rates of a block of swings torsion springs take in a step, per twist.
+    """How much of the rates of a pack of swings torsion springs take in a step, per twist.
 
     They act in the drifts.  A kick in which the forces balance them must change nothing, so this is
     the change of rate by two halves of a rotation that meet at the present angle: the torque times
@@ -56,24 +56,24 @@ def torsion_factor(model, s, i, tau):
 
 @inlined
 def torsion_gains(model, s, i, t, factor, q):
-    """What torsion springs add to the rates of a block of swings in a step."""
+    """What torsion springs add to the rates of a pack of swings in a step."""
     if s.fixed > 0:
         return broadcast(0.0)
-    twist = block(q, i) - bar_angles(model, s, i, t, q)
+    twist = pack(q, i) - bar_angles(model, s, i, t, q)
     return 0.0 - factor * twist
 
 
 @inlined
 def temperature_of(model, schedule, row, number, i, t):
-    """The temperature of a reservoir on a block: a number, or what its schedule has at a time."""
+    """The temperature of a reservoir on a pack: a number, or what its schedule has at a time."""
     if schedule == 0:
         return own_number(model.own, row, number, i)
-    heat = scheduled(model.schedules, schedule, t)
-    return where_less(heat, 0.0, 0.0, heat)  # what rounding made negative
+    temperature = scheduled(model.schedules, schedule, t)
+    return where_less(temperature, 0.0, 0.0, temperature)  # what rounding made negative
 
 
 class Arcs(NamedTuple):
-    """The motion of a block of bars along the arcs of their swings, and what damps it."""
+    """The motion of a pack of bars along the arcs of their swings, and what damps it."""
 
     slip: Any  # velocity relative to the reservoir's, and what the whole kick adds to it
     gain: Any
@@ -83,37 +83,37 @@ class Arcs(NamedTuple):
     inverse_inertia: Any
     lever: Any
     gamma: Any
-    heat: Any
+    temperature: Any
 
 
 class Factors(NamedTuple):
-    """What a block's friction and noise depend on beside its motion."""
+    """What a pack's friction and noise depend on beside its motion."""
 
     along: Any  # Damping of the motion along the arcs, where the swings have no reservoir
     across: Any  # and of that across them
     torsion: Any  # see `torsion_factor`
     gamma: Any
-    heat: Any
+    temperature: Any
 
 
 @inlined
 def factors_of(model, s, i, t, tau):
-    """Those of a block of bars with a reservoir."""
+    """Those of a pack of bars with a reservoir."""
     gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
-    heat = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
+    temperature = temperature_of(model, s.heat_schedule, rows.OWN_TEMPERATURE, s.temperature, i, t)
     mobility = constant(model, rows.INVERSE_MASS, s, i)
-    across = damping_of(gamma, heat, mobility, tau)
+    across = damping_of(gamma, temperature, mobility, tau)
     along = across
     if s.swing_gamma == 0.0:
         lever = constant(model, rows.L2, s, i)
         arc = mobility + lever * lever * constant(model, rows.INVERSE_INERTIA, s, i)
-        along = damping_of(gamma, heat, arc, tau)
-    return Factors(along, across, torsion_factor(model, s, i, tau), gamma, heat)
+        along = damping_of(gamma, temperature, arc, tau)
+    return Factors(along, across, torsion_factor(model, s, i, tau), gamma, temperature)
 
 
 @inlined
 def are_alike(model, s):
-    """Whether all blocks of a surface have the same constants, and so the same factors."""
+    """Whether all packs of a surface have the same constants, and so the same factors."""
     return s.constants_mask == 0 and absent(model.own)
 
 
@@ -139,13 +139,13 @@ def damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, deviates):
     """The same with a reservoir on the swings: of the centres of mass, and of the swings."""
     omega = arcs.omega
     lever = arcs.lever
-    turned = omega - block(reservoirs.before, i)
+    turned = omega - pack(reservoirs.before, i)
     swing_gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
     number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-    swing_heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    swing_temperature = temperature_of(model, s.swing_heat_schedule, *number, i, t)
     return damped_arc(
         (arcs.gamma * arcs.across, swing_gamma * arcs.inverse_inertia),
-        (arcs.heat, swing_heat),
+        (arcs.temperature, swing_temperature),
         (constant(model, rows.MASS, s, i), constant(model, rows.INERTIA, s, i)),
         lever,
         (arcs.slip + lever * omega, omega),
@@ -156,8 +156,8 @@ def damp_arcs_and_swings(model, s, i, t, reservoirs, arcs, deviates):
 
 
 @inlined
-def damp_block(model, s, i, factors, reservoirs, motion, accounts, noise):
-    """Friction and noise on a block of bars, along their arcs and across; on their swings too.
+def damp_pack(model, s, i, factors, reservoirs, motion, accounts, noise):
+    """Friction and noise on a pack of bars, along their arcs and across; on their swings too.
 
     `motion` is the time, and the coordinates and velocities then.
     """
@@ -178,13 +178,13 @@ def damp_block(model, s, i, factors, reservoirs, motion, accounts, noise):
     arcs = Arcs(
         slip=tx * x + ty * y,
         gain=tx * gain_x + ty * gain_y,
-        omega=block(v, i),
+        omega=pack(v, i),
         turn_gain=torsion_gains(model, s, i, t, factors.torsion, q),
         across=constant(model, rows.INVERSE_MASS, s, i),
         inverse_inertia=constant(model, rows.INVERSE_INERTIA, s, i),
         lever=constant(model, rows.L2, s, i),
         gamma=factors.gamma,
-        heat=factors.heat,
+        temperature=factors.temperature,
     )
     if s.swing_gamma > 0.0:
         of_arc = first, second, fifth, sixth
@@ -196,7 +196,7 @@ def damp_block(model, s, i, factors, reservoirs, motion, accounts, noise):
     curved = tau * arcs.lever * arcs.omega * arcs.omega
     gain = tx * gain_y - ty * gain_x - curved
     side, aside = damped_motion(factors.across, arcs.across, slip, gain, tau, third, fourth)
-    present = block(model.each[rows.PRESENT], i)
+    present = pack(model.each[rows.PRESENT], i)
     px = present * (along * tx - side * ty)
     py = present * (along * ty + side * tx)
     push_bars(model, s, i, px, py, v, accounts, s.acc_thermal)
@@ -239,7 +239,7 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
     py, far_y = damped_motion(damping, mobility, y, gain_y, tau, third, fourth)
     zero = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        present = block(model.each[rows.PRESENT], i)
+        present = pack(model.each[rows.PRESENT], i)
         share = present * constant(model, rows.MASS, s, i) * mobility
         push_bars(model, s, i, share * px, share * py, v, accounts, s.acc_thermal)
         # The same velocity for all, to the last bit.
@@ -251,13 +251,13 @@ def damp_rigid_body(model, s, reservoirs, motion, accounts, noise):
 
 @inlined
 def turn_swings(model, s, i, turning, given, v, accounts):
-    """Give angular momenta to a block of swings, bars at rest, and `given` heat to the reservoir.
+    """Give angular momenta to a pack of swings, bars at rest, and `given` heat to the reservoir.
 
     What the angular momenta do in addition to this heat is the bars' reservoir's.
     """
-    omega = block(v, i)
+    omega = pack(v, i)
     now = omega + turning * constant(model, rows.INVERSE_INERTIA, s, i)
-    set_block(v, i, now)
+    set_pack(v, i, now)
     if s.acc_swing >= 0:
         add_works(accounts, s, s.acc_swing, i, 0.0 - given)
         rest = turning * (0.5 * (omega + now)) + given
@@ -280,7 +280,7 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
                 for i in range(s.start, s.stop, LANES):
                     if i == s.start or not alike:
                         factors = factors_of(model, s, i, t, reservoirs.tau)
-                    damp_block(model, s, i, factors, reservoirs, (t, q, v), accounts, noise)
+                    damp_pack(model, s, i, factors, reservoirs, (t, q, v), accounts, noise)
             after_x, after_y = momentum(model, s, v)
             px = after_x - before_x
             py = after_y - before_y
@@ -291,12 +291,12 @@ def damp_bars(model, reservoirs, t, q, v, accounts, noise):
 
 @inlined
 def factors_of_swings(model, s, i, t, tau):
-    """The damping of a block of swings with a reservoir, and the factor of their torsion."""
+    """The damping of a pack of swings with a reservoir, and the factor of their torsion."""
     gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
     number = rows.OWN_SWING_TEMPERATURE, s.swing_temperature
-    heat = temperature_of(model, s.swing_heat_schedule, *number, i, t)
+    temperature = temperature_of(model, s.swing_heat_schedule, *number, i, t)
     mobility = constant(model, rows.INVERSE_INERTIA, s, i)
-    return damping_of(gamma, heat, mobility, tau), torsion_factor(model, s, i, tau)
+    return damping_of(gamma, temperature, mobility, tau), torsion_factor(model, s, i, tau)
 
 
 @apart
@@ -316,12 +316,12 @@ def damp_swings(model, reservoirs, t, q, v, accounts, noise):
                     mobility = constant(model, rows.INVERSE_INERTIA, s, i)
                     count = min(LANES, s.end - i)
                     one, other, _, _, _, _ = normals(noise, s.swing_temperature, count, 2)
-                    omega = block(v, i)
-                    gain = 2.0 * (omega - block(reservoirs.before, i))
+                    omega = pack(v, i)
+                    gain = 2.0 * (omega - pack(reservoirs.before, i))
                     gain = gain + torsion_gains(model, s, i, t, torsion, q)
                     gained, turn = damped_motion(damping, mobility, omega, gain, tau, one, other)
                     now = omega + gained * mobility
-                    set_block(v, i, now)
+                    set_pack(v, i, now)
                     if s.acc_swing >= 0:
                         add_works(accounts, s, s.acc_swing, i, gained * (0.5 * (omega + now)))
                     jump = turn, zero, zero

@@ -5,8 +5,8 @@ import numpy as np
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block, room, set_block
-from tribo.kernels import blocks
+from tribo.compiler.lanes_memory import pack, room, set_pack
+from tribo.kernels import packs
 from tribo.kernels.records import FREQUENCY
 
 # Rows of a table of rotations, see :func:`rotation`.
@@ -52,11 +52,11 @@ def set_rotations(frequencies, tau, rotations):
 
 @inlined
 def set_active_rotations(model, active, tau, rotations):
-    """The same of pendulums in active blocks; the time of their selection is kept as well."""
+    """The same of pendulums in active packs; the time of their selection is kept as well."""
     last = model.constants.shape[1]
     selected = 0.0
     if active is not None:
-        if active.blocks.size > 0:
+        if active.packs.size > 0:
             selected = active.selected[0]
     if rotations[0, last] != tau or rotations[0, last + 1] != selected:
         set_other_rotations(model, active, tau, selected, rotations)
@@ -64,7 +64,7 @@ def set_active_rotations(model, active, tau, rotations):
 
 @apart
 def set_other_rotations(model, active, tau, selected, rotations):
-    """The same for another time, or other active blocks, than those that are in place."""
+    """The same for another time, or other active packs, than those that are in place."""
     frequencies = model.constants[FREQUENCY]
     last = frequencies.size
     rotations[0, last] = tau
@@ -74,21 +74,21 @@ def set_other_rotations(model, active, tau, selected, rotations):
         if s.constants_mask == 0:
             set_rotation(frequencies, s.first_constants, tau, rotations)
         else:
-            for n in range(*blocks.active_range(active, s, k)):
-                i = blocks.column_of_constants(s, blocks.column_of(active, n))
+            for n in range(*packs.active_range(active, s, k)):
+                i = packs.column_of_constants(s, packs.column_of(active, n))
                 set_rotation(frequencies, i, tau, rotations)
 
 
 @kernel
 def set_rotation(frequencies, i, tau, rotations):
-    """Set the rotations of a block of oscillators in tau."""
-    versine, over, times = rotation(block(frequencies, i), tau)
-    set_block(rotations[VERSINE], i, versine)
-    set_block(rotations[OVER], i, over)
-    set_block(rotations[TIMES], i, times)
+    """Set the rotations of a pack of oscillators in tau."""
+    versine, over, times = rotation(pack(frequencies, i), tau)
+    set_pack(rotations[VERSINE], i, versine)
+    set_pack(rotations[OVER], i, over)
+    set_pack(rotations[TIMES], i, times)
 
 
 @inlined
 def rotation_of(rotations, i):
-    """The rotations of a block of oscillators, as :func:`rotation` returns them."""
-    return block(rotations[VERSINE], i), block(rotations[OVER], i), block(rotations[TIMES], i)
+    """The rotations of a pack of oscillators, as :func:`rotation` returns them."""
+    return pack(rotations[VERSINE], i), pack(rotations[OVER], i), pack(rotations[TIMES], i)

@@ -26,7 +26,7 @@ from tribo.compiler.lanes_memory import room
 from tribo.compiler.pointers import pointers
 from tribo.compiler.units import call_unit
 from tribo.integrators import step_control as control
-from tribo.integrators.drift import begin_end_works, drift_block, settle_end_works
+from tribo.integrators.drift import begin_end_works, drift_pack, settle_end_works
 from tribo.integrators.inactive import advance_inactive, make_lists, update_lists
 from tribo.integrators.jumps import acts, jump, keep_velocities, reservoirs_of
 from tribo.integrators.kicks import (
@@ -39,7 +39,7 @@ from tribo.integrators.kicks import (
 )
 from tribo.integrators.rotations import empty_rotations, rotation_of, set_active_rotations
 from tribo.integrators.stiffness import watch_kick
-from tribo.kernels import blocks
+from tribo.kernels import packs
 from tribo.kernels import records as rows
 from tribo.kernels.accounts import Powers
 from tribo.kernels.baths import set_bath_momenta
@@ -122,12 +122,12 @@ def drift(model, neighbours, now, tau, state, work):
 
 
 def drift_unit(model, neighbours, now, tau, state, work):
-    """The same."""
-    active = blocks.active_of(neighbours)
+    """The unit of :func:`drift`."""
+    active = packs.active_of(neighbours)
     set_active_rotations(model, active, tau, work.rotations[0])
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
-            piece = blocks.active_piece(model, active, k)
+            piece = packs.active_piece(model, active, k)
             drift_piece(model, neighbours, piece, now, tau, state, work)
     else:
         phase = teams.DRIFT, now, tau, state, work
@@ -140,12 +140,12 @@ def drift_piece(model, neighbours, piece, now, tau, state, work):
     """Drift a piece of a surface; set `crossed` where the lists of neighbours are outdated."""
     s = model.surfaces[piece.surface]
     rotations = work.rotations[0]
-    active = blocks.active_of(neighbours)
+    active = packs.active_of(neighbours)
     crossed = broadcast(0.0)
     for n in range(piece.begin, piece.end):
-        i = blocks.column_of(active, n)
-        turn = rotation_of(rotations, blocks.column_of_constants(s, i))
-        drift_block(model, s, i, now, tau, state, turn)
+        i = packs.column_of(active, n)
+        turn = rotation_of(rotations, packs.column_of_constants(s, i))
+        drift_pack(model, s, i, now, tau, state, turn)
         if has_lists(neighbours):
             crossed = crossed + have_moved(model, neighbours.place, neighbours.skin, i)
     if has_lists(neighbours) and sum_of_lanes(crossed) > 0.0:
@@ -159,14 +159,14 @@ def kick(model, neighbours, part, t, tau, state, work):
 
 
 def kick_unit(model, neighbours, part, t, tau, state, work):
-    """The same."""
-    active = blocks.active_of(neighbours)
+    """The unit of :func:`kick`."""
+    active = packs.active_of(neighbours)
     now = broadcast(t)
     if part == AGAIN:
         repeat_kick(model, active, now, tau, state, work)
         return 0.0
     gather_contact(model, model.members)
-    q, v = blocks.halves(state.y)
+    q, v = packs.halves(state.y)
     if has_customs(model):
         call_unit(model.units[rows.SETTLE_CUSTOM_FORCES], (model, neighbours, now, tau, q, v, work))
     elif model.blocks:
@@ -174,7 +174,7 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
         join_blocks(model, now, q, v)
     if model.team.counters.size == 0:
         for k in range(model.surfaces.shape[0]):
-            piece = blocks.active_piece(model, active, k)
+            piece = packs.active_piece(model, active, k)
             kick_piece(model, part, active, piece, now, tau, state, work)
     else:
         phase = teams.KICK, t, tau, state, work
@@ -188,19 +188,19 @@ def kick_unit(model, neighbours, part, t, tau, state, work):
 
 def kick_around_substep(model, neighbours, steps, t, tau, state, work, m, noise):
     """The mth kick in halves, before and after a substep."""
-    q, v = blocks.halves(state.y)
+    q, v = packs.halves(state.y)
     reservoirs = reservoirs_of(work.before, state, tau)
     damped = acts(reservoirs)
-    bathed = not (blocks.absent(model.bath) and blocks.absent(model.torsional))
+    bathed = not (packs.absent(model.bath) and packs.absent(model.torsional))
     keep_velocities(reservoirs, v)
     kick(model, neighbours, FIRST_HALF if work.twice else WHOLE, t, 0.5 * tau, state, work)
-    part = 0.5 * tau if damped else tau
+    turned = 0.5 * tau if damped else tau
     if bathed:
-        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
+        call_unit(model.units[rows.ROTATE_BATHS], (model, tau, turned, state, work, m))
     if damped:
         call_unit(model.units[rows.DAMP], (model, t, tau, state, work, noise))
         if bathed:
-            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, part, state, work, m))
+            call_unit(model.units[rows.ROTATE_BATHS], (model, tau, turned, state, work, m))
     kick(model, neighbours, AGAIN if work.twice else WHOLE, t, 0.5 * tau, state, work)
     if damped:
         if m == 0:
@@ -224,10 +224,10 @@ def share_step(model, neighbours, phase, t, tau, state, work):
 @apart
 def step_piece(model, neighbours, team, number, state, work):
     """A thread's piece of a drift or a kick, by its number and the phase that the team is in."""
-    active = blocks.active_of(neighbours)
-    whole = blocks.active_piece(model, active, team.tiles[number, 0])
-    part, parts = team.tiles[number, 1], team.tiles[number, 2]
-    piece = blocks.Piece(whole.surface, *teams.part_of(whole.begin, whole.end, part, parts))
+    active = packs.active_of(neighbours)
+    whole = packs.active_piece(model, active, team.tiles[number, 0])
+    tile, tiles = team.tiles[number, 1], team.tiles[number, 2]
+    piece = packs.Piece(whole.surface, *teams.part_of(whole.begin, whole.end, tile, tiles))
     phase = team.counters[teams.PHASE]
     t = team.numbers[0]
     tau = team.numbers[1]
@@ -257,7 +257,7 @@ def assist(model, neighbours, state, work):
 @apart
 def begin(model, neighbours, clock, state, work):
     """The encounter rate and the works of the ends at the start of a run; a status."""
-    q = blocks.halves(state.y)[0]
+    q = packs.halves(state.y)[0]
     place_bobs(model, broadcast(clock.t), q)
     if is_empty(neighbours):
         make_lists(model, neighbours, clock.t, state)
@@ -274,11 +274,11 @@ def begin(model, neighbours, clock, state, work):
 @apart
 def arrive(model, neighbours, clock, state, work):
     """Do the drift that the last step left, for a sample."""
-    active = blocks.active_of(neighbours)
+    active = packs.active_of(neighbours)
     drift(model, neighbours, clock.t, clock.drift_lag, state, work)
     clock.drift_lag = 0.0
     advance_inactive(model, neighbours, clock.t, state)
-    settle_end_works(model, blocks.halves(state.y)[0], state.s, state.memory[0])
+    settle_end_works(model, packs.halves(state.y)[0], state.s, state.memory[0])
     update_lists(model, neighbours, active, clock.t, state)
 
 
@@ -289,7 +289,7 @@ def take_step(model, neighbours, splitting, clock, h, state, work, noise):
     A kick is made in halves before and after a substep, where there is one.
     """
     t = clock.t
-    active = blocks.active_of(neighbours)
+    active = packs.active_of(neighbours)
     for m in range(splitting.kicks.size):
         tau = splitting.kicks[m] * h
         ahead = splitting.drifts[m] * h
@@ -319,10 +319,10 @@ def splitting_steps(
     clock = clocks[0]
     splitting, times = pointers((splitting, times))
     last = times[times.size - 1]
-    work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other blocks may have become active
-    blocks.clear(model.friction)
-    blocks.clear(model.swing_friction)
-    set_bath_momenta(model, blocks.halves(state.y)[1])
+    work.rotations[0, 0, model.constants.shape[1]] = np.nan  # other packs may have become active
+    packs.clear(model.friction)
+    packs.clear(model.swing_friction)
+    set_bath_momenta(model, packs.halves(state.y)[1])
     if clock.evaluations == 0:
         status = begin(model, neighbours, clock, state, work)
         if status != COMPLETED:
@@ -343,6 +343,6 @@ def splitting_steps(
         control.advance_equally(clock, times[clock.sample], h, landing)
         updated = control.update_encounter(model, neighbours, clock, state.y, work.speeds, h)
         # Whatever is not finite reaches the velocities of the asperites within a step.
-        if updated and not control.all_finite(blocks.halves(state.y)[1][: model.core]):
+        if updated and not control.all_finite(packs.halves(state.y)[1][: model.core]):
             return NOT_FINITE
     return PAUSED

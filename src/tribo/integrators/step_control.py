@@ -8,12 +8,12 @@ from numba.extending import register_jitable
 
 from tribo.compiler.jit import NUMPY_ERRORS, apart, expanded, inlined, kernel
 from tribo.compiler.lanes import LANES, absolute, broadcast, sum_of_lanes
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.kernels import status as codes
-from tribo.kernels.blocks import ONE_RUN, active_of, halves
 from tribo.kernels.encounters import fastest_approach, least_clearance, next_encounter
 from tribo.kernels.equations_of_motion import equations_of_motion, place_bobs
 from tribo.kernels.neighbours import crowded, is_empty, refresh
+from tribo.kernels.packs import ONE_RUN, active_of, halves
 from tribo.kernels.powers import all_powers
 from tribo.kernels.samples import write_row
 from tribo.kernels.speeds import top_speeds
@@ -87,7 +87,7 @@ def all_finite(x):
     """Whether every component is finite, and its square."""
     outside = broadcast(0.0)
     for m in range(0, x.size, LANES):
-        outside = outside + (1.0 - (absolute(block(x, m)) <= LARGEST))
+        outside = outside + (1.0 - (absolute(pack(x, m)) <= LARGEST))
     return sum_of_lanes(outside) == 0.0
 
 

@@ -7,12 +7,12 @@ coordinates x and y of such a body are those of R, and phi of each bar is chi, s
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes_functions import sine_cosine_versine
-from tribo.kernels.blocks import set_vectors, vectors
+from tribo.kernels.packs import set_vectors, vectors
 
 
 @inlined
 def turned_arms(model, i, tilt):
-    """The arms of a block of bars, and the displacements of the bars by the tilt."""
+    """The arms of a pack of bars, and the displacements of the bars by the tilt."""
     sin, _, versine = sine_cosine_versine(tilt)
     arm_x, arm_y = vectors(model.arms, i)
     x = -versine * arm_x - sin * arm_y
@@ -22,7 +22,7 @@ def turned_arms(model, i, tilt):
 
 @inlined
 def with_turned_arms(model, s, i, tilt, x, y):
-    """Places of a block with the displacements by the tilt, if it tilts; notes the arms."""
+    """Places of a pack with the displacements by the tilt, if there is one; notes the arms."""
     if s.tilting > 0:
         arms, moved = turned_arms(model, i, tilt)
         set_vectors(model.turned, i, *arms)
@@ -33,7 +33,7 @@ def with_turned_arms(model, s, i, tilt, x, y):
 
 @inlined
 def with_tilting(model, s, i, nu, vx, vy):
-    """Velocities of a block with those of the bars about R, if it tilts; bobs in place."""
+    """Velocities of a pack with those of the bars about R, if these tilt; bobs in place."""
     if s.tilting > 0:
         x, y = vectors(model.turned, i)
         vx = vx - nu * y
@@ -43,7 +43,7 @@ def with_tilting(model, s, i, nu, vx, vy):
 
 @inlined
 def accelerations_of_bars(model, s, i):
-    """r2'' = R'' + alpha z x e - nu^2 e of a block, the motion of the whole in place."""
+    """r2'' = R'' + alpha z x e - nu^2 e of a pack, the motion of the whole in place."""
     x, y = vectors(model.turned, i)
     inward = s.rate * s.rate
     return s.ax - s.alpha * y - inward * x, s.ay + s.alpha * x - inward * y

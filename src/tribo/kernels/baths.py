@@ -5,10 +5,10 @@ Those of one bar stand side by side: all x, all y, then the torsional.  Eight ar
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit
-from tribo.kernels.blocks import absent, column_of_constants
+from tribo.kernels.packs import absent, column_of_constants
 from tribo.kernels.records import (
     BATH_MOMENTA,
     I2,
@@ -51,9 +51,9 @@ def pull(table, oscillators, q, centre):
     first, count, slot = oscillators
     force = broadcast(0.0)
     for m in range(0, count, LANES):
-        w = block(table[OSCILLATOR_FREQUENCY], first + m)
-        stiffness = block(table[OSCILLATOR_MASS], first + m) * w * w
-        force = force + stiffness * (block(q, slot + m) - centre)
+        w = pack(table[OSCILLATOR_FREQUENCY], first + m)
+        stiffness = pack(table[OSCILLATOR_MASS], first + m) * w * w
+        force = force + stiffness * (pack(q, slot + m) - centre)
     return sum_of_lanes(force)
 
 
@@ -62,8 +62,8 @@ def oscillate(table, oscillators, q, centre, acceleration):
     """Set q'' of a bar's oscillators about a place."""
     first, count, slot = oscillators
     for m in range(0, count, LANES):
-        w = block(table[OSCILLATOR_FREQUENCY], first + m)
-        set_block(acceleration, slot + m, -w * w * (block(q, slot + m) - centre))
+        w = pack(table[OSCILLATOR_FREQUENCY], first + m)
+        set_pack(acceleration, slot + m, -w * w * (pack(q, slot + m) - centre))
 
 
 @kernel
@@ -73,9 +73,9 @@ def oscillator_energy(table, oscillators, q, v, centre):
     energy = broadcast(0.0)
     kinetic = broadcast(0.0)
     for m in range(0, count, LANES):
-        away = block(table[OSCILLATOR_FREQUENCY], first + m) * (block(q, slot + m) - centre)
-        rate = block(v, slot + m)
-        mass = block(table[OSCILLATOR_MASS], first + m)
+        away = pack(table[OSCILLATOR_FREQUENCY], first + m) * (pack(q, slot + m) - centre)
+        rate = pack(v, slot + m)
+        mass = pack(table[OSCILLATOR_MASS], first + m)
         energy = energy + 0.5 * mass * (rate * rate + away * away)
         kinetic = kinetic + 0.5 * mass * rate * rate
     return sum_of_lanes(energy), sum_of_lanes(kinetic)
@@ -86,8 +86,8 @@ def oscillator_momentum(table, oscillators, v):
     first, count, slot = oscillators
     momentum = broadcast(0.0)
     for m in range(0, count, LANES):
-        mass = block(table[OSCILLATOR_MASS], first + m)
-        momentum = momentum + mass * block(v, slot + m)
+        mass = pack(table[OSCILLATOR_MASS], first + m)
+        momentum = momentum + mass * pack(v, slot + m)
     return sum_of_lanes(momentum)
 
 

@@ -1,4 +1,4 @@
-"""Cells: which boxes around blocks of bobs are within reach of a box.
+"""Cells: which boxes around packs of bobs are within reach of a box.
 
 Boxes are sorted into cells in x and z by their centres.  A cell is at least as wide as the reach
 and the widest boxes, so a box and those within its reach are in the same cell or in neighbouring
@@ -11,14 +11,14 @@ import numpy as np
 
 from tribo.compiler.jit import apart, kernel
 from tribo.compiler.lanes import LANES
-from tribo.kernels.blocks import active_range, column_of
 from tribo.kernels.kinematics import nearest_image
+from tribo.kernels.packs import active_range, column_of
 from tribo.kernels.records import X, Z
 
 
 @apart
 def set_boxes(model, active, k, boxes):
-    """Set the boxes around the active blocks of a surface."""
+    """Set the boxes around the active packs of a surface."""
     s = model.surfaces[k]
     begin, end = active_range(active, s, k)
     boxes.count[0] = end - begin
@@ -75,7 +75,7 @@ def set_cells(own, boxes, reach, axis, period, most, cells):
 
 @apart
 def sort_boxes(box, own, boxes, reach, cells):
-    """Sort boxes into cells, so that :func:`near_blocks` finds those within reach of `own`."""
+    """Sort boxes into cells, so that :func:`near_packs` finds those within reach of `own`."""
     box_x, box_z = periods(box)
     n = boxes.count[0]
     most = 2.0 * n + 16.0  # cells, for which `first` has room
@@ -104,7 +104,7 @@ def sort_boxes(box, own, boxes, reach, cells):
 
 
 @apart
-def near_blocks(box, own, k, boxes, reach, cells, near):
+def near_packs(box, own, k, boxes, reach, cells, near):
     """Boxes within reach of the kth of `own` boxes, ascending; returns their number."""
     box_x, box_z = periods(box)
     nx = cells.counts[0]

@@ -24,10 +24,10 @@ from tribo.compiler.lanes import (
     widen,
     with_lane,
 )
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.compiler.python_callback import call_at
 from tribo.compiler.units import fetched
-from tribo.kernels import blocks
+from tribo.kernels import packs
 from tribo.kernels.model import Acting
 from tribo.kernels.neighbours import image, is_partner, partner_species
 from tribo.kernels.potential_in_lanes import force_in_lanes, range_of_all_in_lanes
@@ -71,7 +71,7 @@ def separations(square, dx, dy, dz, low, high):
 
 @kernel
 def row_of(contact, k, other, i, first, neighbours):
-    """First and last + 1 of the blocks of candidates for bob i, and whether a list names them.
+    """First and last + 1 of the packs of candidates for bob i, and whether a list names them.
 
     `first` is the first bob of the pair's first surface.
     """
@@ -89,30 +89,30 @@ def first_candidate(other, i):
 
 
 @kernel
-def block_of(neighbours, is_listed, n):
-    """The first bob of the nth block of candidates."""
+def pack_of(neighbours, is_listed, n):
+    """The first bob of the nth pack of candidates."""
     return LANES * (neighbours.index[n] if is_listed else n)
 
 
 @inlined
 def of_partners(x, species, kinds, i, m, other):
-    """`x` where a block of bobs is of a kind that bob i acts on, the number `other` elsewhere."""
+    """`x` where a pack of bobs is of a kind that bob i acts on, the number `other` elsewhere."""
     if species is None:
         return x
     partners = partner_species(species, kinds, i)
     if partners == -1:
         return x
-    away = absolute(block(species, m) - float(partners))
+    away = absolute(pack(species, m) - float(partners))
     return where_less(away, 0.5, x, other)
 
 
 @inlined
 def differences(model, box, x, y, i, m):
-    """Vectors from the nearest images of a block of bobs to bob i, or to eight at its depth."""
+    """Vectors from the nearest images of a pack of bobs to bob i, or to eight at its depth."""
     zs = model.each[Z]
-    dx = image(x - block(model.bobs[X], m), box, 0)
-    dz = image(zs[i] - block(zs, m), box, 1)
-    return dx, y - block(model.bobs[Y], m), dz
+    dx = image(x - pack(model.bobs[X], m), box, 0)
+    dz = image(zs[i] - pack(zs, m), box, 1)
+    return dx, y - pack(model.bobs[Y], m), dz
 
 
 @inlined
@@ -128,7 +128,7 @@ def over_distances(potential, square, separation, charge, others, low, high):
 
 
 @inlined
-def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
+def pack_over_distances(potential, dx, dy, dz, charge, others, low, high):
     """The same of eight pairs; of four where these have all that are wanted."""
     square = dx * dx + dy * dy + dz * dz  # for both, which could round its sums differently
     if high <= NARROW:
@@ -140,15 +140,15 @@ def block_over_distances(potential, dx, dy, dz, charge, others, low, high):
 
 
 @inlined
-def add_block_forces(model, contact, table, i, m, low, high):
-    """Add the forces of bob i on some lanes of a block of bobs; returns the forces on bob i."""
+def add_pack_forces(model, contact, table, i, m, low, high):
+    """Add the forces of bob i on some lanes of a pack of bobs; returns the forces on bob i."""
     charges = model.each[CHARGE]
     dx, dy, dz = differences(model, contact.box, model.bobs[X, i], model.bobs[Y, i], i, m)
-    others = block(charges, m)
-    f = block_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
+    others = pack(charges, m)
+    f = pack_over_distances(contact.potential, dx, dy, dz, charges[i], others, low, high)
     f = of_partners(f, contact.species, contact.kinds, i, m, 0.0)
-    x, y = blocks.vectors(table, m)
-    blocks.set_vectors(table, m, x - f * dx, y - f * dy)
+    x, y = packs.vectors(table, m)
+    packs.set_vectors(table, m, x - f * dx, y - f * dy)
     return f * dx, f * dy
 
 
@@ -160,10 +160,10 @@ def add_row(model, contact, table, i, other, row, neighbours):
     start = first_candidate(other, i)
     first, last, is_listed = row
     for n in range(first, last):
-        m = block_of(neighbours, is_listed, n)
+        m = pack_of(neighbours, is_listed, n)
         low = max(0, start - m)
         high = min(LANES, other.end - m)
-        x, y = add_block_forces(model, contact, table, i, m, low, high)
+        x, y = add_pack_forces(model, contact, table, i, m, low, high)
         sum_x = sum_x + x
         sum_y = sum_y + y
     return sum_of_lanes(sum_x), sum_of_lanes(sum_y)
@@ -171,13 +171,13 @@ def add_row(model, contact, table, i, other, row, neighbours):
 
 @inlined
 def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
-    """Add the forces of the kth pair of surfaces on the active blocks of the first in a range."""
+    """Add the forces of the kth pair of surfaces on the active packs of the first in a range."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
-    active = blocks.active_of(neighbours)
+    active = packs.active_of(neighbours)
     for n in range(begin, end):
-        first = blocks.column_of(active, n)
-        # Numbers that are stored one by one delay the next load of the block.
+        first = packs.column_of(active, n)
+        # Numbers that are stored one by one delay the next load of the pack.
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for i in range(first, min(first + LANES, one.end)):
@@ -185,7 +185,7 @@ def add_rows(model, contact, k, begin, end, table, reactions, neighbours):
             x, y = add_row(model, contact, reactions, i, other, row, neighbours)
             own_x = with_lane(own_x, i - first, x)
             own_y = with_lane(own_y, i - first, y)
-        blocks.add_vectors(table, first, own_x, own_y)
+        packs.add_vectors(table, first, own_x, own_y)
 
 
 @inlined
@@ -212,7 +212,7 @@ def contact_forces_unit(model, neighbours, potential, n):
 
 
 def open_contact_forces_unit(model, neighbours, potential, n):
-    """The same without a periodic box and without species, whose tests each block would pay for."""
+    """The same without a periodic box and without species, whose tests each pack would pay for."""
     contact = acting(model, n, fetched(potential), None, None)
     add_contact(model, neighbours, contact, table_of(model, n))
     return 0.0
@@ -220,11 +220,11 @@ def open_contact_forces_unit(model, neighbours, potential, n):
 
 @inlined
 def add_contact(model, neighbours, contact, table):
-    """Add the forces of an interaction on the active blocks of all its pairs of surfaces."""
-    active = blocks.active_of(neighbours)
+    """Add the forces of an interaction on the active packs of all its pairs of surfaces."""
+    active = packs.active_of(neighbours)
     for k in range(contact.first, contact.stop):
         own = contact.pairs[k, 0]
-        begin, end = blocks.active_range(active, model.surfaces[own], own)
+        begin, end = packs.active_range(active, model.surfaces[own], own)
         add_rows(model, contact, k, begin, end, table, table, neighbours)
 
 
@@ -245,9 +245,9 @@ def add_lane_by_lane(model, contact, k, table):
     charges = model.each[CHARGE]
     for i in range(one.start, one.stop, LANES):
         partners = partner_species(contact.species, contact.kinds, i)
-        x = block(model.bobs[X], i)
-        y = block(model.bobs[Y], i)
-        own = block(charges, i)
+        x = pack(model.bobs[X], i)
+        y = pack(model.bobs[Y], i)
+        own = pack(charges, i)
         own_x = broadcast(0.0)
         own_y = broadcast(0.0)
         for m in range(max(other.start, i + LANES), other.stop, LANES):
@@ -255,12 +255,12 @@ def add_lane_by_lane(model, contact, k, table):
                 separation = differences(model, contact.box, x, y, i, m)
                 dx, dy, dz = separation
                 square = dx * dx + dy * dy + dz * dz
-                others = block(charges, m)
+                others = pack(charges, m)
                 f = over_distances(contact.potential, square, separation, own, others, 0, LANES)
-                blocks.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
+                packs.add_vectors(table, m, 0.0 - f * dx, 0.0 - f * dy)
                 own_x = own_x + f * dx
                 own_y = own_y + f * dy
-        blocks.add_vectors(table, i, own_x, own_y)
+        packs.add_vectors(table, i, own_x, own_y)
 
 
 @kernel
@@ -309,12 +309,12 @@ def energy_of_pair(model, neighbours, n, k, lane):
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     energy = 0.0
-    for i in range(*blocks.column_range(one, lane)):
+    for i in range(*packs.column_range(one, lane)):
         partners = partner_species(contact.species, contact.kinds, i)
         start = first_candidate(other, i)
         first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
         for place in range(first, last):
-            low, high = blocks.columns_at(block_of(neighbours, is_listed, place), lane)
+            low, high = packs.columns_at(pack_of(neighbours, is_listed, place), lane)
             for j in range(max(start, low), min(high, other.end)):
                 if is_partner(contact.species, partners, j):
                     r = distance_of(model, i, j)

@@ -9,12 +9,12 @@ from tribo.compiler import team as teams
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.units import call_unit, fetched
-from tribo.kernels import blocks
+from tribo.kernels import packs
 from tribo.kernels.contact import (
     acting,
     add_calculated,
     add_rows,
-    block_of,
+    pack_of,
     row_of,
     table_of,
 )
@@ -24,7 +24,7 @@ from tribo.kernels.records import SHARE_CONTACTS
 @inlined
 def contact_forces(model, neighbours):
     """Add the contact force f1 on newly placed bobs, and set the forces within surfaces."""
-    blocks.clear(model.inner)
+    packs.clear(model.inner)
     add_contacts(model, model.team, neighbours)
     add_calculated(model, model.calculators)
 
@@ -100,7 +100,7 @@ def add_reactions(model, team, pairs, table, piece):
             low = max(LANES * begin, team.reach[chunk, 0])
             high = min(LANES * end, team.reach[chunk, 1])
             for i in range(low, high, LANES):
-                blocks.add_vectors(table, i, *blocks.vectors(team.reactions[chunk], i))
+                packs.add_vectors(table, i, *packs.vectors(team.reactions[chunk], i))
 
 
 @inlined
@@ -109,30 +109,30 @@ def add_chunk(model, team, contact, table, neighbours, chunk):
     k = team.counters[teams.PAIR]
     own = contact.pairs[k, 0]
     one = model.surfaces[own]
-    active = blocks.active_of(neighbours)
-    first, last = blocks.active_range(active, one, own)
+    active = packs.active_of(neighbours)
+    first, last = packs.active_range(active, one, own)
     begin, end = teams.part_of(first, last, chunk, team.reach.shape[0])
     low, high = reach_of_rows(model, contact, k, begin, end, neighbours)
     team.reach[chunk, 0] = low
     team.reach[chunk, 1] = high
     reactions = team.reactions[chunk]
     for i in range(low, high, LANES):
-        blocks.set_vectors(reactions, i, broadcast(0.0), broadcast(0.0))
+        packs.set_vectors(reactions, i, broadcast(0.0), broadcast(0.0))
     add_rows(model, contact, k, begin, end, table, reactions, neighbours)
 
 
 @kernel
 def reach_of_rows(model, contact, k, begin, end, neighbours):
-    """The first and the last + 1 of the columns of all candidates of some active blocks of rows."""
+    """The first and the last + 1 of the columns of all candidates of some active packs of rows."""
     one = model.surfaces[contact.pairs[k, 0]]
     other = model.surfaces[contact.pairs[k, 1]]
     low, high = other.stop, other.start
-    active = blocks.active_of(neighbours)
+    active = packs.active_of(neighbours)
     for n in range(begin, end):
-        column = blocks.column_of(active, n)
+        column = packs.column_of(active, n)
         for i in range(column, min(column + LANES, one.end)):
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             if first < last:
-                low = min(low, block_of(neighbours, is_listed, first))
-                high = max(high, block_of(neighbours, is_listed, last - 1) + LANES)
+                low = min(low, pack_of(neighbours, is_listed, first))
+                high = max(high, pack_of(neighbours, is_listed, last - 1) + LANES)
     return low, high

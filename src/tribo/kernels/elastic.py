@@ -6,14 +6,14 @@ compiled code calls; see `layout.elastic_body`.  Only scenes with such bodies co
 
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.compiler.python_callback import call_at
-from tribo.kernels.blocks import add_vectors, vectors
+from tribo.kernels.packs import add_vectors, vectors
 from tribo.kernels.records import PAIRS, WAVES, X, Y
 
 # Places of the addresses in `Elastic.calls`.
 FORWARD, BACKWARD = range(2)
-# Places in a row of `Elastic.pairs`, whose numbers are those of a block of bars; and the rows of
+# Places in a row of `Elastic.pairs`, whose numbers are those of a pack of bars; and the rows of
 # `Elastic.shares`.
 XX, XY, YX, YY = range(0, 4 * LANES, LANES)
 SHARE_XX, SHARE_XY, SHARE_YX, SHARE_YY = range(4)
@@ -21,9 +21,9 @@ SHARE_XX, SHARE_XY, SHARE_YX, SHARE_YY = range(4)
 
 @inlined
 def shares_of_bars(shares, i, x, y):
-    """The force on a block of bars, of which each would take (x, y) if all took the same."""
-    along = block(shares[SHARE_XX], i) * x + block(shares[SHARE_XY], i) * y
-    return along, block(shares[SHARE_YX], i) * x + block(shares[SHARE_YY], i) * y
+    """The force on a pack of bars, of which each would take (x, y) if all took the same."""
+    along = pack(shares[SHARE_XX], i) * x + pack(shares[SHARE_XY], i) * y
+    return along, pack(shares[SHARE_YX], i) * x + pack(shares[SHARE_YY], i) * y
 
 
 @apart
@@ -34,15 +34,15 @@ def set_place(model, s):
     y = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
         along, upward = vectors(model.displaced, i)
-        x = x + block(shares[SHARE_XX], i) * along + block(shares[SHARE_YX], i) * upward
-        y = y + block(shares[SHARE_XY], i) * along + block(shares[SHARE_YY], i) * upward
+        x = x + pack(shares[SHARE_XX], i) * along + pack(shares[SHARE_YX], i) * upward
+        y = y + pack(shares[SHARE_XY], i) * along + pack(shares[SHARE_YY], i) * upward
     s.ax = sum_of_lanes(x) / (s.end - s.start)
     s.ay = sum_of_lanes(y) / (s.end - s.start)
 
 
 @apart
 def forces_of_pairs(model, s, i):
-    """Forces on the block of bars at i by the displacements of all bars of its surface."""
+    """Forces on the pack of bars at i by the displacements of all bars of its surface."""
     x = broadcast(0.0)
     y = broadcast(0.0)
     row = s.elastic_row + (i - s.start) // LANES * (s.end - s.start)
@@ -50,8 +50,8 @@ def forces_of_pairs(model, s, i):
         along = model.displaced[X, j]
         upward = model.displaced[Y, j]
         pairs = model.elastic.pairs[row]
-        x = x - (block(pairs, XX) * along + block(pairs, XY) * upward)
-        y = y - (block(pairs, YX) * along + block(pairs, YY) * upward)
+        x = x - (pack(pairs, XX) * along + pack(pairs, XY) * upward)
+        y = y - (pack(pairs, YX) * along + pack(pairs, YY) * upward)
         row += 1
     return x, y
 

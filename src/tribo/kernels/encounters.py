@@ -8,16 +8,16 @@ import numpy as np
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import between_lanes, broadcast, maximum, sqrt, where_less
 from tribo.compiler.lanes import lane as one_lane
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.compiler.units import call_unit
-from tribo.kernels import blocks
+from tribo.kernels import packs
 from tribo.kernels import records as rows
 from tribo.kernels.contact import (
     acting,
-    block_of,
     differences,
     first_candidate,
     of_partners,
+    pack_of,
     row_of,
     separations,
 )
@@ -48,7 +48,7 @@ RATE, CLOSEST, CLEARANCE, IGNORED, ONE, OTHER, THERMAL, FOUND = range(8)
 @kernel
 def thermal_energy(model, own, lane):
     """The largest k_B T of a surface with noise; -1 where no surface has a reservoir."""
-    if blocks.absent(model.friction) and blocks.absent(model.swing_friction):
+    if packs.absent(model.friction) and packs.absent(model.swing_friction):
         return -1.0
     energy = 0.0
     for k in range(model.surfaces.shape[0]):
@@ -56,10 +56,10 @@ def thermal_energy(model, own, lane):
         if s.gamma + s.swing_gamma > 0.0:
             bar = s.temperature
             swing = s.swing_temperature
-            if not blocks.absent(own):
+            if not packs.absent(own):
                 bar = 0.0
                 swing = 0.0
-                for i in range(*blocks.column_range(s, lane)):
+                for i in range(*packs.column_range(s, lane)):
                     bar = max(bar, own[OWN_TEMPERATURE, i])
                     swing = max(swing, own[OWN_SWING_TEMPERATURE, i])
             energy = max(energy, bar, swing)
@@ -81,7 +81,7 @@ def can_matter(contacts, n, r, charge, other_charge, lane, thermal):
 
 @inlined
 def distances_of(model, i, m, low, high):
-    """Distances of bob i from a block of bobs, of which those from `low` to `high` are wanted."""
+    """Distances of bob i from a pack of bobs, of which those from `low` to `high` are wanted."""
     difference = differences(model, model.box, model.bobs[X, i], model.bobs[Y, i], i, m)
     dx, dy, dz = difference
     square = dx * dx + dy * dy + dz * dz
@@ -90,15 +90,15 @@ def distances_of(model, i, m, low, high):
 
 @inlined
 def speeds_towards(speeds, i, m):
-    """Largest speeds at which bob i and each of a block of bobs can approach each other."""
-    vx = speeds[0, i] - block(speeds[0], m)
-    vy = speeds[1, i] - block(speeds[1], m)
-    return sqrt(vx * vx + vy * vy) + speeds[2, i] + block(speeds[2], m)
+    """Largest speeds at which bob i and each of a pack of bobs can approach each other."""
+    vx = speeds[0, i] - pack(speeds[0], m)
+    vy = speeds[1, i] - pack(speeds[1], m)
+    return sqrt(vx * vx + vy * vy) + speeds[2, i] + pack(speeds[2], m)
 
 
 @kernel
 def find_fastest(model, n, i, m, low, high, r, rates, found, lane):
-    """Let the pairs of bob i and some of a block replace slower ones that were found before."""
+    """Let the pairs of bob i and some of a pack replace slower ones that were found before."""
     charges = model.each[CHARGE]
     thermal = found[THERMAL]
     for k in range(low, high):
@@ -124,16 +124,16 @@ def encounter_of_contact(model, n, neighbours, speeds, found, lane):
     for k in range(contact.first, contact.stop):
         one = model.surfaces[contact.pairs[k, 0]]
         other = model.surfaces[contact.pairs[k, 1]]
-        for i in range(*blocks.column_range(one, lane)):
+        for i in range(*packs.column_range(one, lane)):
             start = first_candidate(other, i)
             first, last, is_listed = row_of(contact, k, other, i, one.start, neighbours)
             for place in range(first, last):
-                m = block_of(neighbours, is_listed, place)
-                begin, end = blocks.columns_at(m, lane)
+                m = pack_of(neighbours, is_listed, place)
+                begin, end = packs.columns_at(m, lane)
                 low = max(start, begin) - m
                 high = min(end, other.end) - m
                 r = distances_of(model, i, m, low, high)
-                own = clearances_at(model.contacts, n, r, charges[i], block(charges, m))
+                own = clearances_at(model.contacts, n, r, charges[i], pack(charges, m))
                 own = of_partners(own, contact.species, contact.kinds, i, m, math.inf)
                 own = between_lanes(low, high, own, math.inf)
                 closest = lower(closest, where_less(own, math.inf, r, math.inf))
@@ -194,7 +194,7 @@ def fastest_approach(model, active, speeds):
     """Largest speed at which two bobs that have a contact can approach each other."""
     fastest = 0.0
     for k in range(model.surfaces.shape[0]):
-        for m in range(k if blocks.absent(model.inner) else k + 1):
+        for m in range(k if packs.absent(model.inner) else k + 1):
             fastest = max(fastest, closing_speed(model, active, (k, m), speeds))
     return fastest
 
@@ -219,17 +219,17 @@ def closing_speed(model, active, pair, speeds):
     for m in range(2):
         k = pair[m]
         s = model.surfaces[k]
-        for place in range(*blocks.active_range(active, s, k)):
-            i = blocks.column_of(active, place)
+        for place in range(*packs.active_range(active, s, k)):
+            i = packs.column_of(active, place)
             n = s.end - i
-            x = block(speeds[0], i)
-            y = block(speeds[1], i)
+            x = pack(speeds[0], i)
+            y = pack(speeds[1], i)
             low_x = np.minimum(low_x, between_lanes(0, n, x, math.inf))
             high_x = np.maximum(high_x, between_lanes(0, n, x, -math.inf))
             low_y = np.minimum(low_y, between_lanes(0, n, y, math.inf))
             high_y = np.maximum(high_y, between_lanes(0, n, y, -math.inf))
-            swing = np.maximum(swing, between_lanes(0, n, block(speeds[2], i), 0.0))
-    if maximum(high_x) == -math.inf:  # no block is active
+            swing = np.maximum(swing, between_lanes(0, n, pack(speeds[2], i), 0.0))
+    if maximum(high_x) == -math.inf:  # no pack is active
         return 0.0
     x = maximum(high_x) + maximum(-low_x)
     y = maximum(high_y) + maximum(-low_y)

@@ -1,4 +1,4 @@
-"""The equations of motion: M q'' = F(q, q', t), block by block of asperites.
+"""The equations of motion: M q'' = F(q, q', t), pack by pack of asperites.
 
 The coordinates q are the swing theta - rest of every asperite, then phi, x and y of those that
 have them free, then the baths.  x and y are displacements from the initial uniform motion of the
@@ -13,7 +13,7 @@ a number, too.
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.lanes_functions import sine_cosine, sine_cosine_versine
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
 from tribo.kernels.arms import (
@@ -21,7 +21,13 @@ from tribo.kernels.arms import (
     with_tilting,
     with_turned_arms,
 )
-from tribo.kernels.blocks import (
+from tribo.kernels.contact_forces import contact_forces
+from tribo.kernels.elastic import shares_of_bars
+from tribo.kernels.fields import field_forces
+from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.levers import lever_mass
+from tribo.kernels.neighbours import crowded, has_lists, refresh
+from tribo.kernels.packs import (
     absent,
     active_of,
     active_range,
@@ -38,12 +44,6 @@ from tribo.kernels.blocks import (
     vectors,
     vectors_if_any,
 )
-from tribo.kernels.contact_forces import contact_forces
-from tribo.kernels.elastic import shares_of_bars
-from tribo.kernels.fields import field_forces
-from tribo.kernels.kinematics import rod_position, rod_velocity
-from tribo.kernels.levers import lever_mass
-from tribo.kernels.neighbours import crowded, has_lists, refresh
 from tribo.kernels.records import (
     BARS,
     FORCED,
@@ -61,7 +61,7 @@ from tribo.kernels.user_forces import custom_forces, has_customs
 
 @inlined
 def bar_angles(model, s, i, t, q):
-    """phi of a block: coordinates where bars are free, uniform where they are clamped."""
+    """phi of a pack: coordinates where bars are free, uniform where they are clamped."""
     if s.dof_phi >= 0:
         return coordinates(s.dof_phi, s, i, q)
     return constant(model, rows.PHI_START, s, i) + constant(model, rows.NU_START, s, i) * t
@@ -77,15 +77,15 @@ def place_bars(displaced, s, i, x, y, l2, sin, versine):
 
 
 @inlined
-def place_block(model, s, i, t, swing, phi, x, y):
-    """Set positions and directions of a block of bobs, and clear their contact forces."""
+def place_pack(model, s, i, t, swing, phi, x, y):
+    """Set positions and directions of a pack of bobs, and clear their contact forces."""
     sin, cos, versine = sine_cosine_versine(swing)
     tx = s.facing * cos
     ty = s.facing * sin
     place_bars(model.displaced, s, i, x, y, constant(model, rows.L2, s, i), sin, versine)
     x, y = with_turned_arms(model, s, i, phi, x, y)
-    x = block(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
-    y = block(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
+    x = pack(model.each[rows.X_START], i) + own_number(model.own, rows.OWN_VX, s.vx, i) * t + x
+    y = pack(model.each[rows.Y_START], i) + own_number(model.own, rows.OWN_VY, s.vy, i) * t + y
     x, y = rod_position(x, y, constant(model, rows.L1, s, i), tx, ty)
     set_vectors(model.bobs, i, x, y)
     set_vectors(model.directions, i, tx, ty)
@@ -97,17 +97,17 @@ def place_bobs(model, t, q):
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
-            place_block(model, s, i, t, *all_coordinates(s, i, q))
+            place_pack(model, s, i, t, *all_coordinates(s, i, q))
 
 
 @inlined
 def velocities_of_bars(model, s, i, v):
-    """Velocities of the centres of a block of bars in the surface's first frame, bobs in place."""
+    """Velocities of the centres of a pack of bars in the surface's first frame, bobs in place."""
     vx = coordinates(s.dof_x, s, i, v)
     vy = coordinates(s.dof_y, s, i, v)
     vx, vy = with_tilting(model, s, i, coordinates(s.dof_phi, s, i, v), vx, vy)
     l2 = constant(model, rows.L2, s, i)
-    return rod_velocity(vx, vy, block(v, i), -l2, *vectors(model.directions, i))
+    return rod_velocity(vx, vy, pack(v, i), -l2, *vectors(model.directions, i))
 
 
 @inlined
@@ -130,7 +130,7 @@ def friction_forces(model, friction, swing_friction, v):
                 gamma = own_number(model.own, rows.OWN_GAMMA, s.gamma, i)
                 fx = -gamma * (vx - s.reservoir_x)
                 fy = -gamma * (vy - s.reservoir_y)
-                present = block(model.each[rows.PRESENT], i)
+                present = pack(model.each[rows.PRESENT], i)
                 # As `integrators.reservoirs` shares it; bars of a block that tilts have their own.
                 if s.block == RIGID_ASPERITES and s.tilting == 0:
                     share = (s.end - s.start) / s.mass
@@ -138,7 +138,7 @@ def friction_forces(model, friction, swing_friction, v):
                 set_vectors(friction, i, present * fx, present * fy)
             if not absent(swing_friction):
                 gamma = own_number(model.own, rows.OWN_SWING_GAMMA, s.swing_gamma, i)
-                set_block(swing_friction[0], i, -gamma * block(v, i))
+                set_pack(swing_friction[0], i, -gamma * pack(v, i))
 
 
 @inlined
@@ -156,11 +156,11 @@ def sum_contact(model, members):
         if s.drive == RIGID:
             total = broadcast(0.0)
             for i in range(s.start, s.stop, LANES):
-                total = total + block(model.f1[rows.X], i)
+                total = total + pack(model.f1[rows.X], i)
             if members.size == 0:
                 s.fx = sum_of_lanes(total)
             else:
-                set_block(members, s.start, total)
+                set_pack(members, s.start, total)
 
 
 @inlined
@@ -168,12 +168,12 @@ def gathered_contact(members, s):
     """The sum of the contact forces on a rigid surface, of one run or of each member."""
     if members.size == 0:
         return broadcast(s.fx)
-    return block(members, s.start)
+    return pack(members, s.start)
 
 
 @inlined
 def bob_forces(model, i):
-    """Force on a block of bobs: f1, contact within the surface, and external fields."""
+    """Force on a pack of bobs: f1, contact within the surface, and external fields."""
     f1 = vectors(model.f1, i)
     if not model.on_bobs:
         return f1
@@ -182,7 +182,7 @@ def bob_forces(model, i):
 
 @apart
 def moving_force(model, s, i, t):
-    """f2 that gives a block of rigid asperites the acceleration of a motion, forces in place.
+    """f2 that gives a pack of rigid asperites the acceleration of a motion, forces in place.
 
     That of pendulums has another part, see `kernels.rigid_block`.
     """
@@ -190,21 +190,21 @@ def moving_force(model, s, i, t):
     bar_x, bar_y = vectors_if_any(model.internal, i)
     mass = constant(model, rows.MASS, s, i)
     ax, ay = given_acceleration(model, s, t)
-    present = block(model.each[rows.PRESENT], i)
+    present = pack(model.each[rows.PRESENT], i)
     return present * (mass * ax - x - bar_x), present * (mass * ay - y - bar_y)
 
 
 @inlined
-def load_of_block(model, s, i, t):
-    """f2_y on a block of loaded or pushed bars."""
+def load_of_pack(model, s, i, t):
+    """f2_y on a pack of loaded or pushed bars."""
     if s.load_schedule > 0:
         return scheduled(model.schedules, s.load_schedule, t)
     return own_number(model.own, rows.OWN_LOAD, s.load, i) + s.load_rate * t
 
 
 @inlined
-def drive_of_block(model, s, i, t, q):
-    """f2 on a block of bars, contact forces in place."""
+def drive_of_pack(model, s, i, t, q):
+    """f2 on a pack of bars, contact forces in place."""
     fx, fy = vectors(model.f1, i)
     if s.drive == FORCED:
         gx = -fx
@@ -212,7 +212,7 @@ def drive_of_block(model, s, i, t, q):
         total = gathered_contact(model.members, s)
         gx = constant(model, rows.MASS, s, i) * (total / s.mass) - fx
     elif s.drive == PULLED:
-        bar = constant(model, rows.L2, s, i) * block(model.directions[rows.Y], i)
+        bar = constant(model, rows.L2, s, i) * pack(model.directions[rows.Y], i)
         bar = coordinates(s.dof_x, s, i, q) - bar
         if s.elastic_block > 0:
             bar = broadcast(s.ax)
@@ -229,7 +229,7 @@ def drive_of_block(model, s, i, t, q):
         return moving_force(model, s, i, t)
     else:
         gx = broadcast(0.0)
-    gy = load_of_block(model, s, i, t) if s.loaded else -fy
+    gy = load_of_pack(model, s, i, t) if s.loaded else -fy
     if s.stiffness_y > 0.0:
         if s.elastic_block > 0:
             gy = gy - s.stiffness_y * s.ay
@@ -238,8 +238,8 @@ def drive_of_block(model, s, i, t, q):
     if s.elastic_block > 0:
         gx, gy = shares_of_bars(model.elastic.shares, i, gx, gy)
     if s.loaded == 0 and (s.drive == FORCED or s.drive == BARS):
-        return gx, gy  # no contact acts on those that fill the last block
-    present = block(model.each[rows.PRESENT], i)
+        return gx, gy  # no contact acts on those that fill the last pack
+    present = pack(model.each[rows.PRESENT], i)
     return present * gx, present * gy
 
 
@@ -250,7 +250,7 @@ def drive_forces(model, active, t, q):
         s = model.surfaces[k]
         for n in range(*active_range(active, s, k)):
             i = column_of(active, n)
-            set_vectors(model.drive, i, *drive_of_block(model, s, i, t, q))
+            set_vectors(model.drive, i, *drive_of_pack(model, s, i, t, q))
 
 
 @kernel
@@ -276,7 +276,7 @@ def forces(model, neighbours, t):
 
 @apart
 def end_torques(model, left, right, s, i, t, q):
-    """Torques of a plug-in's forces on the ends of a block of bars, about the bars' centres."""
+    """Torques of a plug-in's forces on the ends of a pack of bars, about the bars' centres."""
     if absent(left):
         return broadcast(-0.0)
     sin, cos = sine_cosine(bar_angles(model, s, i, t, q))
@@ -288,7 +288,7 @@ def end_torques(model, left, right, s, i, t, q):
 
 @inlined
 def bar_forces(model, i, drive):
-    """Force on a block of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
+    """Force on a pack of bars: f2 + f_int + f_T, and f_L + f_R of a plug-in."""
     if not model.on_bars:
         return drive[0], drive[1]
     force = plus_if_any(drive, model.internal, i)
@@ -300,20 +300,20 @@ def bar_forces(model, i, drive):
 
 @inlined
 def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
-    """Torque on a block of pendulums, but for that of the torsion springs."""
+    """Torque on a pack of pendulums, but for that of the torsion springs."""
     tx, ty = vectors(model.directions, i)
     torque = constant(model, rows.L1, s, i) * (tx * bob_x + ty * bob_y)
     torque = torque - constant(model, rows.L2, s, i) * (tx * bar_x + ty * bar_y)
     if absent(model.swing_friction):
         return torque
-    return torque + block(model.swing_friction[0], i)
+    return torque + pack(model.swing_friction[0], i)
 
 
 @inlined
 def joined(model, s, i, swing, turning, x, y):
-    """Accelerations of a block; those of the whole where bars are one rigid body, in place."""
+    """Accelerations of a pack; those of the whole where bars are one rigid body, in place."""
     if s.block > 0:
-        present = block(model.each[rows.PRESENT], i)
+        present = pack(model.each[rows.PRESENT], i)
         x = present * s.ax
         y = present * s.ay
         along_x = x
@@ -339,7 +339,7 @@ def join_blocks(model, t, q, v):
 
 @inlined
 def accelerations(model, s, i, torsion, t, q, drive):
-    """q'' of a block from the forces in place: swings, bars' angles, x and y.
+    """q'' of a pack from the forces in place: swings, bars' angles, x and y.
 
     `torsion` is 0 where the torsion springs are integrated separately, and 1 elsewhere.  `drive` is
     f2.  Clamped ends have f_L + f_R = 0, and act on the bar's angle only.
@@ -349,7 +349,7 @@ def accelerations(model, s, i, torsion, t, q, drive):
     torque = torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
     turning = broadcast(0.0)
     if torsion != 0.0 or s.dof_phi >= 0:
-        twist = block(q, i) - bar_angles(model, s, i, t, q)
+        twist = pack(q, i) - bar_angles(model, s, i, t, q)
         spring = torsion * constant(model, rows.KAPPA, s, i) * twist
         torque = torque - spring
         if s.dof_phi >= 0:

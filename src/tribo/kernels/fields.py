@@ -4,7 +4,7 @@ from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import broadcast
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
-from tribo.kernels.blocks import clear, column_range
+from tribo.kernels.packs import clear, column_range
 from tribo.kernels.records import X, Y
 from tribo.kernels.schedule import number_or_scheduled
 

@@ -13,7 +13,7 @@ from numba.extending import overload
 from tribo.compiler.jit import OVERLOAD, inlined
 from tribo.compiler.lanes import broadcast, sqrt, where_less, with_lane
 from tribo.compiler.lanes_functions import exponential
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 
 
 class Deviates(NamedTuple):
@@ -91,7 +91,7 @@ def damped_motion(damping, mobility, velocity, gain, tau, one, other):
 
 
 def normals(noise, temperature, count, each):
-    """Six normal deviates for each of the first `count` asperites of a block.
+    """Six normal deviates for each of the first `count` asperites of a pack.
 
     Only `each` of them are drawn, 2, 4 or 6; the others are 0, and all where no noise acts.  Those
     of one asperite come after those of another.
@@ -120,7 +120,7 @@ def next_row(noise):
     """The next deviate of each member."""
     place = noise.place[0]
     noise.place[0] = place + 1
-    return block(noise.numbers[place], 0)
+    return pack(noise.numbers[place], 0)
 
 
 def _normals_of_members(noise, temperature, count, each):

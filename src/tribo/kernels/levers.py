@@ -10,14 +10,14 @@ of the bars.
 
 from tribo.compiler.jit import inlined
 from tribo.compiler.lanes import broadcast
-from tribo.compiler.lanes_memory import block
-from tribo.kernels.blocks import absent, column_of_constants, constant, vectors
+from tribo.compiler.lanes_memory import pack
+from tribo.kernels.packs import absent, column_of_constants, constant, vectors
 from tribo.kernels.records import L1, L2, MASS
 
 
 @inlined
 def levers(model, pivots, s, i):
-    """Distances from the centre of mass to the bob and to the bar, of a block."""
+    """Distances from the centre of mass to the bob and to the bar, of a pack."""
     bob = constant(model, L1, s, i)
     bar = constant(model, L2, s, i)
     if absent(pivots):
@@ -29,18 +29,18 @@ def levers(model, pivots, s, i):
 def pivot_lengths(pivots, s, i):
     if absent(pivots):
         return broadcast(0.0)
-    return block(pivots[0], column_of_constants(s, i))
+    return pack(pivots[0], column_of_constants(s, i))
 
 
 @inlined
 def lever_mass(model, s, i):
-    """m1 length of a block of pendulums on rigid bars; 0 of asperites that fill a block."""
+    """m1 length of a pack of pendulums on rigid bars; 0 of asperites that fill a pack."""
     return constant(model, MASS, s, i) * pivot_lengths(model.pivots, s, i)
 
 
 @inlined
 def velocities_of_centres(model, pivots, s, i, omega, vx, vy):
-    """Velocities of the centres of mass of a block in the surface's first frame, bobs in place."""
+    """Velocities of the centres of mass of a pack in the surface's first frame, bobs in place."""
     if absent(pivots):  # no bars are driven: they are those of x and y
         return vx, vy
     speed = pivot_lengths(pivots, s, i) * omega

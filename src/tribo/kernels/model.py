@@ -143,18 +143,18 @@ class Box(NamedTuple):
 
 
 class Active(NamedTuple):
-    """The blocks that are stepped; all others are inactive, see `integrators.inactive`.
+    """The packs that are stepped; all others are inactive, see `integrators.inactive`.
 
-    All blocks are stepped where `blocks` is empty.
+    All packs are stepped where `packs` is empty.
     """
 
-    blocks: np.ndarray  # column / LANES of the active blocks, surface after surface, ascending
-    first: np.ndarray  # (surfaces + 1,) place of each surface's first one in `blocks`
-    since: np.ndarray  # (blocks,) time that each inactive block has reached; nan of active ones
+    packs: np.ndarray  # column / LANES of the active packs, surface after surface, ascending
+    first: np.ndarray  # (surfaces + 1,) place of each surface's first one in `packs`
+    since: np.ndarray  # (packs,) time that each inactive pack has reached; nan of active ones
     eligible: np.ndarray  # (surfaces,) 1 where the motion without contact is known
-    place: np.ndarray  # (2, n) positions of the bobs when the active blocks were selected
+    place: np.ndarray  # (2, n) positions of the bobs when the active packs were selected
     selected: np.ndarray  # (1,) when that was [time]; nan before
-    margin: float  # by which inactive blocks are farther away than the list reaches [length]
+    margin: float  # by which inactive packs are farther away than the list reaches [length]
 
 
 class Boxes(NamedTuple):
@@ -175,9 +175,9 @@ class Cells(NamedTuple):
 
 
 class Neighbours(NamedTuple):
-    """Lists of the blocks of bobs that may be within reach, row by row in the order of the bobs.
+    """Lists of the packs of bobs that may be within reach, row by row in the order of the bobs.
 
-    A row belongs to a bob of a pair's first surface and lists blocks of its second, in ascending
+    A row belongs to a bob of a pair's first surface and lists packs of its second, in ascending
     order, so sums over the list are bit for bit the sums over all pairs.  There may be no rows.
     """
 
@@ -185,14 +185,14 @@ class Neighbours(NamedTuple):
     species: np.ndarray  # (m, 2) between bobs of which species; -1: of any
     reach: np.ndarray  # (m,) largest distance listed, cutoff plus skin [length]
     start: np.ndarray  # (rows + 1,) first place of each row in `index`
-    index: np.ndarray  # blocks: column / LANES; rows that end beyond its room are not used
+    index: np.ndarray  # packs: column / LANES; rows that end beyond its room are not used
     place: np.ndarray  # (2, n) positions of the bobs when the list was built; nan before
     skin: float  # by which the list reaches farther than the cutoff [length]
     made: np.ndarray  # (1,) number of times that the list was built
     crossed: np.ndarray  # (1,) 1 after a drift in which a bob has crossed half the skin
     listed: np.ndarray  # (1,) when splitting methods built it last [time]; nan before
     active: Active
-    own: Boxes  # around the active blocks of a pair's first surface, while its rows are filled
+    own: Boxes  # around the active packs of a pair's first surface, while its rows are filled
     others: Boxes  # of its second one
     cells: Cells  # those of the second
 
@@ -243,8 +243,8 @@ class Tables(NamedTuple):
     fields: Any = None  # tuple of FieldOn
     drives: Any = None  # tuple of Custom
     ends: Any = None  # tuple of Custom
-    # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members of an
-    # ensemble, one asperite of each; None where the asperites of a block are of one run.
+    # (n,), scratch: contact on rigid surfaces, where the lanes of a pack are members of an
+    # ensemble, one asperite of each; None where the asperites of a pack are of one run.
     members: Any = None
     own: Any = None  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     team: Any = None  # Team, see `compiler.team`; None where a step is too short to be shared
@@ -301,8 +301,8 @@ class Model(NamedTuple):
     torsional: np.ndarray  # (2, oscillators) whose masses are inertias
     team: Any  # Team, see `compiler.team`; with no counters where a step is too short to be shared
     calculators: Any  # tuple of Calculator, or None
-    # (n,), scratch: contact on rigid surfaces, where the lanes of a block are members of an
-    # ensemble, one asperite of each; empty where the asperites of a block are of one run.
+    # (n,), scratch: contact on rigid surfaces, where the lanes of a pack are members of an
+    # ensemble, one asperite of each; empty where the asperites of a pack are of one run.
     members: np.ndarray
     own: np.ndarray  # (numbers, n) of surfaces where members differ in them, see OF_MEMBERS
     schedules: np.ndarray  # (rows, COLUMNS) in the present leg, see `kernels.schedule`

@@ -1,6 +1,6 @@
-"""Lists of the blocks of eight bobs that may be within a cutoff of a bob.
+"""Lists of the packs of eight bobs that may be within a cutoff of a bob.
 
-A block is computed as a whole, with loads of neighbours in memory; the bobs of a block are
+A pack is computed as a whole, with loads of neighbours in memory; the bobs of a pack are
 neighbours in their surface.  The list reaches a skin farther than the cutoff.  At each evaluation
 of the forces it is rebuilt if two bobs together can have crossed the skin, so it never lacks a
 pair, however far surfaces slide.
@@ -18,9 +18,9 @@ from tribo.compiler.jit import apart, inlined, kernel, owning_kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
 from tribo.compiler.team import LISTS, PAIR, begin_phase, continue_phase, part_of
 from tribo.compiler.units import call_unit
-from tribo.kernels.blocks import active_range, column_of, vectors
-from tribo.kernels.cells import gap, near_blocks, periods, set_boxes, sort_boxes
+from tribo.kernels.cells import gap, near_packs, periods, set_boxes, sort_boxes
 from tribo.kernels.kinematics import nearest_image
+from tribo.kernels.packs import active_range, column_of, vectors
 from tribo.kernels.records import REBUILD, X, Y, Z
 
 
@@ -36,7 +36,7 @@ def image(difference, box, axis):
 def have_crossed(model, active, place, width, elapsed):
     """Whether two bobs can have moved by `width` towards each other since they were at `place`.
 
-    Inactive blocks move with their surface for the time `elapsed`.
+    Inactive packs move with their surface for the time `elapsed`.
     """
     crossed = broadcast(0.0)
     for k in range(model.surfaces.shape[0]):
@@ -48,7 +48,7 @@ def have_crossed(model, active, place, width, elapsed):
 
 @inlined
 def have_moved(model, place, width, i):
-    """1 in the lanes of bobs of a block that are not within half of `width` of `place`, else 0."""
+    """1 in the lanes of bobs of a pack that are not within half of `width` of `place`, else 0."""
     x, y = vectors(model.bobs, i)
     old_x, old_y = vectors(place, i)
     dx, dy = x - old_x, y - old_y
@@ -57,8 +57,8 @@ def have_moved(model, place, width, i):
 
 @apart
 def inactive_have_crossed(model, active, width, elapsed):
-    """Whether inactive blocks have moved by half of `width` with their surfaces."""
-    if active.blocks.size > 0:
+    """Whether inactive packs have moved by half of `width` with their surfaces."""
+    if active.packs.size > 0:
         for k in range(model.surfaces.shape[0]):
             s = model.surfaces[k]
             if active.eligible[k] == 1:
@@ -113,7 +113,7 @@ def fill_rows(start, row, stop, used):
 
 @owning_kernel
 def list_rows(model, box, neighbours, k, begin, end, used, room):
-    """Fill the rows of some active blocks of the kth pair of surfaces, from `used` up to `room`.
+    """Fill the rows of some active packs of the kth pair of surfaces, from `used` up to `room`.
 
     Returns the end of the list that they need.  Rows of inactive bobs before them are filled too:
     these are empty.  Within one surface a pair of bobs belongs to the row of the first.
@@ -136,9 +136,9 @@ def list_rows(model, box, neighbours, k, begin, end, used, room):
     row = first_row(model, neighbours, k, begin)
     top = neighbours.pairs[k, 2] - one.start
     near = np.empty(boxes.count[0], np.int64)
-    for own_block in range(begin, end):
-        count = near_blocks(box, own, own_block, boxes, reach, neighbours.cells, near)
-        column = column_of(active, active_range(active, one, mine)[0] + own_block)
+    for own_pack in range(begin, end):
+        count = near_packs(box, own, own_pack, boxes, reach, neighbours.cells, near)
+        column = column_of(active, active_range(active, one, mine)[0] + own_pack)
         row = fill_rows(start, row, top + column, used)
         for i in range(column, min(column + LANES, one.end)):
             start[row] = used
@@ -161,7 +161,7 @@ def list_rows(model, box, neighbours, k, begin, end, used, room):
 
 @kernel
 def first_row(model, neighbours, k, n):
-    """The first row that :func:`list_rows` fills with the nth active block of a pair, if any."""
+    """The first row that :func:`list_rows` fills with the nth active pack of a pair, if any."""
     one = model.surfaces[neighbours.pairs[k, 0]]
     row = neighbours.pairs[k, 2]
     if n == 0:
@@ -189,9 +189,9 @@ def list_pair(model, team, neighbours, k, used):
     if team.counters.size > 0:
         if share_rows(model, team, neighbours, k, used):
             return join_chunks(model, team, neighbours, k, used)
-    blocks = own.count[0]
+    packs = own.count[0]
     first = np.int64(0)
-    return list_rows(model, model.box, neighbours, k, first, blocks, used, neighbours.index.size)
+    return list_rows(model, model.box, neighbours, k, first, packs, used, neighbours.index.size)
 
 
 @apart
@@ -222,7 +222,7 @@ def share_rows(model, team, neighbours, k, used):
 
 @apart
 def list_chunk(model, team, neighbours, chunk):
-    """Fill the rows of a chunk of a pair's active blocks; note their length."""
+    """Fill the rows of a chunk of a pair's active packs; note their length."""
     k = team.counters[PAIR]
     begin, end = part_of(0, neighbours.own.count[0], chunk, team.lengths.size)
     first = team.begins[chunk]
@@ -249,7 +249,7 @@ def join_chunks(model, team, neighbours, k, used):
 
 @apart
 def refresh(model, neighbours):
-    """Rebuild the list if bobs have moved too far; all blocks are active."""
+    """Rebuild the list if bobs have moved too far; all packs are active."""
     if have_crossed(model, neighbours.active, neighbours.place, neighbours.skin, 0.0):
         call_unit(model.units[REBUILD], (model, neighbours))
 

@@ -26,7 +26,7 @@ Where they are written is in `accounts`.
 from tribo.compiler.jit import apart, inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, lane, with_lane
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import equations_of_motion as equations
@@ -39,17 +39,6 @@ from tribo.kernels.accounts import (
 )
 from tribo.kernels.arms import with_tilting
 from tribo.kernels.baths import set_bath_momenta, torsional_torque
-from tribo.kernels.blocks import (
-    absent,
-    all_coordinates,
-    constant,
-    coordinates,
-    plus,
-    plus_if_any,
-    totals,
-    vectors,
-    vectors_if_any,
-)
 from tribo.kernels.fields import (
     energy_at,
     energy_at_time,
@@ -60,6 +49,17 @@ from tribo.kernels.fields import (
 )
 from tribo.kernels.kinematics import end_force, rod_velocity, rotational_power
 from tribo.kernels.levers import lever_mass, levers, velocities_of_centres
+from tribo.kernels.packs import (
+    absent,
+    all_coordinates,
+    constant,
+    coordinates,
+    plus,
+    plus_if_any,
+    totals,
+    vectors,
+    vectors_if_any,
+)
 from tribo.kernels.records import BARS, PENDULUMS
 from tribo.kernels.schedule import rate_of_schedule
 
@@ -71,7 +71,7 @@ def held_torques(model, s, i, phi, q):
         bob_x, bob_y = equations.bob_forces(model, i)
         bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
         return equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
-    return constant(model, rows.KAPPA, s, i) * (block(q, i) - phi)
+    return constant(model, rows.KAPPA, s, i) * (pack(q, i) - phi)
 
 
 @apart
@@ -126,7 +126,7 @@ def add_swing_powers(model, s, i, omega, power):
     """Add the power of the torque of a reservoir on the swing."""
     if s.acc_swing >= 0:
         if not absent(model.swing_friction):
-            add_powers(power, s, s.acc_swing, i, block(model.swing_friction[0], i) * omega)
+            add_powers(power, s, s.acc_swing, i, pack(model.swing_friction[0], i) * omega)
 
 
 @apart
@@ -143,7 +143,7 @@ def add_internal_powers(model, s, i, nu, velocities, power):
     about = rotational_power(-bar, omega, tx, ty, x, y)
     about = about + rotational_power(bob, omega, tx, ty, bob_x, bob_y)
     if s.tilting > 0:
-        about = about + nu * block(model.couples[0], i)
+        about = about + nu * pack(model.couples[0], i)
     x = x + bob_x
     y = y + bob_y
     add_powers(power, s, s.acc_internal, i, x, y, about, x * vx + y * vy)
@@ -177,8 +177,8 @@ def add_drive_powers(model, s, i, velocities, power):
 
 
 @inlined
-def powers_of_block(model, s, i, torsion, t, q, velocities, power):
-    """Add the powers of a block's accounts, forces in place, if there is a ledger.
+def powers_of_pack(model, s, i, torsion, t, q, velocities, power):
+    """Add the powers of a pack's accounts, forces in place, if there is a ledger.
 
     `torsion` is 0 where the torsion springs, and the ends that hold them, are integrated
     separately; the ends that hold rigid asperites never are.
@@ -301,7 +301,7 @@ def momentum(model, s, v):
         px = px + (x + mass * vx)
         py = py + (y + mass * vy)
         if s.block == PENDULUMS or s.tilting > 0:
-            about = lever_mass(model, s, i) * block(v, i)
+            about = lever_mass(model, s, i) * pack(v, i)
             tx, ty = vectors(model.directions, i)
             px = px + about * tx
             py = py + about * ty
@@ -326,7 +326,7 @@ def power_of_stage(model, s, t):
     """Power of a stage that follows a schedule, in its surface's first frame; Lanes of members."""
     force = broadcast(0.0)
     for i in range(s.start, s.stop, LANES):
-        force = force + block(model.drive[rows.X], i)
+        force = force + pack(model.drive[rows.X], i)
     return totals(model.members, force * rate_of_schedule(model.schedules, s.stage_schedule, t))
 
 
@@ -371,7 +371,7 @@ def powers_unit(model, t, q, v, accounts):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
             velocities = all_coordinates(s, i, v)
-            powers_of_block(model, s, i, 1.0, t, q, velocities, power)
+            powers_of_pack(model, s, i, 1.0, t, q, velocities, power)
     set_bath_momenta(model, v)
     shared_powers(model, t, v, power)
     if not absent(model.torsional):

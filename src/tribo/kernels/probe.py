@@ -7,15 +7,15 @@ import numpy as np
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast
 from tribo.compiler.lanes_functions import sine_cosine
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.units import call_unit
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import ONE_RUN, absent, constant, set_vectors, vectors, vectors_if_any
 from tribo.kernels.contact import contact_energy
 from tribo.kernels.contact_forces import contact_forces
 from tribo.kernels.kinematics import end_force
 from tribo.kernels.neighbours import crowded
+from tribo.kernels.packs import ONE_RUN, absent, constant, set_vectors, vectors, vectors_if_any
 from tribo.kernels.powers import held_torques
 from tribo.kernels.samples import PULL_X, PULL_Y
 
@@ -28,20 +28,20 @@ TABLES = 11
 
 @inlined
 def add_bath(internal, found, baths, i):
-    """Note the springs' forces on a block of bars, and add the recorded ones of the bath."""
+    """Note the springs' forces on a pack of bars, and add the recorded ones of the bath."""
     x, y = vectors_if_any(internal, i)
     set_vectors(found[SPRING], i, x, y)
     if not absent(internal):
         if baths.shape[0] > 0:
-            pull_x = block(baths[PULL_X], i)
-            pull_y = block(baths[PULL_Y], i)
+            pull_x = pack(baths[PULL_X], i)
+            pull_y = pack(baths[PULL_Y], i)
             set_vectors(found[BATH], i, pull_x, pull_y)
             set_vectors(internal, i, x + pull_x, y + pull_y)
 
 
 @kernel
 def set_ends(model, left, right, s, i, t, q, found):
-    """Set f_L and f_R on a block of bars: of clamps, or of a plug-in."""
+    """Set f_L and f_R on a pack of bars: of clamps, or of a plug-in."""
     if s.dof_phi < 0:
         phi = equations.bar_angles(model, s, i, t, q)
         torque = held_torques(model, s, i, phi, q)
@@ -56,14 +56,14 @@ def set_ends(model, left, right, s, i, t, q, found):
 
 @kernel
 def note_forces(model, s, i, t, q, acceleration, found):
-    """Set what is found of a block, forces and accelerations in place."""
+    """Set what is found of a pack, forces and accelerations in place."""
     set_vectors(found[F1], i, *vectors(model.f1, i))
     set_vectors(found[WITHIN], i, *vectors_if_any(model.inner, i))
     set_vectors(found[FIELD], i, *vectors_if_any(model.external, i))
     set_vectors(found[F2], i, *vectors(model.drive, i))
     set_vectors(found[FRICTION], i, *vectors_if_any(model.friction, i))
     set_ends(model, model.left, model.right, s, i, t, q, found)
-    set_block(found[SWING, 0], i, block(acceleration, i))
+    set_pack(found[SWING, 0], i, pack(acceleration, i))
     if s.block > 0:
         x, y = vectors(model.internal, i)
         spring_x, spring_y = vectors(found[SPRING], i)

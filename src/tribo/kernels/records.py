@@ -45,8 +45,8 @@ ASPERITE = np.dtype(
     align=True,
 )
 
-# Rows of the table of constants that kernels read.  Asperites that are alike share one block of
-# its columns, see `kernels.blocks.column_of_constants`; others have a column each.  On driven bars
+# Rows of the table of constants that kernels read.  Asperites that are alike share one pack of
+# its columns, see `kernels.packs.column_of_constants`; others have a column each.  On driven bars
 # they refer to the bar's centre, see `kernels.levers`; rigid asperites have an infinite inertia.
 # phi, with its sine and cosine, and nu are those at the start.  The frequency is that of the
 # torsion spring's rotation, of the pendulum and, if that can turn, of the bar.  Inverses are here
@@ -59,7 +59,7 @@ MASS, INERTIA, KAPPA, L1, L2, I2, BAR_LENGTH, PHI_START, NU_START, SIN_PHI, COS_
 FREQUENCY, INVERSE_MASS, INVERSE_INERTIA, INVERSE_BAR_LENGTH = range(11, len(CONSTANTS))
 
 # Rows of the table of constants that differ between asperites that are alike otherwise, one column
-# an asperite.  Those that fill the last block of a surface are not present, 0 instead of 1: no
+# an asperite.  Those that fill the last pack of a surface are not present, 0 instead of 1: no
 # drive or friction acts on them.
 X_START, Y_START, Z, CHARGE, PRESENT = range(5)
 EACH_ROWS = 5
@@ -80,7 +80,7 @@ SURFACE = np.dtype(
     [
         ("start", "i8"),  # columns start <= i < stop
         ("stop", "i8"),
-        ("end", "i8"),  # columns from here to `stop` fill its last block
+        ("end", "i8"),  # columns from here to `stop` fill its last pack
         ("facing", "f8"),  # +1 hangs down, -1 stands up
         ("vx", "f8"),  # its initial velocity, relative to the first surface's
         ("vy", "f8"),

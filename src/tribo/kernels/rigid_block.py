@@ -14,20 +14,20 @@ turn too are in `kernels.tilting_block`.
 
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
-from tribo.compiler.lanes_memory import block
+from tribo.compiler.lanes_memory import pack
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
-from tribo.kernels.blocks import add_vectors, constant, coordinates, vectors
 from tribo.kernels.levers import lever_mass
+from tribo.kernels.packs import add_vectors, constant, coordinates, vectors
 from tribo.kernels.schedule import given_acceleration, rate_of_schedule
 from tribo.kernels.tilting_block import accelerate_tilting, add_constraints_of_tilting
 
 
 @inlined
 def pull_back(model, s, i, v):
-    """The force along n that keeps the bobs of a block of pendulums on their circles."""
+    """The force along n that keeps the bobs of a pack of pendulums on their circles."""
     tx, ty = vectors(model.directions, i)
-    inward = lever_mass(model, s, i) * block(v, i) * block(v, i)
+    inward = lever_mass(model, s, i) * pack(v, i) * pack(v, i)
     return -inward * ty, inward * tx
 
 
@@ -41,7 +41,7 @@ def sum_of_forces(model, s, t, q, v):
     xy = zero
     yy = zero
     for i in range(s.start, s.stop, LANES):
-        present = block(model.each[rows.PRESENT], i)
+        present = pack(model.each[rows.PRESENT], i)
         bob_x, bob_y = equations.bob_forces(model, i)
         x, y = equations.bar_forces(model, i, vectors(model.drive, i))
         x = x + bob_x
@@ -51,7 +51,7 @@ def sum_of_forces(model, s, t, q, v):
             lever = lever_mass(model, s, i)
             inverse_length = lever * constant(model, rows.INVERSE_INERTIA, s, i)
             torque = equations.torques(model, s, i, bob_x, bob_y, x, y)
-            twist = block(q, i) - equations.bar_angles(model, s, i, t, q)
+            twist = pack(q, i) - equations.bar_angles(model, s, i, t, q)
             along = (torque - constant(model, rows.KAPPA, s, i) * twist) * inverse_length
             back_x, back_y = pull_back(model, s, i, v)
             x = x - along * tx - back_x
@@ -105,7 +105,7 @@ def add_constraints(model, t, q, v):
             for i in range(s.start, s.stop, LANES):
                 drive = vectors(model.drive, i)
                 swing, _, x, y = equations.accelerations(model, s, i, 1.0, t, q, drive)
-                present = block(model.each[rows.PRESENT], i)
+                present = pack(model.each[rows.PRESENT], i)
                 mass = present * constant(model, rows.MASS, s, i)
                 bob_x, bob_y = equations.bob_forces(model, i)
                 bar_x, bar_y = equations.bar_forces(model, i, drive)
@@ -130,7 +130,7 @@ def damp_drives(model, t, v):
         if s.block > 0:
             if s.damping > 0.0 or s.damping_y > 0.0:
                 for i in range(s.start, s.stop, LANES):
-                    present = block(model.each[rows.PRESENT], i)
+                    present = pack(model.each[rows.PRESENT], i)
                     speed = broadcast(s.speed)
                     if s.stage_schedule > 0:
                         speed = rate_of_schedule(model.schedules, s.stage_schedule, t)

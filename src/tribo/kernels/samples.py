@@ -8,14 +8,14 @@ from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes_memory import room, with_spare_lanes
 from tribo.compiler.units import call_unit
 from tribo.kernels import baths
-from tribo.kernels.blocks import (
+from tribo.kernels.contact import contact_energy, energy_of_pair
+from tribo.kernels.fields import field_energy
+from tribo.kernels.packs import (
     absent,
     clear,
     column_range,
     halves,
 )
-from tribo.kernels.contact import contact_energy, energy_of_pair
-from tribo.kernels.fields import field_energy
 from tribo.kernels.records import BATH_SAMPLES as BATH_SAMPLES_UNIT
 from tribo.kernels.records import ELASTIC_ENERGIES
 from tribo.kernels.records import SAMPLE as SAMPLE_UNIT
@@ -50,7 +50,7 @@ class State(NamedTuple):
 class Attempt(NamedTuple):
     """A step that is tried.
 
-    Where the lanes of blocks are members of an ensemble, the times are Lanes.
+    Where the lanes of packs are members of an ensemble, the times are Lanes.
     """
 
     t: Any  # where it begins [time]

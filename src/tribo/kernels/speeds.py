@@ -2,11 +2,12 @@
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import broadcast, sqrt
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.units import call_unit
 from tribo.kernels import records as rows
 from tribo.kernels.arms import turned_arms
-from tribo.kernels.blocks import (
+from tribo.kernels.equations_of_motion import bar_angles
+from tribo.kernels.packs import (
     active_of,
     active_range,
     column_of,
@@ -15,7 +16,6 @@ from tribo.kernels.blocks import (
     halves,
     own_number,
 )
-from tribo.kernels.equations_of_motion import bar_angles
 
 
 @kernel
@@ -29,7 +29,7 @@ def speeds_unit(model, neighbours, t, q, v, speeds):
     """Set the velocity of each centre of mass, or driven bar, and the bob's largest speed about it.
 
     The second follows from the energy of the swing, so a pendulum at its turning point counts with
-    the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive blocks are
+    the speed that it will have at its rest angle.  `speeds` is (3, n); those of inactive packs are
     not set.
     """
     active = active_of(neighbours)
@@ -37,8 +37,8 @@ def speeds_unit(model, neighbours, t, q, v, speeds):
         s = model.surfaces[k]
         for n in range(*active_range(active, s, k)):
             i = column_of(active, n)
-            twist = block(q, i) - bar_angles(model, s, i, t, q)
-            omega = block(v, i)
+            twist = pack(q, i) - bar_angles(model, s, i, t, q)
+            omega = pack(v, i)
             stiffness = constant(model, rows.KAPPA, s, i)
             stiffness = stiffness * constant(model, rows.INVERSE_INERTIA, s, i)
             rate = stiffness * twist * twist + omega * omega
@@ -51,7 +51,7 @@ def speeds_unit(model, neighbours, t, q, v, speeds):
                 nu = coordinates(s.dof_phi, s, i, v)
                 own_x = own_x - nu * y
                 own_y = own_y + nu * x
-            set_block(speeds[0], i, vx + own_x)
-            set_block(speeds[1], i, vy + own_y)
-            set_block(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
+            set_pack(speeds[0], i, vx + own_x)
+            set_pack(speeds[1], i, vy + own_y)
+            set_pack(speeds[2], i, constant(model, rows.L1, s, i) * sqrt(rate))
     return 0.0

@@ -13,31 +13,31 @@ c_i the torque by which the bar holds its rod in place of that of the torsion sp
 
 from tribo.compiler.jit import apart, inlined
 from tribo.compiler.lanes import LANES, broadcast, lane, sum_of_lanes
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.kernels import equations_of_motion as equations
 from tribo.kernels import records as rows
 from tribo.kernels.arms import accelerations_of_bars
-from tribo.kernels.blocks import add_vectors, constant, coordinates, plus, vectors
 from tribo.kernels.levers import lever_mass
+from tribo.kernels.packs import add_vectors, constant, coordinates, plus, vectors
 
 
 @inlined
 def bar_torques(model, s, i, t, q):
-    """Torques on a block of pendulums about their bars, and those of their torsion springs."""
+    """Torques on a pack of pendulums about their bars, and those of their torsion springs."""
     bob_x, bob_y = equations.bob_forces(model, i)
     bar_x, bar_y = equations.bar_forces(model, i, vectors(model.drive, i))
     torque = equations.torques(model, s, i, bob_x, bob_y, bar_x, bar_y)
-    twist = block(q, i) - equations.bar_angles(model, s, i, t, q)
+    twist = pack(q, i) - equations.bar_angles(model, s, i, t, q)
     return torque, constant(model, rows.KAPPA, s, i) * twist
 
 
 @inlined
 def terms_of_bars(model, s, i, t, q, v):
-    """What a block adds to the equations of the whole: its inertias, forces and torques.
+    """What a pack adds to the equations of the whole: its inertias, forces and torques.
 
     Inertias are xx, xy, yy, those of x and y with alpha, and that of alpha.
     """
-    present = block(model.each[rows.PRESENT], i)
+    present = pack(model.each[rows.PRESENT], i)
     mass = present * constant(model, rows.MASS, s, i)
     lever = present * lever_mass(model, s, i)  # m1 length
     tx, ty = vectors(model.directions, i)  # n is (ty, -tx)
@@ -56,7 +56,7 @@ def terms_of_bars(model, s, i, t, q, v):
         xy = -bob_mass * tx * ty
         yy = mass - bob_mass * ty * ty
         along = present * (torque - spring) * inverse_length
-        away = lever * block(v, i) * block(v, i)
+        away = lever * pack(v, i) * pack(v, i)
         fx = fx - along * tx + away * ty + inward * (xx * x + xy * y)
         fy = fy - along * ty - away * tx + inward * (xy * x + yy * y)
         xa = xy * x - xx * y
@@ -121,20 +121,20 @@ def add_constraints_of_tilting(model, s, t, q, v):
     for i in range(s.start, s.stop, LANES):
         drive = vectors(model.drive, i)
         swing, turning, _, _ = equations.accelerations(model, s, i, 1.0, t, q, drive)
-        present = block(model.each[rows.PRESENT], i)
+        present = pack(model.each[rows.PRESENT], i)
         mass = present * constant(model, rows.MASS, s, i)
         lever = present * lever_mass(model, s, i)
         tx, ty = vectors(model.directions, i)
         torque, spring = bar_torques(model, s, i, t, q)
         fx, fy = plus(equations.bob_forces(model, i), equations.bar_forces(model, i, drive))
         x, y = accelerations_of_bars(model, s, i)
-        inward = lever * block(v, i) * block(v, i)
+        inward = lever * pack(v, i) * pack(v, i)
         along = lever * swing
         held = present * (constant(model, rows.I2, s, i) * turning - spring)
         if s.block == rows.RIGID_ASPERITES:
             about = lever * constant(model, rows.L1, s, i) * turning
             held = held + about + lever * (tx * x + ty * y) - present * torque
-        set_block(model.couples[0], i, held)
+        set_pack(model.couples[0], i, held)
         x = mass * x - present * fx + along * tx - inward * ty
         y = mass * y - present * fy + along * ty + inward * tx
         add_vectors(model.internal, i, x, y)

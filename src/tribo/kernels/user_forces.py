@@ -6,8 +6,8 @@ from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.compiler.units import call_unit, fetched
 from tribo.kernels import records as rows
 from tribo.kernels.baths import bar_angle
-from tribo.kernels.blocks import column_of_constants
 from tribo.kernels.kinematics import rod_position, rod_velocity
+from tribo.kernels.packs import column_of_constants
 from tribo.kernels.schedule import scheduled
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, where_less
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.integrators import step_control as control
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.samples import State, write_row
@@ -118,7 +118,7 @@ def write_due(model, neighbours, clock, state, times, record, queue, lane):
 def take_lanes(new, old, taken):
     """Let the numbers of members whose steps are taken be those of `new`."""
     for m in range(0, old.size, LANES):
-        set_block(old, m, where_less(0.5, taken, block(new, m), block(old, m)))
+        set_pack(old, m, where_less(0.5, taken, pack(new, m), pack(old, m)))
 
 
 @kernel
@@ -134,8 +134,8 @@ def refill_lanes(model, neighbours, lanes, times, record, queue, starts):
         tried[TAKEN, lane] = 1.0 if m >= 0 else 0.0
     if queue.waiting[0] == first:
         return
-    t = block(tried[BEGIN], 0)
-    begun = block(tried[TAKEN], 0)
+    t = pack(tried[BEGIN], 0)
+    begun = pack(tried[TAKEN], 0)
     control.evaluate_rates(model, neighbours, t, state.y, new.acceleration, new.power)
     take_lanes(new.acceleration, state.acceleration, begun)
     take_lanes(new.power, state.power, begun)

@@ -6,16 +6,16 @@ member depends on that member alone.
 
 from tribo.compiler.jit import kernel
 from tribo.compiler.lanes import LANES, broadcast
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.pointers import pointers
 from tribo.integrators import step_control as control
 from tribo.integrators.drift import begin_end_works
 from tribo.integrators.nystrom import try_step
 from tribo.integrators.splitting import arrive, take_step
 from tribo.kernels.baths import set_bath_momenta
-from tribo.kernels.blocks import clear, halves
 from tribo.kernels.encounters import next_encounter
 from tribo.kernels.equations_of_motion import place_bobs
+from tribo.kernels.packs import clear, halves
 from tribo.kernels.samples import Attempt, write_row
 from tribo.kernels.speeds import top_speeds
 from tribo.kernels.status import COMPLETED, PAUSED, STEP_UNDERFLOW
@@ -122,10 +122,10 @@ def nystrom_members(
             if queue.waiting[0] == queue.counts.shape[0]:
                 return COMPLETED
             continue
-        end = block(tried[END], 0)
-        attempt = Attempt(block(tried[BEGIN], 0), block(tried[LENGTH], 0), end, new)
+        end = pack(tried[END], 0)
+        attempt = Attempt(pack(tried[BEGIN], 0), pack(tried[LENGTH], 0), end, new)
         error = try_step(method, model, neighbours, attempt, state, tolerance, work)
-        set_block(tried[ERROR], 0, error)
+        set_pack(tried[ERROR], 0, error)
         top_speeds(model, neighbours, end, new.y, speeds)
         for lane in range(LANES):
             taken = False
@@ -133,7 +133,7 @@ def nystrom_members(
                 clocks[lane].evaluations += method.c.size
                 taken = is_taken(model, neighbours, clocks[lane], method, tried, speeds, lane)
             tried[TAKEN, lane] = 1.0 if taken else 0.0
-        take_steps(new, state, block(tried[TAKEN], 0))
+        take_steps(new, state, pack(tried[TAKEN], 0))
         for lane in range(LANES):
             if tried[TAKEN, lane] == 1.0:
                 write_due(model, neighbours, clocks[lane], state, times, record, queue, lane)

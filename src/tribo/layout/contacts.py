@@ -21,17 +21,17 @@ SKIN = 0.1
 UNLISTED_PAIRS = 4096
 # Pairs of unlike charges of two surfaces up to which each is asked whether it is coupled.
 MOST_CHARGES = 100_000
-# How much farther than the list of neighbours the active blocks reach, in units of its skin: more
-# active blocks cost more in each step, a shorter margin has them selected more often.
+# How much farther than the list of neighbours the active packs reach, in units of its skin: more
+# active packs cost more in each step, a shorter margin has them selected more often.
 MARGIN = 10.0
 # Room of a neighbour list, in units of what it needed when it had too little: bobs that approach
 # one another need somewhat more soon after.
 EXTRA_ROOM = 1.5
-# Pairs of bobs in an evaluation from which threads share it, listed ones in units of blocks of
+# Pairs of bobs in an evaluation from which threads share it, listed ones in units of packs of
 # eight: a step then takes 0.2 ms or more, and to divide it takes a hundredth of that.
 SHARED_PAIRS = 100_000
-# Blocks with bobs in reach of a bob, as a list names them.
-LISTED_BLOCKS = 6
+# Packs with bobs in reach of a bob, as a list names them.
+LISTED_PACKS = 6
 
 
 def lay_out_contacts(scene: Scene) -> tuple[tuple[Contact, ...], int, float]:
@@ -113,33 +113,33 @@ def neighbours(scene: Scene, model: Tables, rows: int, skin: float, splits: bool
         start=np.zeros(rows + 1, np.int64),
         index=np.zeros(8 * rows, np.int32),
         skin=skin,
-        active=active_blocks(scene, model, skin) if splits else ALL_ACTIVE,
+        active=active_packs(scene, model, skin) if splits else ALL_ACTIVE,
     )
 
 
-def _no_lists(blocks: int) -> Neighbours:
-    """Lists without rows, with room for so many blocks."""
-    cells = (np.empty(size, np.int64) for size in (2 * blocks + 17, blocks, blocks))
+def _no_lists(packs: int) -> Neighbours:
+    """Lists without rows, with room for so many packs."""
+    cells = (np.empty(size, np.int64) for size in (2 * packs + 17, packs, packs))
     return Neighbours(
         pairs=np.empty((0, 3), np.int64),
         species=np.empty((0, 2), np.int64),
         reach=np.empty(0),
         start=np.zeros(1, np.int64),
         index=np.empty(0, np.int32),
-        place=nowhere(LANES * blocks),
+        place=nowhere(LANES * packs),
         skin=0.0,
         made=np.zeros(1, np.int64),
         crossed=np.zeros(1, np.int64),
         listed=np.full(1, np.nan),
         active=ALL_ACTIVE,
-        own=empty_boxes(blocks),
-        others=empty_boxes(blocks),
+        own=empty_boxes(packs),
+        others=empty_boxes(packs),
         cells=Cells(np.zeros(2), np.zeros(2), np.zeros(2, np.int64), *cells),
     )
 
 
-def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
-    """All blocks, before the first selection; none where no asperite can be inactive."""
+def active_packs(scene: Scene, model: Tables, skin: float) -> Active:
+    """All packs, before the first selection; none where no asperite can be inactive."""
     unlisted: set[int] = set()  # surfaces of pairs without lists
     for contact in model.contacts:
         unlisted.update(contact.pairs[contact.rows < 0].ravel().tolist())
@@ -158,7 +158,7 @@ def active_blocks(scene: Scene, model: Tables, skin: float) -> Active:
     count = model.each.shape[1]
     surfaces = model.surfaces
     return Active(
-        blocks=np.arange(count // LANES),
+        packs=np.arange(count // LANES),
         first=np.append(surfaces.start, surfaces.stop[-1:]) // LANES,
         since=np.full(count // LANES, np.nan),
         eligible=np.array(eligible, np.int64),
@@ -227,15 +227,15 @@ def is_shared(scene: Scene, contacts: tuple[Contact, ...]) -> bool:
     pairs = 0
     for contact in contacts:
         for (one, other), row in zip(contact.pairs.tolist(), contact.rows.tolist(), strict=True):
-            blocks = LISTED_BLOCKS if row >= 0 else counts[other] // LANES
-            pairs += counts[one] * blocks
+            packs = LISTED_PACKS if row >= 0 else counts[other] // LANES
+            pairs += counts[one] * packs
     compiled = not config.DISABLE_JIT  # type: ignore[attr-defined]
     return compiled and LANES * pairs >= SHARED_PAIRS
 
 
-# Where no blocks are selected.
+# Where no packs are selected.
 ALL_ACTIVE = Active(
-    blocks=np.empty(0, np.int64),
+    packs=np.empty(0, np.int64),
     first=np.empty(0, np.int64),
     since=np.empty(0),
     eligible=np.empty(0, np.int64),

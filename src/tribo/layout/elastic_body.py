@@ -107,8 +107,8 @@ def bodies_of(scene: Scene, surfaces: Any, columns: dict[int, np.ndarray], width
 def _pairs_of(scene: Scene, surfaces: Any, columns: dict[int, np.ndarray]) -> np.ndarray:
     """K between all bars of each elastic surface that has few, (rows, 4 LANES), after a row of 0.
 
-    A block of bars has a row for each bar of its surface: K_xx, K_xy, K_yx, K_yy between that bar
-    and those of the block.
+    A pack of bars has a row for each bar of its surface: K_xx, K_xy, K_yx, K_yy between that bar
+    and those of the pack.
     """
     tables = [np.zeros((1, 4 * LANES))]
     row = 1
@@ -117,14 +117,14 @@ def _pairs_of(scene: Scene, surfaces: Any, columns: dict[int, np.ndarray]) -> np
         if not sums_over_pairs(surface):
             continue
         count = surface.count
-        blocks = (record["stop"] - record["start"]) // LANES
-        pairs = np.zeros((4, blocks * LANES, count))
+        packs = (record["stop"] - record["start"]) // LANES
+        pairs = np.zeros((4, packs * LANES, count))
         bars = np.argsort(columns[k])  # in the order of the columns
         pairs[:, :count] = _between(scene, surface)[:, bars[:, None], bars]
-        pairs = pairs.reshape(4, blocks, LANES, count).transpose(1, 3, 0, 2)
+        pairs = pairs.reshape(4, packs, LANES, count).transpose(1, 3, 0, 2)
         tables.append(pairs.reshape(-1, 4 * LANES))
         record["elastic_row"] = row
-        row += blocks * count
+        row += packs * count
     return with_spare_lanes(np.concatenate(tables))
 
 

@@ -340,7 +340,7 @@ class Layout:
         return replace(self, asperites=asperites.view(np.recarray), model=model)
 
     def neighbours(self, splits: bool = False) -> Neighbours:
-        """An empty list, which the first evaluation fills; `splits` leaves inactive blocks out."""
+        """An empty list, which the first evaluation fills; `splits` leaves inactive packs out."""
         return contacts.neighbours(self.scene, self.model, self.rows, self.skin, splits)
 
 

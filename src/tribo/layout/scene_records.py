@@ -222,14 +222,14 @@ def springs(scene: Scene, asperites: np.ndarray, columns: np.ndarray) -> Springs
     springs = np.concatenate(tables, axis=1)
     if not every.size:
         return None
-    # Each chain begins with a block and fills its last one.
+    # Each chain begins with a pack and fills its last one.
     whole = -(-every["count"] // LANES) * LANES
     every["first"] = np.cumsum(whole) - whole
-    blocks = room((len(springs), int(np.sum(whole))))
+    filled = room((len(springs), int(np.sum(whole))))
     within = np.arange(springs.shape[1])
     before = np.cumsum(every["count"]) - every["count"]  # springs of the chains before each
-    blocks[:, within + np.repeat(every["first"] - before, every["count"])] = springs
-    return Springs(every.view(np.recarray), blocks)
+    filled[:, within + np.repeat(every["first"] - before, every["count"])] = springs
+    return Springs(every.view(np.recarray), filled)
 
 
 def stiffness_at_bars(springs: Springs, count: int) -> np.ndarray:

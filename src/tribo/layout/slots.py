@@ -1,8 +1,8 @@
 """Where every number of a scene stands in the vectors of coordinates and of accounts.
 
-There are two numberings.  Samples have one column for every number.  Kernels compute blocks of
-asperites, so what a surface has of one kind begins at a multiple of the size of a block, and the
-last block is filled.
+There are two numberings.  Samples have one column for every number.  Kernels compute packs of
+asperites, so what a surface has of one kind begins at a multiple of the size of a pack, and the
+last pack is filled.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Numbering:
 
     @property
     def columns(self) -> int:
-        """Number of asperites, with those that fill blocks."""
+        """Number of asperites, with those that fill packs."""
         return int(self.surfaces["stop"][-1])
 
 
@@ -50,7 +50,7 @@ def number(
     width: int,
     members: int = 1,
 ) -> Numbering:
-    """Number everything in blocks of `width`, behind `shared` accounts that are of no asperite.
+    """Number everything in packs of `width`, behind `shared` accounts that are of no asperite.
 
     `surfaces` has all but the slots, which are `wanted`; it is copied.  Each asperite stands for so
     many `members`.
@@ -76,7 +76,7 @@ def number(
 
 
 def _whole(sizes: np.ndarray, width: int) -> np.ndarray:
-    """Sizes, rounded up to whole blocks."""
+    """Sizes, rounded up to whole packs."""
     return -(-sizes // width) * width
 
 
@@ -196,7 +196,7 @@ class Places:
 
 
 def spatial_order(bobs: np.ndarray) -> np.ndarray:
-    """Places for resting bobs (n, 3) of a surface, so that each block is compact in space.
+    """Places for resting bobs (n, 3) of a surface, so that each pack is compact in space.
 
     They follow strips in x, each as wide as a square with eight bobs, in alternating directions.
     """
@@ -210,9 +210,9 @@ def spatial_order(bobs: np.ndarray) -> np.ndarray:
 
 
 def orders_of_bobs(scene: Scene, bobs: list[np.ndarray], compact: bool) -> list[np.ndarray]:
-    """The order of each surface's bobs in the tables; where it is `compact`, blocks are.
+    """The order of each surface's bobs in the tables; where it is `compact`, packs are.
 
-    Lists of neighbours name blocks, so they are shorter where blocks are compact; lattice springs
+    Lists of neighbours name packs, so they are shorter where packs are compact; lattice springs
     are faster where the bars of a row follow one another.
     """
     return [

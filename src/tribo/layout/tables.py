@@ -13,7 +13,7 @@ from tribo.model.scene import Scene
 
 # Fields of an asperite from which all other constants follow.
 PARAMETERS = ("mass", "inertia", "kappa", "l1", "l2", "i2", "bar_length", "pivot", "phi", "nu")
-# Constants of those that fill up a block, (rows, 1): these and their inverses are 1, others 0.
+# Constants of those that fill up a pack, (rows, 1): these and their inverses are 1, others 0.
 ONES = ("mass", "inertia", "i2", "bar_length", "cos_phi")
 OF_FILLING = np.array(
     [[float(name.removeprefix("inverse_") in ONES)] for name in records.CONSTANTS]
@@ -107,7 +107,7 @@ def fill_own(own: np.ndarray, surfaces: np.ndarray) -> None:
 def are_alike(surface: np.void, asperites: np.ndarray) -> bool:
     """Whether a surface's asperites share their constants.
 
-    Those that fill its last block would turn if the angles of bars were not zero.
+    Those that fill its last pack would turn if the angles of bars were not zero.
     """
     if surface["tilted"]:
         return False
@@ -164,7 +164,7 @@ def _table(
 ) -> np.ndarray:
     """A table like that of constants, with values (rows, asperites) in some columns.
 
-    Others fill up blocks, and feel no force.  Asperites that are alike share a block of the first.
+    Others fill up packs, and feel no force.  Asperites that are alike share a pack of the first.
     """
     last = surfaces[-1]
     size = LANES if last["constants_mask"] == 0 else last["stop"] - last["start"]
@@ -205,7 +205,7 @@ def constants_of(scene: Scene, asperites: np.ndarray) -> np.ndarray:
 
 
 def _oscillators(baths: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:
-    """Masses and frequencies of all oscillators; those that fill the last block have none."""
+    """Masses and frequencies of all oscillators; those that fill the last pack have none."""
     whole = [-(-masses.size // LANES) * LANES for masses, _ in baths]
     if sum(whole) == 0:
         return None

@@ -179,7 +179,7 @@ def set_asperite(model, scene, table, i):
     column = scene.columns[i]
     model.each[rows.Y_START, column] = a.y + a.facing * pivot
     place = s.first_constants + ((column - s.start) & s.constants_mask)
-    others = LANES if s.constants_mask == 0 else 1  # that share a block of the first
+    others = LANES if s.constants_mask == 0 else 1  # that share a pack of the first
     for n in range(others):
         set_constants(model.constants, place + n, a, parameters)
         if model.pivots.shape[1] > 0:

@@ -21,7 +21,7 @@ from tribo.ledger.samples import Samples, sample_columns
 from tribo.ledger.sinks import exceeds_memory
 from tribo.loops import integrate
 from tribo.loops.driver import Chunks, drive
-from tribo.loops.general import GeneralLoop, in_blocks, is_damped, unit_setting
+from tribo.loops.general import GeneralLoop, in_packs, is_damped, unit_setting
 from tribo.loops.setting import Setting
 from tribo.loops.stiffness import Stiffness, stiffness_of
 from tribo.loops.time_loop import Columns, TimeLoop
@@ -140,7 +140,7 @@ class RecordingLoop(ABC):
 
 
 def padded(members: int) -> int:
-    """So many members, rounded up to whole blocks."""
+    """So many members, rounded up to whole packs."""
     return -(-members // LANES) * LANES
 
 
@@ -226,7 +226,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         self, setting: Setting, starts: MemberStarts, columns: Columns, sums: np.ndarray
     ) -> np.ndarray:
         """Run members from their seeds; the samples of those that did not complete are zeros."""
-        self._constants = self._method.coefficients, keep(in_blocks(setting, self.layout))
+        self._constants = self._method.coefficients, keep(in_packs(setting, self.layout))
         tolerance = setting.tolerance
         if tolerance is not None:
             before = self._clock_before

@@ -37,8 +37,11 @@ from tribo.threads.writable_memory import arrays_in, common_of, shared_loop, wit
 
 # The lists of neighbours, and when they were made.
 LISTS = ("start", "index", "place", "made", "listed")
-# Which blocks are active, and how long the others have not been advanced.
-SELECTION = ("blocks", "first", "since", "place", "selected")
+# Which packs are active, and how long the others have not been advanced: names in saved states.
+SELECTION = {
+    "active_blocks": "packs",
+    **{f"active_{name}": name for name in ("first", "since", "place", "selected")},
+}
 
 
 # The code of loops, by loop and what tells the types of their arguments: scenes share it.
@@ -105,7 +108,7 @@ class GeneralLoop(TimeLoop):
         self._scratch = (work,) if method.splits else (work, speeds)
         if method.adaptive:
             self._scratch += (empty_state(self.state),)
-        self._constants = method.coefficients, keep(in_blocks(setting, layout))
+        self._constants = method.coefficients, keep(in_packs(setting, layout))
         self._hold()
         self.compiled = shared_loop(method.loop)
         self._entry: EntryPoint | None = None
@@ -185,9 +188,9 @@ class GeneralLoop(TimeLoop):
         return self._neighbours
 
     def make_all_room(self) -> None:
-        """Give the list of neighbours room for all blocks in every row."""
-        blocks = self.model.each.shape[1] // LANES
-        size = (self._neighbours.start.size - 1) * blocks
+        """Give the list of neighbours room for all packs in every row."""
+        packs = self.model.each.shape[1] // LANES
+        size = (self._neighbours.start.size - 1) * packs
         if size > self._neighbours.index.size:
             self._set_neighbours(self._neighbours._replace(index=np.zeros(size, np.int32)))
 
@@ -220,8 +223,8 @@ class GeneralLoop(TimeLoop):
 
     @property
     def inactive(self) -> int:
-        """Number of asperites that are not stepped, until blocks are selected again."""
-        if self._neighbours.active.blocks.size == 0:
+        """Number of asperites that are not stepped, until packs are selected again."""
+        if self._neighbours.active.packs.size == 0:
             return 0
         own = self._neighbours.active.since[self.layout.places.columns // LANES]
         return int(np.count_nonzero(np.isfinite(own)))
@@ -251,9 +254,9 @@ class GeneralLoop(TimeLoop):
         if self.layout.rows > 0:
             for name in LISTS:
                 memory[f"neighbours_{name}"] = getattr(self._neighbours, name)
-            if self._neighbours.active.blocks.size > 0:
-                for name in SELECTION:
-                    memory[f"active_{name}"] = getattr(self._neighbours.active, name)
+            if self._neighbours.active.packs.size > 0:
+                for key, name in SELECTION.items():
+                    memory[key] = getattr(self._neighbours.active, name)
         if self._noise:
             text = json.dumps(self._noise[0].bit_generator.state)
             memory["noise"] = np.frombuffer(text.encode(), np.uint8)
@@ -268,9 +271,9 @@ class GeneralLoop(TimeLoop):
             lists: dict[str, Any] = {name: memory[f"neighbours_{name}"].copy() for name in LISTS}
             lists["place"] = with_spare_lanes(lists["place"])
             self._set_neighbours(self._neighbours._replace(**lists))
-            if self._neighbours.active.blocks.size > 0:
-                for name in SELECTION:
-                    getattr(self._neighbours.active, name)[...] = memory[f"active_{name}"]
+            if self._neighbours.active.packs.size > 0:
+                for key, name in SELECTION.items():
+                    getattr(self._neighbours.active, name)[...] = memory[key]
         self.restore_noise(memory)
 
     def restore_noise(self, memory: Memory) -> None:
@@ -312,8 +315,8 @@ def unit_setting(layout: Layout, method: Method) -> Setting:
     return Setting(tolerance=Tolerance(*ones, 1.0, 1.0))
 
 
-def in_blocks(setting: Setting, layout: Layout) -> float | Tolerance:
-    """A setting as the kernels read it; a tolerance is 1 for what fills their blocks."""
+def in_packs(setting: Setting, layout: Layout) -> float | Tolerance:
+    """A setting as the kernels read it; a tolerance is 1 for what fills their packs."""
     tolerance = setting.tolerance
     if tolerance is None:
         return setting.of_equal_steps()

@@ -1,4 +1,4 @@
-"""A scene laid out for eight members of an ensemble: the lanes of a block are one of each."""
+"""A scene laid out for eight members of an ensemble: the lanes of a pack are one of each."""
 
 from typing import NamedTuple
 

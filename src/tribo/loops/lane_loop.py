@@ -200,7 +200,7 @@ class NystromLanes(LaneLoop):
     ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """The arguments of the loop between the model and the budget, and those behind it.
 
-        Tolerances of what fills blocks are 1.
+        Tolerances of what fills packs are 1.
         """
         y = np.ones_like(self._state.y)
         s = np.ones_like(self._state.s)

@@ -2,7 +2,7 @@
 
 A class has a few numbers, and declares what the rest of the package has to know about its force;
 see :class:`tribo.model.drive.Drive`.  Its `law` names the formula, one of those in
-:func:`tribo.kernels.equations_of_motion.drive_of_block`.
+:func:`tribo.kernels.equations_of_motion.drive_of_pack`.
 """
 
 import warnings

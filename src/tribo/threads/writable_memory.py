@@ -106,7 +106,7 @@ def together(item: Any) -> tuple[Any, np.ndarray]:
 
 
 def _size(array: np.ndarray) -> int:
-    """Numbers that an array takes, to the end of a block."""
+    """Numbers that an array takes, to the end of a pack."""
     return -(-array.size // LANES) * LANES
 
 

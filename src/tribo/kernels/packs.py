@@ -1,9 +1,9 @@
-"""Blocks: eight neighbouring asperites of one surface, in the lanes of registers.
+"""Packs: eight neighbouring asperites of one surface, in the lanes of registers.
 
-A block is (s, i): the surface's record, and the column of its first asperite.  Columns that fill
-the last block of a surface have asperites without forces, which never move.
+A pack is (s, i): the surface's record, and the column of its first asperite.  Columns that fill
+the last pack of a surface have asperites without forces, which never move.
 
-Members of an ensemble can be computed side by side instead: then the lanes of every block are one
+Members of an ensemble can be computed side by side instead: then the lanes of every pack are one
 asperite of eight members, and nothing acts between lanes.  `lane` is ONE_RUN where there is one.
 """
 
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from tribo.compiler.jit import inlined, kernel
 from tribo.compiler.lanes import LANES, broadcast, sum_of_lanes
-from tribo.compiler.lanes_memory import block, set_block
+from tribo.compiler.lanes_memory import pack, set_pack
 from tribo.compiler.numbers_in_lanes import lane_of
 from tribo.kernels.records import X, Y
 
@@ -21,7 +21,7 @@ ONE_RUN = -1
 
 @inlined
 def active_of(neighbours):
-    """The active blocks; there are none where all are."""
+    """The active packs; there are none where all are."""
     return neighbours.active
 
 
@@ -33,16 +33,16 @@ def absent(table):
 
 @inlined
 def active_range(active, s, k):
-    """The range of the active blocks of surface k, whose record is s; all without `active`."""
+    """The range of the active packs of surface k, whose record is s; all without `active`."""
     if active is None:
         return s.start // LANES, s.stop // LANES
-    if active.blocks.size == 0:
+    if active.packs.size == 0:
         return s.start // LANES, s.stop // LANES
     return active.first[k], active.first[k + 1]
 
 
 class Piece(NamedTuple):
-    """Some of the active blocks of a surface, from the first one up to another."""
+    """Some of the active packs of a surface, from the first one up to another."""
 
     surface: int  # its index
     begin: int
@@ -51,19 +51,19 @@ class Piece(NamedTuple):
 
 @inlined
 def active_piece(model, active, k):
-    """All active blocks of surface k."""
+    """All active packs of surface k."""
     begin, end = active_range(active, model.surfaces[k], k)
     return Piece(k, begin, end)
 
 
 @inlined
 def column_of(active, n):
-    """First column of the nth active block."""
+    """First column of the nth active pack."""
     if active is None:
         return LANES * n
-    if active.blocks.size == 0:
+    if active.packs.size == 0:
         return LANES * n
-    return LANES * active.blocks[n]
+    return LANES * active.packs[n]
 
 
 @inlined
@@ -76,7 +76,7 @@ def column_range(s, lane):
 
 @inlined
 def columns_at(m, lane):
-    """The first and the last + 1 of the columns of a block from m on, or of a member's one."""
+    """The first and the last + 1 of the columns of a pack from m on, or of a member's one."""
     if lane == ONE_RUN:
         return m, m + LANES
     return m + lane, m + lane + 1
@@ -84,7 +84,7 @@ def columns_at(m, lane):
 
 @inlined
 def sum_at(lane, x):
-    """The sum over the asperites of a block: over all lanes, or of a member's one."""
+    """The sum over the asperites of a pack: over all lanes, or of a member's one."""
     if lane == ONE_RUN:
         return sum_of_lanes(x)
     return lane_of(x, lane)
@@ -100,17 +100,17 @@ def totals(members, x):
 
 @inlined
 def own_number(own, row, number, i):
-    """A number of a surface, or those of a block whose lanes are members that differ in it."""
+    """A number of a surface, or those of a pack whose lanes are members that differ in it."""
     if absent(own):
         return broadcast(number)
-    return block(own[row], i)
+    return pack(own[row], i)
 
 
 @inlined
 def column_of_constants(s, i):
-    """Column of the constants of a block, or of one asperite: the same for all that are alike.
+    """Column of the constants of a pack, or of one asperite: the same for all that are alike.
 
-    The constants of a million asperites do not fit into the caches, those of one block do.
+    The constants of a million asperites do not fit into the caches, those of one pack do.
     """
     return s.first_constants + ((i - s.start) & s.constants_mask)
 
@@ -123,31 +123,31 @@ def keeps_velocity(s):
 
 @inlined
 def coordinates(slot, s, i, q):
-    """Coordinates or velocities of a block, whose surface has them from `slot` on; 0 without."""
+    """Coordinates or velocities of a pack, whose surface has them from `slot` on; 0 without."""
     if slot >= 0:
-        return block(q, slot + i - s.start)
+        return pack(q, slot + i - s.start)
     return broadcast(0.0)
 
 
 @inlined
 def set_coordinates(slot, s, i, q, x):
-    """Set coordinates, velocities or accelerations of a block, if its surface has them."""
+    """Set coordinates, velocities or accelerations of a pack, if its surface has them."""
     if slot >= 0:
-        set_block(q, slot + i - s.start, x)
+        set_pack(q, slot + i - s.start, x)
 
 
 @inlined
 def all_coordinates(s, i, q):
-    """All coordinates or velocities of a block, q'' too: swing, bar's angle, x and y; 0 without."""
-    angles = block(q, i), coordinates(s.dof_phi, s, i, q)
+    """All coordinates or velocities of a pack, q'' too: swing, bar's angle, x and y; 0 without."""
+    angles = pack(q, i), coordinates(s.dof_phi, s, i, q)
     return *angles, coordinates(s.dof_x, s, i, q), coordinates(s.dof_y, s, i, q)
 
 
 @inlined
 def set_all(s, i, q, values):
-    """Set all coordinates, velocities or accelerations that a block has."""
+    """Set all coordinates, velocities or accelerations that a pack has."""
     swing, phi, x, y = values
-    set_block(q, i, swing)
+    set_pack(q, i, swing)
     set_coordinates(s.dof_phi, s, i, q, phi)
     set_coordinates(s.dof_x, s, i, q, x)
     set_coordinates(s.dof_y, s, i, q, y)
@@ -155,8 +155,8 @@ def set_all(s, i, q, values):
 
 @inlined
 def vectors(table, i):
-    """x and y of a block of a table of vectors."""
-    return block(table[X], i), block(table[Y], i)
+    """x and y of a pack of a table of vectors."""
+    return pack(table[X], i), pack(table[Y], i)
 
 
 @inlined
@@ -169,8 +169,8 @@ def vectors_if_any(table, i):
 
 @inlined
 def set_vectors(table, i, x, y):
-    set_block(table[X], i, x)
-    set_block(table[Y], i, y)
+    set_pack(table[X], i, x)
+    set_pack(table[Y], i, y)
 
 
 @inlined
@@ -185,7 +185,7 @@ def plus(one, other):
 
 @inlined
 def plus_if_any(x, table, i):
-    """Vectors and those of a block of a table, if its effect is present."""
+    """Vectors and those of a pack of a table, if its effect is present."""
     if absent(table):
         return x
     return plus(x, vectors(table, i))
@@ -193,7 +193,7 @@ def plus_if_any(x, table, i):
 
 @inlined
 def constant(model, row, s, i):
-    return block(model.constants[row], column_of_constants(s, i))
+    return pack(model.constants[row], column_of_constants(s, i))
 
 
 @inlined
