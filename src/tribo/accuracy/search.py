@@ -99,11 +99,11 @@ def find_settings(
 class _Search:
     """The runs of a search, in order, and what they show."""
 
-    def __init__(self, count: SearchRuns, accuracy: comparison.Accuracy, stops: StopTimes) -> None:
+    def __init__(self, runner: SearchRuns, accuracy: comparison.Accuracy, stops: StopTimes) -> None:
         """Begin without runs, and with a guess of the scales."""
-        self.layout = count.layout
-        self.method = count.method
-        self.count = count
+        self.layout = runner.layout
+        self.method = runner.method
+        self.runner = runner
         self.stops = stops
         self.accuracy = accuracy
         self.wanted = comparison.strictest(accuracy)
@@ -123,17 +123,17 @@ class _Search:
         """
         if not self.method.adaptive:
             return level
-        setting, pilot, self.scales = self.count.pilot(self.stops.few)
+        setting, pilot, self.scales = self.runner.pilot(self.stops.few)
         self.runs.append(pilot)
         if pilot.status in comparison.ABORTED:
             self.rounds.append(Round(level, coarse=setting, fine=setting, runs=[pilot]))
             return None
         if pilot.status != Status.COMPLETED:
             return level
-        self.count.plan(1 + COARSE_RUNS)
+        self.runner.plan(1 + COARSE_RUNS)
         self.limits.reached = PILOT_LEVEL
-        self.count.known = (PILOT_LEVEL, pilot.evaluations)
-        longer = self.count.expected(levels.fine_level(self.method) * level) / pilot.evaluations
+        self.runner.known = (PILOT_LEVEL, pilot.evaluations)
+        longer = self.runner.expected(levels.fine_level(self.method) * level) / pilot.evaluations
         if longer * levels.work(self.layout, pilot) < LONG_RUN:
             return level
         self._measure(setting, pilot)
@@ -141,7 +141,7 @@ class _Search:
         if grown is None:
             return level
         amplified = min(level, AMPLIFIED * self.wanted / max(grown, 1.0))
-        longer = self.count.expected(amplified) / self.count.expected(level)
+        longer = self.runner.expected(amplified) / self.runner.expected(level)
         if grown * EPSILON > self.wanted or longer > MOST_LONGER:
             raise InputError("accuracy", self._too_far(grown, longer))
         return max(amplified, self.limits.finest)
@@ -162,19 +162,20 @@ class _Search:
     def allows(self, level: float) -> bool:
         """Whether a round is short enough; refuses the accuracy if the first has too many steps."""
         finer = levels.fine_level(self.method) * level
-        few = 0.0
+        steps = 0.0
         if not self.method.adaptive:
-            few = self.layout.run_time / levels.equal_step(self.layout, self.method, finer)
-        if few > self.count.most:
+            steps = self.layout.run_time / levels.equal_step(self.layout, self.method, finer)
+        if steps > self.runner.most:
             if self.runs:
                 return False
             raise InputError(
                 "accuracy",
-                f"would take {self.method.name} {few:.0e} steps, more than {self.count.most:.0e}; "
+                f"would take {self.method.name} {steps:.0e} steps, "
+                f"more than {self.runner.most:.0e}; "
                 "give a larger accuracy, a method that chooses its steps, or max_evaluations",
             )
-        coarse = self.count.expected(level)
-        fine = self.count.expected(finer)
+        coarse = self.runner.expected(level)
+        fine = self.runner.expected(finer)
         self.costly = bool(self.rounds) and not self._affords(COARSE_RUNS * coarse + fine)
         return not self.costly
 
@@ -188,10 +189,10 @@ class _Search:
         near = levels.NEAR * levels.fine_level(method) ** (1.0 / method.order)
         coarse = levels.setting_at(layout, method, self.scales, level)
         fine = levels.setting_at(layout, method, self.scales, finer, near)
-        self.count.plan_round(level, self.runs[-1] if self.runs else None)
-        run = self.count.run(fine, self.stops.fine, finer)
+        self.runner.plan_round(level, self.runs[-1] if self.runs else None)
+        run = self.runner.run(fine, self.stops.fine, finer)
         self.costly = bool(self.rounds) and not self._affords(
-            COARSE_RUNS * self.count.expected(level)
+            COARSE_RUNS * self.runner.expected(level)
         )
         if self.costly:
             return None
@@ -203,8 +204,8 @@ class _Search:
         self.runs.append(run)
         for times, rounded in ((self.stops.few, False), (self.stops.many, True)):
             if last.stopped is None:
-                run = self.count.run(coarse, times, level, rounded)
-                last.runs.insert(-1, run)
+                run = self.runner.run(coarse, times, level, rounded)
+                last.runs.insert(-1, run)  # the fine run stays the last one
                 last.stopped = _stop_of(run)
         return self.decide()
 
@@ -227,7 +228,7 @@ class _Search:
         elif last.stopped is None and last.estimate > 1.0 and self.limits.amplification is None:
             self._measure(last.coarse, last.runs[0])
             last.excess = self._excess(last)
-        self.limits.exhausted = self.count.spent > self.count.most
+        self.limits.exhausted = self.runner.spent > self.runner.most
         return decision.decide(self.rounds, self.limits)
 
     def found(self) -> FoundSettings:
@@ -237,7 +238,7 @@ class _Search:
         if decision.too_fine(self.rounds, self.limits) > 0.0:
             stopped = next(item.stopped for item in self.rounds if item.stopped is not None)
         others = [run for run in self.runs if run not in chosen.runs]
-        if self.count.interrupted:
+        if self.runner.interrupted:
             chosen.runs[-1] = replace(chosen.runs[-1], status=Status.INTERRUPTED)
         return FoundSettings(
             coarse=chosen.coarse,
@@ -246,8 +247,8 @@ class _Search:
             runs=(*others, *chosen.runs),
             amplification=self.limits.amplification,
             met=chosen.excess <= 1.0,
-            evaluations=self.count.spent,
-            seconds=time.perf_counter() - self.count.began,
+            evaluations=self.runner.spent,
+            seconds=time.perf_counter() - self.runner.began,
             costly=self.costly,
             stopped=stopped,
             errors=chosen.errors,
@@ -258,14 +259,14 @@ class _Search:
         """Whether a round with `further` evaluations leaves the search cheap enough."""
         most = MOST_COST * decision.best(self.rounds, self.limits).runs[-1].evaluations
         short = SHORT_SEARCH / self.layout.scene.count
-        return self.count.spent + further <= max(most, short)
+        return self.runner.spent + further <= max(most, short)
 
     def _measure(self, setting: Setting, run: Integration) -> None:
         """Measure the amplification by a run, unless it is known."""
         if self.limits.amplification is None:
             names = comparison.observables(self.accuracy)
             self.limits.amplification = comparison.measure_amplification(
-                self.layout, self.count.attempt, setting, run, names
+                self.layout, self.runner.attempt, setting, run, names
             )
 
     def _excess(self, last: Round) -> float:

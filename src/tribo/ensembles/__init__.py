@@ -149,9 +149,9 @@ def ensemble(
     for name, other in (("sampler", sampler), ("keep", keep)):
         if other is not None and half_width is not None:
             raise InputError("half_width", f"cannot go with {name}; give one or the other")
-    of_kept = {"at": choice("at", at, (END, SAMPLES)) != END}
-    of_kept["statistics"] = boolean("statistics", statistics)
-    for name, given in of_kept.items():
+    at_samples = choice("at", at, (END, SAMPLES)) != END
+    statistics = boolean("statistics", statistics)
+    for name, given in (("at", at_samples), ("statistics", statistics)):
         if given and keep is None:
             raise InputError(name, 'needs keep, as keep=["upper.w1"]')
     vary = sources_of(scene, vary, sampler, members)
@@ -169,7 +169,8 @@ def ensemble(
     if members is None and wanted is None and not lengths:
         raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
     if members is None:
-        members = min([*lengths.values(), *[MOST_MEMBERS] * (wanted is not None)])
+        given_lengths = list(lengths.values())
+        members = min(given_lengths if wanted is None else [*given_lengths, MOST_MEMBERS])
     most = integer("members", members, 2)
     variation.check(most)
     how = Execution.checked(engine, threads)
@@ -210,8 +211,9 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     if isinstance(store, StatisticsStore):
         store.flush()
         if (moments := store.moments()) is None:
-            none = InputError("scene", "is completed by no member")
-            raise KeyboardInterrupt if interrupted else none
+            if interrupted:
+                raise KeyboardInterrupt
+            raise InputError("scene", "is completed by no member")
         coordinates = times_of(kept, runs.policy.simulation.scene) | coordinates_of(kept)
         return target.saved(xarray.Dataset(variables_of(kept, moments), coordinates, attributes))
 

@@ -175,16 +175,17 @@ class Kept:
 
     def dimensions(self, name: str) -> tuple[str, ...]:
         found = ("time",) if self.at_samples else ()
-        asperites = (f"{name.rpartition('.')[0]}_asperite",)
-        return found + asperites * (len(self.shapes[name]) > len(found))
+        if len(self.shapes[name]) == len(found):
+            return found
+        return (*found, f"{name.rpartition('.')[0]}_asperite")
 
     def about(self, name: str, of: str = "") -> dict[str, str]:
         """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
         quantity = quantity_of(kind, len(self.dimensions(name)) == self.at_samples)
         when = ", averaged over time" if kind in (*quantities.AVERAGED, SHARE) else ", at the end"
-        meaning = quantity.long_name + when * (not self.at_samples)
-        before = "half-width of the 95 % interval of: " * is_interval(name)
+        meaning = quantity.long_name if self.at_samples else quantity.long_name + when
+        before = "half-width of the 95 % interval of: " if is_interval(name) else ""
         return {"units": quantity.units, "long_name": of + before + meaning}
 
     def of_asperites(self, series: np.ndarray) -> np.ndarray:

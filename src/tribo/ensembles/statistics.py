@@ -154,7 +154,7 @@ def coordinates_of(kept: Kept) -> dict[str, Variable]:
 
 def variables_of(kept: Kept, moments: Moments) -> dict[str, Variable]:
     """The statistics of every quantity."""
-    times = ("time",) * kept.at_samples
+    times = ("time",) if kept.at_samples else ()
     covariance = moments.covariance if kept.at_samples else moments.covariance[0]
     about = {"long_name": "covariance of the kept values, over members"}
     variables: dict[str, Variable] = {

@@ -193,7 +193,7 @@ def next_step(clock, encounter_rate, left):
         h = clock.encounter_fraction / encounter_rate
     if h >= left:
         return left, True
-    if 2.0 * h > left:
+    if 2.0 * h > left:  # two equal steps, not a long one and a very short one
         h = 0.5 * left
     return h, False
 
@@ -299,5 +299,9 @@ def accept_step(clock, t, h, landing, growth):
     advance(clock, t, h, landing)
     if clock.after_rejection == 1:
         growth = min(growth, 1.0)
-    clock.h = max(clock.h, h * growth) if h < clock.h and growth > 1.0 else h * growth
+    grown = h * growth
+    if h < clock.h and growth > 1.0:
+        # It was cut to end at a sample or before an encounter, which does not shorten the next one.
+        grown = max(clock.h, grown)
+    clock.h = grown
     clock.after_rejection = 0

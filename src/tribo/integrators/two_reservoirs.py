@@ -131,7 +131,9 @@ def damped_arc(rates, temperatures, masses, lever, velocities, gains, tau, devia
         slow_damping, 1.0, slow_w, slow_gained, tau, third, fourth
     )
     # The integrals of products of w follow from their changes, up to noise without a mean:
-    # d(w_a w_b) = (2 D_ab - (g_a + g_b) w_a w_b + F_a w_b + F_b w_a) dt.
+    # d(w_a w_b) = (2 D_ab - (g_a + g_b) w_a w_b + F_a w_b + F_b w_a) dt.  Over the step, with
+    # F = gained / tau, the integral of w is tau middle + jump, and w changes by gained + change:
+    # g int w^2 dt = D tau + F int w dt - (gained + change) middle, which are `squares`.
     rate = 1.0 / tau
     middle = w + 0.5 * change
     slow_middle = slow_w + 0.5 * slow_change

@@ -89,7 +89,7 @@ def own_of_reservoirs(scene: Scene, numbering: Numbering, columns: np.ndarray) -
     for surface in scene.surfaces:
         mine = columns[scene.parts[surface.name]]
         for reservoir in surface.reservoirs:
-            before = "swing_" * (reservoir.on == "swing")
+            before = "swing_" if reservoir.on == "swing" else ""
             for name, each in zip(
                 ("gamma", "temperature"), reservoir.for_each(surface.count), strict=True
             ):

@@ -154,8 +154,9 @@ class Frames:
         content = io.BytesIO()
         np.savez(content, **arrays, **{NAME: as_bytes(repr(name))})  # type: ignore[arg-type]
         header = _header(content.getvalue())
-        frame = memoryview(MAGIC * (not self._places) + header + content.getvalue())
-        begin = self._end - len(MAGIC) * (not self._places)
+        magic = b"" if self._places else MAGIC  # before the first frame
+        frame = memoryview(magic + header + content.getvalue())
+        begin = self._end - len(magic)
         try:
             self._file.seek(begin)
             written = 0

@@ -218,7 +218,9 @@ def _temperatures(scene: Scene, temperatures: object) -> _Axis:
     keys = []
     for each in scene.surfaces:
         parts = [f".{reservoir.on}" for reservoir in each.reservoirs]
-        keys += [f"{each.name}.langevin{place * (len(parts) > 1)}.temperature" for place in parts]
+        if len(parts) == 1:  # a reservoir alone needs no name
+            parts = [""]
+        keys += [f"{each.name}.langevin{part}.temperature" for part in parts]
     if not keys:
         raise InputError("temperatures", "need a reservoir (langevin), of which the scene has none")
     return _Axis(found, tuple(keys), [(value,) * len(keys) for value in found.tolist()])
