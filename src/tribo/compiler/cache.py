@@ -63,8 +63,9 @@ class CodeFiles:
         """The code for the argument types in `key`; None if there is none that is whole."""
         parts = whole_parts(self.path(key))
         try:
-            found = next(parts) == (self._made_by, key)
-            return next(parts) if found else None
+            if next(parts, None) != (self._made_by, key):
+                return None
+            return next(parts)
         except Exception:  # a class that it names is no longer there
             return None
 

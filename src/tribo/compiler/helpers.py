@@ -91,15 +91,15 @@ def _hand_out(waiting: deque[Job]) -> None:
         ) as helper,
     ):
         assert helper.stdin is not None and helper.stdout is not None
-        _done(helper.stdout)  # it has started
+        _wait_for_byte(helper.stdout)  # it has started
         while True:
             # As bytes, which can be read to their end where a class in them is unknown.
             pickle.dump(pickle.dumps(waiting.pop()), helper.stdin)
             helper.stdin.flush()
-            _done(helper.stdout)
+            _wait_for_byte(helper.stdout)
 
 
-def _done(answers: IO[bytes]) -> None:
+def _wait_for_byte(answers: IO[bytes]) -> None:
     """Wait until a helper has done something.  Raises EOFError if it has ended."""
     if not answers.read(1):
         raise EOFError

@@ -101,7 +101,7 @@ def time_loop(loop: FunctionType, kept: bool = True) -> Callable[..., Any]:
     """
     if not kept or config.DISABLE_JIT:  # type: ignore[attr-defined]
         return _loop(loop)
-    # Each way keeps its own files.
+    # The underscore ends the stamp, by which `remove_stale` finds it; each way has its own files.
     compiled = _kept(loop, f"{code_stamp()}_{'' if NATIVE else '_plain'}")
     remove_stale(loop)
     return compiled

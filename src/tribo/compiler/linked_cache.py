@@ -27,8 +27,9 @@ from tribo.compiler.source_stamps import is_stamped
 
 # Where classes and functions in the types of a kernel may come from.
 KNOWN = ("_operator", "builtins", "collections", "copyreg", "llvmlite", "numba", "numpy", "tribo")
-# How numba's names of addresses in this process begin, and of the globals of a function in Python.
+# How numba's names of addresses in this process begin.
 DYNAMIC = "numba.dynamic.globals"
+# How those of the globals of a function in Python begin.
 ENVIRONMENT = "_ZN08NumbaEnv"
 
 # Name of a file, and hash of the code in it -> this code, from disk or compiled here.

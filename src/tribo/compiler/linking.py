@@ -82,7 +82,7 @@ class LinkedLibrary(TupleLibrary):
         """This library and those of all kernels that it calls, each after its first caller."""
         found: dict[JITCodeLibrary, None] = {self: None}
         waiting: list[JITCodeLibrary] = [self]
-        for library in waiting:
+        for library in waiting:  # also those that are appended here
             if isinstance(library, LinkedLibrary):
                 new = [each for each in library._linking_libraries if each not in found]
                 found.update(dict.fromkeys(new))

@@ -274,6 +274,7 @@ def call_calculator(model, calculator):
 
 @kernel
 def add_calculated(model, calculators):
+    """Add the forces on bobs that calculators compute."""
     if calculators is not None:
         for calculator in calculators:
             call_calculator(model, calculator)
@@ -284,6 +285,7 @@ def add_calculated(model, calculators):
 
 @kernel
 def calculated_energy(model, calculators):
+    """The energy of bobs that calculators compute."""
     energy = 0.0
     if calculators is not None:
         for calculator in calculators:

@@ -24,10 +24,10 @@ from tribo.kernels.contact import (
 from tribo.kernels.potential_units import clearances_at, energy_at
 from tribo.kernels.records import CHARGE, OWN_SWING_TEMPERATURE, OWN_TEMPERATURE, X, Y
 
-# With noise, an encounter can matter if at some distance up to the present one, of this many that
-# are evenly spaced, the potential energy exceeds this fraction of k_B T.  The first is a sixteenth:
-# one in sixteen pairs that pass each other comes closer.
+# Distances, evenly spaced up to the present one, at which the energy of an encounter is looked at.
+# The first is a sixteenth: one in sixteen pairs that pass each other comes closer.
 PROBES = 16
+# With noise, an encounter matters if at one of them the energy exceeds this fraction of k_B T.
 NEGLIGIBLE = 0.01
 
 

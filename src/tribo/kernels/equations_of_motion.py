@@ -94,6 +94,7 @@ def place_pack(model, s, i, t, swing, phi, x, y):
 
 @apart
 def place_bobs(model, t, q):
+    """Set the places of all bobs and the directions of their rods."""
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]
         for i in range(s.start, s.stop, LANES):
@@ -245,6 +246,7 @@ def drive_of_pack(model, s, i, t, q):
 
 @apart
 def drive_forces(model, active, t, q):
+    """Set the forces of the drives on active bars, contact forces in place."""
     gather_contact(model, model.members)
     for k in range(model.surfaces.shape[0]):
         s = model.surfaces[k]

@@ -134,6 +134,7 @@ def copy_state(source, target):
 
 @kernel
 def energies_within(model, neighbours, stored, lane):
+    """Add the energies of interactions within a surface to what it stores."""
     contacts = model.contacts
     for n in range(contacts.energy.size):
         if contacts.within[n] == 1:

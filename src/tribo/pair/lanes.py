@@ -57,6 +57,13 @@ CAUTION_AT_HIGH_ORDER = 0.8
 # Stages from which on the error is taken to grow as h^16, and not as h^8: other roots take
 # longer than what they save.
 HIGH_ORDER = 12
+# Square roots of such errors that grow as h.
+ROOTS = 3
+ROOTS_AT_HIGH_ORDER = 4
+# Steps that would end so close before the end of the run end with it.
+LANDING = 1.0001
+# Error of a step that jumps an encounter.
+REFUSED = 1e30
 # A step is rejected if it is longer than this times the way to an encounter at its end.  Its start
 # limits it too, and the error estimate sees the force at its end.
 LARGEST_APPROACH = 4.0
@@ -131,7 +138,7 @@ def accelerations(pair, potential, t, q1, q2, k):
 def step_length(work, limits):
     h = load(work, H)
     left = limits[END] - load(work, T)
-    return where_less(left, 1.0001 * h, left, h)
+    return where_less(left, LANDING * h, left, h)
 
 
 @inlined
@@ -199,7 +206,7 @@ def end_step(common, work, at):
     rates = plus(rates, times(h, once))
     q1, q2, k = places
     landing = limits[END] - t
-    end = where_less(landing, 1.0001 * load(work, H), limits[END], t + h)
+    end = where_less(landing, LANDING * load(work, H), limits[END], t + h)
     f, r = accelerations(pair, potential, end, q1, q2, k)
     missed = times(h, plus(errors, times(table[at + 3 * stages], f)))
     error = absolute(missed[0]) * limits[UNIT1]
@@ -207,8 +214,10 @@ def end_step(common, work, at):
     error = error + absolute(missed[2]) * limits[UNITK]
     later = rate_of_encounters(pair, potential, r, q1, q2, rates)
     # An encounter that the step would jump counts as an error; NaN is less than nothing.
-    error = where_less(h * later, LARGEST_APPROACH, error, 1e30)
-    roots, caution = (4, CAUTION_AT_HIGH_ORDER) if stages >= HIGH_ORDER else (3, CAUTION)
+    error = where_less(h * later, LARGEST_APPROACH, error, REFUSED)
+    high = stages >= HIGH_ORDER
+    roots = ROOTS_AT_HIGH_ORDER if high else ROOTS
+    caution = CAUTION_AT_HIGH_ORDER if high else CAUTION
     growth = growth_by_roots(error, roots, caution, MOST_GROWTH)
     longest = limits[NEAR] / later
     longest = where_less(longest, growth * h, longest, growth * h)
