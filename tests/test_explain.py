@@ -51,7 +51,6 @@ def two_rows(upper=(), lower=(), **scene):
 KNOWN = {
     "forced": (two_rows(), {"swings": 6}),
     "free": (two_rows({"drive": "free"}), {"swings": 6, "x": 3}),
-    "rigid": (two_rows({"drive": tribo.Free(rigid=True)}), {"swings": 6, "x": 3}),
     "loaded": (two_rows({"drive": tribo.Forced(load=0.1)}), {"swings": 6, "y": 3}),
     "pulled and loaded": (
         two_rows({"drive": tribo.Pulled(load=0.1, stiffness=1.0, speed=0.1)}),
@@ -95,6 +94,13 @@ CONSTRAINED = (
     ({"drive": "bars"}, {"drive": "bars", "bars": "free"}, {"swings": 6, "bars": 3}),
     ({"drive": "bars", "bath": OSCILLATORS}, {}, {"swings": 6, "baths": 30}),
     ({"asperite": tribo.Asperite(kappa=np.inf), "drive": "free"}, {}, {"swings": 3, "x": 3}),
+    ({"drive": tribo.Free(rigid=True)}, {}, {"swings": 6, "x": 1}),
+    ({"drive": tribo.Free(block=True)}, {}, {"swings": 6, "x": 1, "y": 1}),
+    (
+        {"drive": tribo.Pulled(stiffness=1.0, load=1.0, block=True, tilt="free")},
+        {},
+        {"swings": 6, "x": 1, "y": 1, "bars": 1},
+    ),
 )
 
 

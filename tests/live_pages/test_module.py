@@ -7,9 +7,12 @@ import sys
 
 import pytest
 
+import tribo
 from support import live_comparison
+from tribo.live_pages import compile
 from tribo.live_pages.compile import GENERIC
 from tribo.live_pages.link import Reader, number
+from tribo.plugins import sources
 from tribo.potentials import BUILT_IN
 
 # Largest difference of a quantity in units of its largest value: rounding of sums.
@@ -56,3 +59,24 @@ def test_every_built_in_is_compared():
 @pytest.mark.parametrize("value", [0, 1, 127, 128, 300, 2**32 - 1])
 def test_numbers_of_the_binary_format(value):
     assert Reader(number(value)).number() == value
+
+
+def test_a_process_reads_classes_that_were_loaded_here(tmp_path):
+    """Of a file and of an expression, whose modules have names of this process."""
+    path = tmp_path / "own.py"
+    path.write_text(
+        "import tribo\nclass Own(tribo.Potential):\n    A: float\n"
+        "    def energy(self, r):\n        return self.A / r\n"
+    )
+    own = sources.module_in_file(path).Own(0.5)
+    given = own + tribo.potentials.expression("A*exp(-r)", A=0.25)
+    path.unlink()
+    program = (
+        "from tribo.live_pages.compile import given_to_process\n"
+        "print(given_to_process().energy(2.0))"
+    )
+    content = compile.for_process(given)
+    done = subprocess.run(
+        [sys.executable, "-c", program], input=content, capture_output=True, check=False
+    )
+    assert float(done.stdout) == given.energy(2.0), done.stderr.decode()

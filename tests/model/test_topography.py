@@ -248,6 +248,22 @@ def test_undefined_points_of_unequal_steps_are_filled_in():
     np.testing.assert_allclose(found, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 10.0], atol=1e-12)
 
 
+def test_sizes_are_one_for_each_axis(tmp_path):
+    """Of grids, as text and as numpy keeps them, and of line scans."""
+    pytest.importorskip("SurfaceTopography")
+    grid = np.random.default_rng(0).normal(size=(5, 4))
+    np.savetxt(tmp_path / "grid.txt", grid)
+    np.save(tmp_path / "grid.npy", grid)
+    np.savetxt(tmp_path / "line.txt", np.column_stack([np.arange(5.0), grid[:, 0]]))
+    for name, size, wanted in (
+        ("grid.txt", 2.5, r"size: must be two lengths, \[x, z\], of a grid, got 2.5"),
+        ("grid.npy", 2.5, r"size: must be two lengths"),
+        ("line.txt", (2.5, 8.0), r"size: must be one length, of a line scan"),
+    ):
+        with pytest.raises(InputError, match=wanted):
+            heights(tmp_path / name, (5, 4), (0.5, 2.0), size=size)
+
+
 def test_channels_and_sizes_of_files(tmp_path):
     """A matrix has no size, which a key gives; a channel has a name and a number."""
     pytest.importorskip("SurfaceTopography")

@@ -34,6 +34,7 @@ class Own(tribo.Potential):
 POTENTIALS = {
     "Coulomb": tribo.Coulomb(0.2),
     "Own": Own(0.5, 2.0),
+    "Expression": tribo.potentials.expression("A*cos(3*r)*exp(-r/a)", A=0.4, a=1.5),
     "Yukawa": tribo.Yukawa(-0.3, 0.4),
     "Plummer": tribo.potentials.Plummer(0.3, 0.5),
     "LennardJones": tribo.LennardJones(0.3, 0.8),

@@ -112,7 +112,7 @@ class Explanation:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Number of coordinates that are integrated."""
+        """Number of coordinates that are free: of a rigid body, those of the whole."""
         return sum(self.coordinates.values())
 
     def to_json(self) -> str:
@@ -260,10 +260,16 @@ def explain(scene: Scene) -> Explanation:
 
 
 def coordinates(layout: Layout) -> dict[str, int]:
-    """How many coordinates of each kind are integrated."""
+    """How many coordinates of each kind are free; a rigid body has one along each axis."""
     slots = {"bars": "dof_phi", "x": "dof_x", "y": "dof_y"}
     swings = sum(int(np.isfinite(s.each["kappa"]).sum()) for s in layout.scene.surfaces)
-    found = {kind: int((layout.asperites[name] >= 0).sum()) for kind, name in slots.items()}
+    found = dict.fromkeys(slots, 0)
+    for surface in layout.scene.surfaces:
+        own = layout.asperites[layout.parts[surface.name]]
+        for kind, name in slots.items():
+            count = int((own[name] >= 0).sum())
+            one_body = surface.is_rigid_block or (surface.moves_as_one and kind == "x")
+            found[kind] += min(count, 1) if one_body else count
     return {"swings": swings, **found, "baths": layout.coordinates - layout.core}
 
 

@@ -28,6 +28,7 @@ from tribo.live_pages.quantities import QUANTITIES
 from tribo.live_pages.retarget import object_of
 from tribo.pair import step_rows
 from tribo.pair.loop import COLUMNS, pair_collocation
+from tribo.plugins.sources import load, loaded_in
 from tribo.plugins.stamps import code_stamp_of
 from tribo.system import THREADS_VARIABLE
 from tribo.validation import InputError
@@ -121,7 +122,7 @@ def compiled_apart(main: str, given: Any, key: str, folder: str | None = None) -
     if folder is not None:
         # What other processes compile is machine code alone.
         environment |= {"NUMBA_CACHE_DIR": folder, THREADS_VARIABLE: "1"}
-    content = pickled((sys.path, given))
+    content = for_process(given)
     done = subprocess.run(command, input=content, capture_output=True, env=environment, check=False)
     if done.returncode == 0:
         return done.stdout
@@ -129,13 +130,21 @@ def compiled_apart(main: str, given: Any, key: str, folder: str | None = None) -
     raise InputError(key, f"does not compile for a page ({said[-1]}); {ELSEWHERE}")
 
 
+def for_process(given: Any) -> bytes:
+    """Something for `given_to_process` of another process, with the sources of its classes."""
+    content = pickled(given)
+    return pickled((sys.path, loaded_in(content), content))
+
+
 def given_to_process() -> Any:
-    """What :func:`compiled_apart` gives to this process."""
+    """What :func:`for_process` has written to the standard input of this process."""
     import pickle
 
-    path, given = pickle.loads(sys.stdin.buffer.read())
+    path, modules, given = pickle.loads(sys.stdin.buffer.read())
     sys.path[:] = path
-    return given
+    for source, place in modules:
+        load(source, place)
+    return pickle.loads(given)
 
 
 def main() -> None:

@@ -250,6 +250,9 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
         with open_topography(_without_mark(path)) as reader:
             if channel is not None:
                 settings["channel_index"] = _index_of(channel, [c.name for c in reader.channels])
+            if size is not None:
+                number = settings.get("channel_index", reader.default_channel.index)
+                _check_sizes(size, reader.channels[number].dim)
             return reader.topography(**settings)
     except InputError:
         raise
@@ -267,6 +270,13 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             f"{path} cannot be read ({problem}); in Python, give the object "
             "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
+
+
+def _check_sizes(size: Any, axes: int) -> None:
+    """Refuse sizes that are not one for each axis of a scan.  Raises InputError."""
+    if np.size(size) != axes:
+        wanted = "one length, of a line scan" if axes == 1 else "two lengths, [x, z], of a grid"
+        raise must_be("size", wanted, size)
 
 
 def _without_mark(path: str) -> str | io.BytesIO:

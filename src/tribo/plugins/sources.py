@@ -81,6 +81,12 @@ def load(source: bytes, place: str) -> ModuleType:
     return module
 
 
+def loaded_in(pickle: bytes) -> list[tuple[bytes, str]]:
+    """What :func:`load` needs in another process before it reads a pickle: sources and places."""
+    modules = [name for name in _LOADED if name.encode() in pickle]
+    return [(_LOADED[name], str(sys.modules[name].__file__)) for name in modules]
+
+
 @contextmanager
 def _importing_beside(folder: Path, name: str) -> Iterator[None]:
     """Let the plug-in `name` import the files of its folder, as a script there can.
