@@ -264,3 +264,34 @@ def test_the_average_of_a_stopped_run_says_so(result):
     for average in (stopped.friction_force("tip"), stopped.pull_force("tip")):
         assert average.note.startswith("the run stopped at t = 450, EncounterJumped")
     assert "the run stopped at t = 450, EncounterJumped" in str(stopped)
+
+
+@pytest.mark.parametrize(("samples", "missed"), [(41, True), (1281, False)])
+def test_samples_at_one_phase_are_noted(samples, missed):
+    """An asperite meets another one every 3 time units, as often as its force is recorded."""
+    row = {"shape": (12, 1), "spacing": (1.5, 0.0)}
+    rigid = {"asperite": {"kappa": np.inf}}
+    upper = tribo.Surface("upper", bob=(0.3, 0.8), velocity=(0.5, 0.0), **rigid)
+    lower = tribo.Surface("lower", facing="up", **row, **rigid)
+    output = tribo.Output(samples=samples, series=["forces"])
+    contact = tribo.Morse(0.1, 1.0, 0.8).with_cutoff(2.5)
+    scene = tribo.Scene((upper, lower), contact, 120.0, periodic={"x": 18.0}, output=output)
+    result = tribo.simulate(scene, accuracy=1e-8)
+    average = result.friction_force("upper")
+    assert (abs(average.mean) > 1e-3) == missed  # of whole periods it is 0
+    assert ("samples miss a part of the motion" in average.note) == missed
+    assert ("samples miss a part of the motion" in str(result)) == missed
+    with_field = replace(scene, fields=(tribo.Field(tribo.Corrugation(0.1, 1.0), on=("upper",)),))
+    noted = tribo.simulate(with_field, accuracy=1e-8).friction_force("upper").note
+    assert "samples miss" not in noted  # whose impulse the work does not have
+
+
+def test_surfaces_longer_than_the_period_are_noted():
+    """Their asperites stand among images of one another."""
+    row = {"shape": (12, 1), "spacing": (1.5, 0.0)}
+    surfaces = tribo.Surface("upper", bob=(0.3, 1.2), **row), tribo.Surface("lower", facing="up")
+    contact = tribo.Morse(0.1, 1.0, 0.8).with_cutoff(2.5)
+    for period, fit in ((18.0, 12), (16.5, 11), (9.0, 6)):
+        scene = tribo.Scene(surfaces, contact, 0.1, periodic={"x": period})
+        notes = " ".join(tribo.simulate(scene, method="verlet", step=0.05).notes)
+        assert (f"{fit} fit in it" in notes) == (fit < 12)

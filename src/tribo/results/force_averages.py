@@ -14,6 +14,8 @@ from tribo.results.run_result import RunResult
 from tribo.validation import InputError, choice
 
 PARTS = ("contact", "field")
+# Part of a mean force that its samples may miss without a note.
+NOTED_MISS = 0.05
 # Part of the pull above which the drag of a reservoir is noted: less leaves its first digit.
 NOTED_DRAG = 0.1
 
@@ -138,7 +140,34 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
     notes = [stop, found.note, _schedule_note(result, found.after)]
     if name == "pull_force":
         notes.append(_drag_note(result, surface, found.mean))
+    if name == "friction_force":
+        notes.append(_sampling_note(result, surface, found, t[-1]))
     return found._replace(note="; ".join(filter(None, notes)))
+
+
+def _sampling_note(result: RunResult, surface: str, found: Average, end: float) -> str:
+    """A note where the samples of the friction force miss a part of the motion; else empty.
+
+    Samples at one phase of a periodic motion have a mean of their own.  The impulse of the contact,
+    which is integrated, has none: it does the friction work at the surface's initial velocity.
+    """
+    part = next(each for each in result.scene.surfaces if each.name == surface)
+    series = result[surface]
+    speed, along_y = part.velocity
+    in_field = any(surface in item.on for item in result.scene.fields)
+    if in_field or speed == 0.0 or along_y != 0.0 or "friction_work" not in series:
+        return ""
+    first, last = np.searchsorted(result.t, [found.after, end])
+    gained = series["friction_work"][last] - series["friction_work"][first]
+    exact = -float(gained) / (speed * (end - found.after))
+    missed = abs(found.mean - exact)
+    by_chance = 2.0 * found.half_width if np.isfinite(found.half_width) else found.spread
+    if not missed > max(by_chance, NOTED_MISS * abs(exact)):
+        return ""
+    return (
+        f"the samples miss a part of the motion: by the impulse of the contact the mean is "
+        f"{exact:.4g}; record more samples, at other distances in time"
+    )
 
 
 def _schedule_note(result: RunResult, after: float) -> str:

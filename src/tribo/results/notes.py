@@ -43,6 +43,8 @@ NOTED_EXCESS = 0.01
 HEATS = "heat: by the stiffness of the forces that the motion met"
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
+# Part of a period by which lengths that were meant to be equal may differ.
+ROUNDED = 1e-9
 # Recorded times at which the distances of bobs are looked at, at most: 0.1 ms each for a pair.
 MOST_LOOKS = 256
 
@@ -51,7 +53,8 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     """Notes on starts, rough potentials, given steps, and baths that are too small."""
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
-    starts = [*core_notes(layout), *_on_places(scene), *_on_angles(scene), *_on_seams(scene)]
+    starts = [*core_notes(layout), *_on_places(scene), *_on_images(scene)]
+    starts += [*_on_angles(scene), *_on_seams(scene)]
     starts += _on_rigid(scene)
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
@@ -283,6 +286,23 @@ def _on_places(scene: Scene) -> Iterator[str]:
                 f'the {number} asperites of "{surface.name}" are on {places} '
                 f"place{'s' * (places > 1)}, where alike ones act as one; {advice}"
             )
+
+
+def _on_images(scene: Scene) -> Iterator[str]:
+    """Grids that are longer than the period, whose asperites stand among images of their own."""
+    for surface in scene.surfaces:
+        if surface.positions is not None:
+            continue
+        for axis, name in enumerate("xz"):
+            period = getattr(scene.periodic, name)
+            number = surface.shape[axis]
+            spacing = abs(surface.spacing[axis])
+            if period is not None and (number - 1) * spacing >= period * (1.0 - ROUNDED):
+                yield (
+                    f'"{surface.name}" has {number} asperites {spacing:.4g} apart along {name}, in '
+                    f"a period of {period:.4g}, so that they stand among images of one another; "
+                    f"{math.floor(period / spacing * (1.0 + ROUNDED))} fit in it"
+                )
 
 
 def _on_angles(scene: Scene) -> Iterator[str]:
