@@ -229,8 +229,11 @@ def counted(scene: tribo.Scene) -> dict[str, int]:
         pushed |= surface.name == "upper" and len(scene.interactions) > 1
         if isinstance(drive, tribo.DrivenBars):
             continue
-        found["x"] += n if pushed or not isinstance(drive, tribo.Forced) else 0
-        found["y"] += n if pushed or drive.load is not None else 0
+        # A rigid body has one coordinate along each axis along which its bars are joined.
+        along_x = 1 if surface.moves_as_one or surface.is_rigid_block else n
+        along_y = 1 if surface.is_rigid_block else n
+        found["x"] += along_x if pushed or not isinstance(drive, tribo.Forced) else 0
+        found["y"] += along_y if pushed or drive.load is not None else 0
     return found
 
 
@@ -240,7 +243,9 @@ def test_degrees_of_freedom(seed):
     for names, scene in crossed(2, seed).items():
         assert explanation.coordinates(lay_out(scene)) == counted(scene), names
         layout = lay_out(scene)
-        # Rigid asperites keep the slots of their swings.
-        held = layout.coordinates - sum(counted(scene).values())
+        # Rigid asperites keep the slots of their swings, and bars of rigid bodies theirs.
+        slots = sum(int((layout.asperites[name] >= 0).sum()) for name in ("dof_x", "dof_y"))
+        joined = slots - counted(scene)["x"] - counted(scene)["y"]
+        held = layout.coordinates - sum(counted(scene).values()) - joined
         rigid = [s.count for s in scene.surfaces if np.all(np.isinf(s.asperite.kappa))]
         assert held == sum(rigid), names

@@ -1,5 +1,7 @@
 """Couplings of one's own: the same physics as built-in potentials between the bobs that couple."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -71,10 +73,8 @@ HOW = [
 ]
 
 
-@pytest.mark.parametrize("count", [1, 9])
-@pytest.mark.parametrize("how", HOW, ids=lambda how: how["method"])
-def test_between_opposite_charges(how, count):
-    """Alone, as a part of a sum, scaled and cut off."""
+def test_between_opposite_charges():
+    """Alone, as a part of a sum, scaled and cut off; in one test, as each is compiled once."""
     morse = tribo.Morse(0.1, 1.0, 0.8)
     own = Opposite(0.3)
     for mine, built_in in (
@@ -84,14 +84,16 @@ def test_between_opposite_charges(how, count):
         (own.with_cutoff(2.0), WELL.with_cutoff(2.0)),
         ((0.5 * own + morse).with_cutoff(2.0), (0.5 * WELL + morse).with_cutoff(2.0)),
     ):
-        wanted = work(built_in, (1.0, 1.0), count, **how)
-        np.testing.assert_allclose(work(mine, (1.0, -1.0), count, **how), wanted, rtol=1e-6)
-    assert np.all(np.abs(work(own, (1.0, -1.0), count, **how)) > 0.05)
-    assert np.all(work(own, (1.0, 1.0), count, **how) == 0.0)
+        for how, count in itertools.product(HOW, (1, 9)):
+            wanted = work(built_in, (1.0, 1.0), count, **how)
+            np.testing.assert_allclose(work(mine, (1.0, -1.0), count, **how), wanted, rtol=1e-6)
+    for how in HOW:
+        assert np.all(np.abs(work(own, (1.0, -1.0), **how)) > 0.05)
+        assert np.all(work(own, (1.0, 1.0), **how) == 0.0)
 
 
-@pytest.mark.parametrize("how", HOW, ids=lambda how: how["method"])
-def test_between_charges_that_are_not_the_largest(how):
+def test_between_charges_that_are_not_the_largest():
+    how = HOW[1]
     found = work(Kinds(0.3), ([1.0, 2.0], [1.0, 2.0]), 2, **how)
     wanted = work(WELL, (1.0, 1.0), **how)
     np.testing.assert_allclose(found, [wanted[0], 0.0], rtol=1e-6, atol=1e-9)
