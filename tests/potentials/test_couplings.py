@@ -101,6 +101,15 @@ def test_between_charges_that_are_not_the_largest():
     np.testing.assert_allclose(found, [wanted[0], 0.0], rtol=1e-6, atol=1e-9)
 
 
+def test_a_part_that_is_zero_changes_nothing():
+    """First or last in a sum, and in a sum within a sum."""
+    nothing = tribo.Coulomb(0.0)
+    how = HOW[0]
+    wanted = work(WELL, (1.0, 1.0), **how)
+    for potential in (nothing + WELL, WELL + nothing, nothing + (nothing + WELL)):
+        np.testing.assert_allclose(work(potential, (1.0, 1.0), **how), wanted, rtol=1e-12)
+
+
 def test_members_with_charges_of_their_own():
     """In lanes, for some of which the bobs do not act on one another."""
     surfaces = (
