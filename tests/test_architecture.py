@@ -28,16 +28,14 @@ def modules():
 FILES = dict(modules())
 
 
-def imported(node):
-    """Full names that are imported within a node, those that only type checkers see included."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.Import):
-            yield from (alias.name for alias in child.names)
-        elif isinstance(child, ast.ImportFrom):
-            assert child.level == 0, "imports are absolute here"
-            yield from (f"{child.module}.{alias.name}" for alias in child.names)
-        else:
-            yield from imported(child)
+def imported(tree):
+    """Full names that a file imports, inside functions and for type checkers included."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute here"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 @cache
