@@ -20,7 +20,7 @@ from tribo.integrators.own_method import coefficients_of
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
 from tribo.layout.initial_state import InitialState, Start
-from tribo.ledger.guards import facing, passing_notes
+from tribo.ledger.guards import MOST_MISSED, facing, missed_energy, passing_notes
 from tribo.ledger.ledger import Ledger, assemble
 from tribo.ledger.reporter import Reporter
 from tribo.ledger.separation import separation_notes
@@ -39,6 +39,8 @@ from tribo.validation import InputError, TriboWarning
 # A run whose step was chosen is repeated so often at most, each time with half the step or less: a
 # thousandth of it resolves no other scenes.
 MOST_REPEATS = 10
+# The same of a run that completed, but gave the motion energy that no work accounts for.
+MOST_REPEATS_FOR_ENERGY = 3
 # Ends of runs whose step is too long.
 REPEATED = (
     Status.ENCOUNTER_JUMPED,
@@ -220,7 +222,9 @@ class Simulation:
             notes = (*notes, *notes_on.passage_notes(layout, run))
         if self._noisy and run.stiffness is not None:
             step = setting.of_equal_steps()
-            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(step)), step))
+            excess = [*notes_on.excess_note(float(run.stiffness.excess(step)), step)]
+            missed = "" if excess else self._missed_energy(delivered)
+            notes += (*excess, *notes_on.missed_note(missed, step))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -235,17 +239,34 @@ class Simulation:
         """A run whose step is shortened until it is not too long, its step, and a note on that."""
         notes: tuple[str, ...] = ()
         tries = MOST_REPEATS
-        delivered = self._deliver(setting, times, y, resolved=True)
-        while tries > 0 and delivered[0].status in REPEATED:
-            tries -= 1
+        for_energy = MOST_REPEATS_FOR_ENERGY
+        while True:
+            delivered = self._deliver(setting, times, y, resolved=tries > 0)
             run = delivered[0]
             step = setting.of_equal_steps()
-            shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
+            if tries > 0 and run.status in REPEATED:
+                tries -= 1
+                shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
+                why = notes_on.too_long(self.layout, run)
+            elif for_energy > 0 and (missed := self._missed_energy(delivered)):
+                for_energy -= 1
+                shorter = 0.5 * step
+                why = f"give the motion energy: {missed}"
+            else:
+                return delivered, setting, notes
             shorter = self.plan.divided(shorter)
-            notes = (notes_on.repeat_note(self.layout, run, step, shorter),)
+            notes = (notes_on.repeat_note(step, why, shorter),)
             setting = Setting(step=shorter)
-            delivered = self._deliver(setting, times, y, resolved=tries > 0)
-        return delivered, setting, notes
+
+    def _missed_energy(self, delivered: Delivered) -> str:
+        """A sentence where no work accounts for too much of the energy of a run, or nothing."""
+        run, ledger, _ = delivered
+        if run.status != Status.COMPLETED:
+            return ""
+        layout = self.layout
+        ends = ledger() if self._streams else assemble(layout, run.samples.ends())
+        missed, through = (float(each[0]) for each in missed_energy(layout, ends))
+        return notes_on.missed_energy(missed, through) if missed > MOST_MISSED * through else ""
 
     def _deliver(
         self, setting: Setting, times: np.ndarray, y: np.ndarray, resolved: bool = False

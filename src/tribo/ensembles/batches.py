@@ -13,7 +13,7 @@ from tribo.ensembles.members import Members, is_random, values_at_start
 from tribo.integrators.methods import noisy
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.own_numbers import member_numbers
-from tribo.ledger.guards import grows, passed_through
+from tribo.ledger.guards import MOST_MISSED, lost_samples, missed_energy, passed_through
 from tribo.ledger.ledger import assemble
 from tribo.ledger.separation import PART, parted
 from tribo.loops.batch import MemberRuns, MemberStarts, padded
@@ -22,6 +22,7 @@ from tribo.loops.resolution import longest_damped_step
 from tribo.model.identity import as_sent, received
 from tribo.prepared import Simulation
 from tribo.result import Result
+from tribo.results import notes as notes_on
 from tribo.simulation import from_settings, prepare
 from tribo.validation import InputError
 
@@ -160,11 +161,21 @@ def kept_series(kept: Kept, runs: MemberRuns) -> dict[str, np.ndarray]:
 
 
 def complete_members(runs: MemberRuns, guarded: bool = False) -> np.ndarray:
-    """Which members completed; not those that passed, or, if `guarded`, grow in energy."""
-    stopped = passed_through(runs.layout, runs.samples)
+    """Which members completed; not those that passed, or, if `guarded`, whose energy runs away."""
+    complete = runs.complete & ~passed_members(runs)
     if guarded:
-        stopped = stopped | grows(runs.layout, runs.samples)
-    return np.asarray(runs.complete & ~stopped.reshape(-1, len(runs.counts)).any(axis=0))
+        complete &= ~_at_any_time(runs, lost_samples(runs.layout, runs.samples))
+    return np.asarray(complete)
+
+
+def passed_members(runs: MemberRuns) -> np.ndarray:
+    """Which members have a surface that passed another one, (members,)."""
+    return _at_any_time(runs, passed_through(runs.layout, runs.samples))
+
+
+def _at_any_time(runs: MemberRuns, found: np.ndarray) -> np.ndarray:
+    """Where something was found in members, by rows of their samples: (members,)."""
+    return np.asarray(found.reshape(-1, len(runs.counts)).any(axis=0))
 
 
 def delivered(kept: Kept, runs: MemberRuns, level: float, complete: np.ndarray) -> KeptValues:
@@ -198,14 +209,35 @@ class StepRuns(Policy):
         found = delivered(self.kept, runs, math.nan, self._resolved(runs))
         if runs.stiffness is not None and noisy(self.simulation.scene):
             found["excess"] = runs.stiffness.excess(self._step)
+            missed, through = self._missed_energy(runs)
+            for index in np.flatnonzero(missed > MOST_MISSED * through).tolist():
+                own = notes_on.missed_energy(float(missed[index]), float(through[index]))
+                set_notes(found, index, "\n".join(filter(None, [str(found["note"][index]), own])))
         return found
 
-    def shorter_step(self, members: Members) -> float | None:
-        """A shorter step, if that of the plan does not resolve the motion of some members."""
-        runs = self._run(self.begin(members))
+    def run(self, members: Members) -> MemberRuns:
+        """Run some members with the step of the plan."""
+        return self._run(self.begin(members))
+
+    def misses_energy(self, runs: MemberRuns) -> bool:
+        """Whether no work accounts for too much of the energy of some runs together."""
+        missed, through = self._missed_energy(runs)
+        return bool(np.sum(missed) > MOST_MISSED * np.sum(through))
+
+    def _missed_energy(self, runs: MemberRuns) -> tuple[np.ndarray, np.ndarray]:
+        """As `missed_energy`, of the runs that completed; zeros of the others."""
+        ledger = assemble(runs.layout, runs.samples.ends())
+        found = missed_energy(runs.layout, ledger, len(runs.counts))
+        return np.where(complete_members(runs), found, 0.0)
+
+    def shorter_step(self, runs: MemberRuns) -> float | None:
+        """A shorter step, if that of the plan does not resolve the motion of some runs.
+
+        Those in which a surface passed another one would do so with any step.
+        """
         stiffness = runs.stiffness
         assert stiffness is not None
-        if not np.all(self._resolved(runs)):
+        if not np.all(self._resolved(runs) | passed_members(runs)):
             return stiffness.shorter(self._step)
         together = stiffness.together()
         return together.shorter(self._step) if together.exceeds(self._step) else None

@@ -15,7 +15,7 @@ from tribo.ensembles.members import Members, Variation
 from tribo.layout.layout import lay_out
 from tribo.layout.own_numbers import member_numbers
 from tribo.loops.select import Integrator
-from tribo.prepared import MOST_REPEATS, Simulation
+from tribo.prepared import MOST_REPEATS, MOST_REPEATS_FOR_ENERGY, Simulation
 
 # Members that are run before the others: those of one call in lanes.
 FIRST_MEMBERS = 8
@@ -36,13 +36,23 @@ def with_common_step(policy: Policy, variation: Variation, count: int) -> Policy
     if isinstance(policy, StepRuns):
         if variation.own_numbers:
             policy = _with_step(policy, min(step, _bound(policy, variation, count)))
-        for _ in range(MOST_REPEATS if before else 0):
+        if not before:
+            return policy
+        first = variation.sample(count, min(FIRST_MEMBERS, before))
+        tries = MOST_REPEATS
+        for_energy = MOST_REPEATS_FOR_ENERGY
+        while True:
             assert isinstance(policy, StepRuns)
-            shorter = policy.shorter_step(variation.sample(count, min(FIRST_MEMBERS, before)))
-            if shorter is None:
-                break
+            runs = policy.run(first)
+            shorter = policy.shorter_step(runs)
+            if shorter is not None and tries > 0:
+                tries -= 1
+            elif shorter is None and for_energy > 0 and policy.misses_energy(runs):
+                for_energy -= 1
+                shorter = 0.5 * policy.simulation.plan.setting.of_equal_steps()
+            else:
+                return policy
             policy = _with_step(policy, shorter)
-        return policy
     assert isinstance(policy, SingleRuns)
     if before:
         step = min(step, _of_starts(policy, variation.sample(count, min(FIRST_STARTS, before))))

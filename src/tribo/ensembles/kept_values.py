@@ -12,13 +12,14 @@ from tribo.accuracy.comparison import LOST
 from tribo.kernels.status import Status
 from tribo.layout.layout import Layout
 from tribo.ledger import quantities
+from tribo.ledger.guards import MOST_MISSED
 from tribo.ledger.quantity import Quantity
 from tribo.ledger.reported import SUMMED_QUANTITIES, Reported, present_names, quantity_of, reported
 from tribo.ledger.sinks import exceeds_memory
 from tribo.model.scene import Scene
 from tribo.result import Result
 from tribo.results.force_averages import force_average
-from tribo.results.notes import HEATS, excess_note
+from tribo.results.notes import HEATS, NO_WORK, excess_note
 from tribo.validation import InputError
 
 # The status of a member whose accuracy is out of reach.
@@ -48,6 +49,8 @@ EXCESS = "excess"
 EXCESSES = "excesses"
 # And members with runs of their own in which the step heats.
 HEATED = "heated"
+# And members of whose energy no work accounts for too much.
+MISSING = "missing"
 # Ends of runs whose step is too long: other members completed with it, perhaps by chance.
 RUN_AWAY = frozenset(map(str, (Status.ENERGY_RUNAWAY, Status.NOT_FINITE, Status.ENCOUNTER_JUMPED)))
 # Of an array of names of statuses.
@@ -337,6 +340,15 @@ def interval_note(number: int, total: int, what: str) -> str:
     )
 
 
+def missing_note(number: int, total: int) -> Iterator[str]:
+    """A note on members of whose energy no work accounts for too much."""
+    if number:
+        yield (
+            f"in {number} of {total} members {NO_WORK} more than {100.0 * MOST_MISSED:.2g} % of "
+            "the energy that reservoirs and drives exchange; give a shorter step"
+        )
+
+
 class Tally(Counter[str]):
     """Numbers of members by status, and of those that are named above."""
 
@@ -352,13 +364,14 @@ class Tally(Counter[str]):
         self[WEAK] += sum(LOST in note for note in noted)
         self[WITHOUT_INTERVAL] += int(without_interval(found).sum())
         self[HEATED] += sum(HEATS in note for note in noted)
+        self[MISSING] += sum(NO_WORK in note for note in noted)
         excess = found["excess"][~np.isnan(found["excess"])]
         self[EXCESS] += float(np.sum(excess))  # type: ignore[assignment]
         self[EXCESSES] += excess.size
 
     @property
     def statuses(self) -> dict[str, int]:
-        others = (CHECKED, REFINED, WEAK, WITHOUT_INTERVAL, EXCESS, EXCESSES, HEATED)
+        others = (CHECKED, REFINED, WEAK, WITHOUT_INTERVAL, EXCESS, EXCESSES, HEATED, MISSING)
         return {name: n for name, n in self.items() if n and name not in others}
 
     @property
@@ -379,6 +392,7 @@ class Tally(Counter[str]):
                 f"in {self[HEATED]} of {total} members the step makes the kinetic temperature more "
                 "than 1 % too high; give a shorter step, or none"
             )
+        yield from missing_note(self[MISSING], total)
         if self[CHECKED]:
             again = f"{self[CHECKED]} members were run again with finer settings"
             yield f"{again}; {self[REFINED]} needed them"

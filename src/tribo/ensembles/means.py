@@ -21,7 +21,7 @@ from tribo.kernels.status import MEANINGS, Status
 from tribo.ledger.separation import PART
 from tribo.model.scene import Scene
 from tribo.results.averages import CONFIDENCE, interval, members_needed
-from tribo.results.notes import run_notes
+from tribo.results.notes import NO_WORK, run_notes
 from tribo.results.result_file import Variable
 from tribo.simulation import from_settings
 from tribo.validation import POSITIVE, InputError, inside, number, one_of, short_repr
@@ -202,7 +202,9 @@ class _Means:
         number = int(np.count_nonzero(complete))
         total = complete.size
         step = simulation.plan.setting.step if simulation.accuracy is None else None
-        of_first = [line for line in str(note[0]).splitlines() if PART not in line]
+        counted = (PART, NO_WORK)  # in all members, below
+        lines = str(note[0]).splitlines()
+        of_first = [line for line in lines if not any(words in line for words in counted)]
         of_scene = run_notes(simulation.layout, simulation.method, step)
         yield from dict.fromkeys([*of_scene, *of_first])
         if number < total:
@@ -215,6 +217,8 @@ class _Means:
             yield from kept_values.step_notes(
                 statuses, float(np.mean(known)) if known.size else 0.0, step
             )
+        missing = sum(NO_WORK in line for line in note[complete].tolist())
+        yield from kept_values.missing_note(missing, total)
         if parted := sum(PART in line for line in note[complete].tolist()):
             yield (
                 f"in {parted} of {total} members surfaces {PART}; means include them, and the "

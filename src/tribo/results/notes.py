@@ -39,7 +39,8 @@ NOTED_WORK = 0.1
 SEAM = 2.1
 # Noted excess of the kinetic temperature, relative: the rule of chosen steps.
 NOTED_EXCESS = 0.01
-# What a note on a step that heats says.
+# What notes on energy say of which a ledger knows no source, and on a step that heats.
+NO_WORK = "no work accounts for"
 HEATS = "heat: by the stiffness of the forces that the motion met"
 # Blocks of equal length whose rates give the interval of a pumped heat; fewer make it wide.
 BLOCKS = 10
@@ -218,19 +219,38 @@ def stop_notes(layout: Layout, run: Integration) -> Iterator[str]:
         yield f"at its mean rate, {reach_of(layout.scene, whole, layout.beginning)}"
 
 
-def repeat_note(layout: Layout, run: Integration, step: float, shorter: float) -> str:
-    """A note on an automatic step that was too long for the motion of a run."""
+def too_long(layout: Layout, run: Integration) -> str:
+    """Why the steps of a run that did not complete are too long: the end of a sentence."""
     t, near = _closest_at_end(layout, run)
     if run.status == Status.ENCOUNTER_JUMPED:
-        why = f"would have passed an encounter at t = {t:.4g}{near}"
-    elif run.status == Status.STEP_TOO_LONG and run.stiffness is not None:
-        why = (
+        return f"would have passed an encounter at t = {t:.4g}{near}"
+    if run.status == Status.STEP_TOO_LONG and run.stiffness is not None:
+        return (
             f"do not resolve the stiffest motion up to t = {t:.4g}, at "
             f"{float(run.stiffness.frequency):.3g} rad per unit of time"
         )
-    else:
-        why = f"are too long for the motion, which runs away at t = {t:.4g}"
+    return f"are too long for the motion, which runs away at t = {t:.4g}"
+
+
+def missed_energy(missed: float, through: float) -> str:
+    """What no work accounts for, of the energy that went through a scene: a part of a sentence."""
+    return (
+        f"{NO_WORK} {missed:.2g} of the {through:.2g} that reservoirs and drives exchange"
+    )
+
+
+def repeat_note(step: float, why: str, shorter: float) -> str:
+    """A note on an automatic step that was too long for the motion of a run."""
     return f"steps of {step:.3g} {why}; the run was repeated with steps of {shorter:.3g}"
+
+
+def missed_note(missed: str, step: float) -> Iterator[str]:
+    """A note on a run with noise that misses energy, by `missed_energy`; none where it does not."""
+    if missed:
+        yield (
+            f"{missed}, with steps of {step:.3g}; shorter steps resolve hard collisions, unless a "
+            "force is not conservative (tribo check tells)"
+        )
 
 
 def excess_note(excess: float, step: float) -> Iterator[str]:

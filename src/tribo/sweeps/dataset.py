@@ -19,6 +19,7 @@ from tribo.ensembles.kept_values import (
     KeptValues,
     interval_note,
     joined,
+    missing_note,
     step_notes,
     without_interval,
 )
@@ -26,6 +27,7 @@ from tribo.ensembles.members import Members
 from tribo.ensembles.stores import Target
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
+from tribo.results.notes import NO_WORK
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError, inside
@@ -127,7 +129,9 @@ class Table:
                 yield f"{self._grid.label(index)}: {own}"
             return
         excesses = self.placed(self._found["excess"]).reshape(points, -1)
-        some = range(points) if step is not None else np.flatnonzero(without).tolist()
+        missing = np.count_nonzero(np.char.find(note, NO_WORK) >= 0, axis=1)
+        noted = np.flatnonzero(without + missing).tolist()
+        some = range(points) if step is not None else noted
         for index in some:
             own_notes = []
             if without[index]:
@@ -135,6 +139,7 @@ class Table:
             known = excesses[index][~np.isnan(excesses[index])]
             excess = float(np.mean(known)) if known.size else 0.0
             own_notes += step_notes(Counter(status[index].tolist()), excess, step)
+            own_notes += missing_note(int(missing[index]), status.shape[1])
             if own_notes:
                 yield f"{self._grid.label(index)}: {'; '.join(own_notes)}"
 
