@@ -4,6 +4,7 @@ They hardly depend on the machine.  A bound that a change exceeds is work done f
 what is the same for all of them, and compute it once.
 """
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,6 +14,8 @@ import pytest
 from scipy import stats
 
 import tribo
+
+PACKAGE = os.path.dirname(tribo.__file__)
 
 # Most calls of functions in Python and in C, in all frames, of a run of a prepared pair, of a run
 # with an estimate, and of `simulate`; measured: 40, 599 and 3,872, and two more for each run of a
@@ -27,6 +30,8 @@ SIMULATED_LATTICE = 12790
 # Of 100 members, and of 121 points of a grid; measured: 14,418 and 19,770.
 MEMBERS = 14850
 POINTS = 20350
+# Of 100 members in frames of tribo's own; measured: 7,854.
+OWN_OF_MEMBERS = 8090
 # Of each further thousand of members that differ in starts; measured: 28.
 EACH_THOUSAND = 29
 # Of each further thousand of members that differ in numbers; measured: 50.
@@ -36,21 +41,28 @@ EACH_THOUSAND_POINTS = 400
 
 
 def calls(function):
-    """The numbers of calls of Python's and of C's functions in a warm call."""
+    """The number of calls of Python's and of C's functions in a warm call."""
+    return calls_of_all_and_own(function)[0]
+
+
+def calls_of_all_and_own(function):
+    """The same, and of these the calls of tribo's functions, and of C's functions by these."""
     function()
     function()
-    count = 0
+    count = own = 0
 
     def profile(frame, event, argument):
-        nonlocal count
-        count += event in ("call", "c_call")
+        nonlocal count, own
+        if event in ("call", "c_call"):
+            count += 1
+            own += frame.f_code.co_filename.startswith(PACKAGE)
 
     sys.setprofile(profile)
     try:
         function()
     finally:
         sys.setprofile(None)
-    return count
+    return count, own
 
 
 def test_prepared_pair():
@@ -131,9 +143,10 @@ def ensemble(members, **vary):
 )
 def test_members(vary, each_thousand):
     """Members make no calls of their own: what grows with them are batches of some thousands."""
-    few = calls(lambda: ensemble(100, **vary))
+    few, own = calls_of_all_and_own(lambda: ensemble(100, **vary))
     if not vary:
         assert few <= MEMBERS
+        assert own <= OWN_OF_MEMBERS
     assert calls(lambda: ensemble(4100, **vary)) - few <= 4 * each_thousand
 
 
