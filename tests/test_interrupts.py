@@ -160,6 +160,8 @@ def test_a_run_keeps_what_it_reached(interrupted, tmp_path):
         reached.append(end["t"])
         assert out.read_bytes() == b"an earlier file"
     assert 0.0 < reached[0] < reached[1]
+    printed = interrupted(later, *command[:2], *command[3:], compiles=False)[1]
+    assert "Next:  the same command with --resume   goes on from long.nc.part" in printed
 
 
 def test_little_is_imported_before_the_program_can_be_interrupted():

@@ -42,7 +42,21 @@ def test_a_bar_that_falls_past_the_other_surface_ends_the_result(numerics):
         result = tribo.simulate(fall(), **numerics)
     assert result.status == "PassedThrough"
     assert result.t[-2] < passing_time() <= result.t[-1]
-    assert '1 of 1 bars of "upper" passed through "lower"' in " ".join(result.notes)
+    notes = " ".join(result.notes)
+    assert '1 of 1 bars of "upper" passed through "lower"' in notes
+    assert "1 of them are off its ends, at x = " in notes and 'a longer "lower"' in notes
+
+
+def test_bars_that_fall_between_bobs_need_other_help():
+    """A bar that falls into a gap of the other row is not off its ends."""
+    row = {"shape": (2, 1), "spacing": (20.0, 0.0)}
+    lower = Surface("lower", bob=(-10.0, 0.0), facing="up", drive="bars", **row)
+    scene = fall(place=0.0)
+    scene = replace(scene, surfaces=(scene.surfaces[0], lower))
+    with pytest.warns(tribo.TriboWarning, match="passed through each other"):
+        result = tribo.simulate(scene, method="verlet", step=0.01)
+    notes = " ".join(result.notes)
+    assert "stronger contact hold them" in notes and "off its ends" not in notes
 
 
 def test_bobs_that_change_their_order_alone_have_not_passed():

@@ -54,6 +54,8 @@ def _next(options: argparse.Namespace, result: Result) -> str:
     given = options.scene
     scene = quote(str(given))
     kept = quote(str(options.out or given.with_suffix(".nc")))
+    if options.out is not None and result.status == "Interrupted":
+        return f"Next:  the same command with --resume   goes on from {kept}.part"
     if options.out is not None or given.suffix == ".nc":
         return f"Next:  tribo view {kept}   writes a page that plays the run"
     if result.status != "completed":

@@ -135,15 +135,34 @@ def passing_notes(layout: Layout, samples: Samples) -> Iterator[str]:
     if not pairs:
         return
     last = samples.ends()
-    names = [surface.name for surface in layout.scene.surfaces]
+    surfaces = layout.scene.surfaces
     for mine, theirs in pairs:
+        if surfaces[mine].drive.holds_bars:  # the other one has moved, and has its own note
+            continue
         beyond = _beyond(layout, last, mine, theirs)[-1]
         if np.any(beyond):
             yield (
-                f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{names[mine]}" passed '
-                f'through "{names[theirs]}" by t = {last.t[-1]:.6g}; springs between bars, a '
-                "smaller load or stronger contact hold them"
+                f'{np.count_nonzero(beyond)} of {beyond.size} bars of "{surfaces[mine].name}" '
+                f'passed through "{surfaces[theirs].name}" by t = {last.t[-1]:.6g}; '
+                f"{_what_holds_them(layout, last, mine, theirs, beyond)}"
             )
+
+
+def _what_holds_them(
+    layout: Layout, last: Samples, mine: int, theirs: int, beyond: np.ndarray
+) -> str:
+    """What keeps bars from passing that are `beyond` another surface, (asperites,)."""
+    bars = _places(layout, last, mine, "bar", axis=0)[-1, beyond]
+    bobs = _places(layout, last, theirs, "bob", axis=0)[-1]
+    low, high = float(np.min(bobs)), float(np.max(bobs))
+    off = np.count_nonzero((bars < low) | (bars > high))
+    if layout.scene.periodic.x is None and 2 * off > bars.size:
+        name = layout.scene.surfaces[theirs].name
+        return (
+            f'{off} of them are off its ends, at x = {low:.3g} and {high:.3g}; a longer "{name}", '
+            "a shorter way or periodic.x keep them over it"
+        )
+    return "springs between bars, a smaller load or stronger contact hold them"
 
 
 def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
@@ -177,14 +196,16 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
     (times, asperites).  Beyond is below for a surface that faces down, and above for the other.
     """
     down = layout.scene.surfaces[mine].facing_sign
-    bars = down * _heights(layout, samples, mine, "bar")
-    bobs = down * _heights(layout, samples, theirs, "bob")
+    bars = down * _places(layout, samples, mine, "bar")
+    bobs = down * _places(layout, samples, theirs, "bob")
     with np.errstate(invalid="ignore"):  # values that are not finite are beyond nothing
         beyond = bars < np.min(bobs, axis=1, keepdims=True)
     return beyond & ~np.asarray(samples.at_start(beyond), dtype=bool)
 
 
-def _heights(layout: Layout, samples: Samples, index: int, point: str) -> np.ndarray:
-    """y of the bars or of the bobs of a surface, (times, asperites)."""
+def _places(
+    layout: Layout, samples: Samples, index: int, point: str, axis: int = 1
+) -> np.ndarray:
+    """x (axis 0) or y of the bars or of the bobs of a surface, (times, asperites)."""
     moved = motions(layout, samples, index)
-    return np.concatenate([getattr(motion, point)[1] for motion in moved], axis=1)
+    return np.concatenate([getattr(motion, point)[axis] for motion in moved], axis=1)
