@@ -91,9 +91,7 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
     return np.asarray(energy > RUNAWAY * samples.at_start(energy))
 
 
-def missed_energy(
-    layout: Layout, ledger: Ledger, runs: int = 1
-) -> tuple[np.ndarray, np.ndarray]:
+def missed_energy(layout: Layout, ledger: Ledger, runs: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """Energy that no work accounts for at the end of runs, and that which went through the scene.
 
     Each (runs,).  What went through is at least what drives and reservoirs did, and what reservoirs
@@ -203,9 +201,7 @@ def _beyond(layout: Layout, samples: Samples, mine: int, theirs: int) -> np.ndar
     return beyond & ~np.asarray(samples.at_start(beyond), dtype=bool)
 
 
-def _places(
-    layout: Layout, samples: Samples, index: int, point: str, axis: int = 1
-) -> np.ndarray:
+def _places(layout: Layout, samples: Samples, index: int, point: str, axis: int = 1) -> np.ndarray:
     """x (axis 0) or y of the bars or of the bobs of a surface, (times, asperites)."""
     moved = motions(layout, samples, index)
     return np.concatenate([getattr(motion, point)[axis] for motion in moved], axis=1)

@@ -234,9 +234,7 @@ def too_long(layout: Layout, run: Integration) -> str:
 
 def missed_energy(missed: float, through: float) -> str:
     """What no work accounts for, of the energy that went through a scene: a part of a sentence."""
-    return (
-        f"{NO_WORK} {missed:.2g} of the {through:.2g} that reservoirs and drives exchange"
-    )
+    return f"{NO_WORK} {missed:.2g} of the {through:.2g} that reservoirs and drives exchange"
 
 
 def repeat_note(step: float, why: str, shorter: float) -> str:
