@@ -227,8 +227,9 @@ class StepRuns(Policy):
     def _missed_energy(self, runs: MemberRuns) -> tuple[np.ndarray, np.ndarray]:
         """As `missed_energy`, of the runs that completed; zeros of the others."""
         ledger = assemble(runs.layout, runs.samples.ends())
-        found = missed_energy(runs.layout, ledger, len(runs.counts))
-        return np.where(complete_members(runs), found, 0.0)
+        missed, through = missed_energy(runs.layout, ledger, len(runs.counts))
+        complete = complete_members(runs)
+        return np.where(complete, missed, 0.0), np.where(complete, through, 0.0)
 
     def shorter_step(self, runs: MemberRuns) -> float | None:
         """A shorter step, if that of the plan does not resolve the motion of some runs.
