@@ -17,7 +17,7 @@ from tribo import Explanation, paper
 from tribo.explanation import Contact
 from tribo.explanation.prediction import Predicted
 from tribo.layout.layout import lay_out
-from tribo.loops.pair import is_pair
+from tribo.loops.pair_records import is_pair
 from tribo.threads.shared_run import Threads
 
 TESTS = Path(__file__).parents[1]

@@ -21,7 +21,8 @@ from tribo.layout.layout import lay_out
 from tribo.ledger.ledger import assemble
 from tribo.ledger.pair_samples import PairSamples
 from tribo.ledger.samples import Samples
-from tribo.loops.pair import PairLoop, has_pair_loop, is_pair
+from tribo.loops.pair import PairLoop
+from tribo.loops.pair_records import has_pair_loop, is_pair
 from tribo.loops.select import Integrator
 from tribo.pair.loop import COLUMNS
 

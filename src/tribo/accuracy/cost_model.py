@@ -26,7 +26,7 @@ from tribo.layout.layout import Layout
 from tribo.ledger.motion import swing_direction
 from tribo.ledger.nearest import nearest
 from tribo.ledger.separation import in_box
-from tribo.loops.pair import has_pair_loop
+from tribo.loops.pair_records import has_pair_loop
 from tribo.loops.resolution import bath_frequency, unit_step
 from tribo.potentials.potential import Potential, acting_charges
 

@@ -86,8 +86,10 @@ class Samples:
 
     def ends(self) -> Samples:
         """The first and the last sample of each run."""
-        first = np.arange(self.runs)
         last = self.t.size - self.runs
+        if self.runs == 1:
+            return self.rows(np.array([0, last] if last > 0 else [0]))
+        first = np.arange(self.runs)
         chosen = np.concatenate([first, last + first]) if last > 0 else first
         return Samples.of_runs(self.runs, *(each[chosen] for each in self.columns))
 

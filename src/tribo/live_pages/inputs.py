@@ -23,7 +23,7 @@ INPUTS = 2 * OF_SURFACE + 3
 
 
 def inputs_of(layout: Layout) -> np.ndarray:
-    """The numbers of a scene with `tribo.loops.pair.is_pair`, (INPUTS,)."""
+    """The numbers of a scene with `tribo.loops.pair_records.is_pair`, (INPUTS,)."""
     scene = layout.scene
     found = np.zeros(INPUTS)
     for k, surface in enumerate(scene.surfaces):

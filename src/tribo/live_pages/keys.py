@@ -14,7 +14,7 @@ import numpy as np
 
 from tribo.layout.layout import Layout, lay_out
 from tribo.live_pages.inputs import inputs_of
-from tribo.loops.pair import is_pair
+from tribo.loops.pair_records import is_pair
 from tribo.model.parameters import INTERACTION, value_of, with_values
 from tribo.model.scene import Scene
 from tribo.model.surface import Surface

@@ -18,7 +18,7 @@ from tribo.live_pages.controls import PANELS, Controls, controls_of, least, of_o
 from tribo.live_pages.keys import keys_of, numbers_of
 from tribo.live_pages.lattice_source import Lattice, kinds_and_meanings
 from tribo.live_pages.quantities import OF_ASPERITE, OfSystem
-from tribo.loops.pair import is_pair
+from tribo.loops.pair_records import is_pair
 from tribo.model.scene import Scene
 from tribo.pair import step_rows
 from tribo.pair.step import table

@@ -18,7 +18,8 @@ from tribo.loops.integrate import Integration, Progress, first_step_at, integrat
 from tribo.loops.journal import Journal, key_of
 from tribo.loops.lane_loop import NystromLanes, SplittingLanes, fit_lanes
 from tribo.loops.origin import Origin, continued
-from tribo.loops.pair import Pair, has_pair_loop
+from tribo.loops.pair import Pair
+from tribo.loops.pair_records import has_pair_loop
 from tribo.loops.resolution import first_step
 from tribo.loops.saved_state import State
 from tribo.loops.setting import Setting

@@ -43,11 +43,10 @@ class EntryPoint:
 def registers_as_arrays():
     """The loop for pairs without a compiler."""
     stack = ExitStack()
-    adapter = "tribo.loops.pair"
-    importlib.import_module(adapter)
+    importlib.import_module("tribo.loops.pair")
     config = SimpleNamespace(DISABLE_JIT=False)
-    stack.enter_context(mock.patch(f"{adapter}.config", config))
-    stack.enter_context(mock.patch(f"{adapter}.EntryPoint", EntryPoint))
+    stack.enter_context(mock.patch("tribo.loops.pair_records.config", config))
+    stack.enter_context(mock.patch("tribo.loops.pair.EntryPoint", EntryPoint))
     # Where nothing is compiled, the numbers of a potential are the potential itself.
     itself = mock.patch("tribo.pair.loop.with_numbers", lambda units, numbers: numbers)
     stack.enter_context(itself)
