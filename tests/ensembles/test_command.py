@@ -238,6 +238,26 @@ def test_a_half_width_determines_the_members(tmp_path, capsys):
         assert "half" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ("", "--members: is missing; give a number, or the half-width of a mean"),
+        ("--members 4", "--vary: is empty"),
+        ("--members 0", "--members: must be an integer of at least 2, got 0"),
+        ("--half-width upper.W=-1", "--half-width upper.W: must be positive, got -1.0"),
+        ("--members 4 --keep uper.W", "--keep uper.W: must be a quantity"),
+        ("--members 4 --step 0", "--step: must be positive [time], got 0.0"),
+    ],
+)
+def test_messages_name_options(tmp_path, capsys, given, problem):
+    """Not the arguments of the function behind a command."""
+    path = tmp_path / "a.toml"
+    path.write_text(paper.scene("A").to_toml(), encoding="utf-8")
+    vary = [] if "--vary" in problem else ["--vary", "upper.theta=normal(0,0.1)"]
+    assert main(["ensemble", str(path), *vary, *given.split()]) == 2
+    assert capsys.readouterr().err.startswith(f"tribo: {problem}")
+
+
 def test_an_unresolved_step_may_be_allowed(tmp_path, capsys):
     """For runs, ensembles and sweeps."""
     stiff = tribo.Surface("upper", asperite=tribo.Asperite(kappa=1e4))

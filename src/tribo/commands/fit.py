@@ -16,9 +16,8 @@ from tribo.validation import InputError, must_be
 if TYPE_CHECKING:
     import xarray
 
-# What messages call the arguments of `tribo.fit` and `tribo.sensitivity`.
-OPTIONS = {"ranges": "--vary", "quantity": "--quantity", "noise": "--noise", "starts": "--starts"}
-OPTIONS |= {"members": "--members", "keys": "--keys", "quantities": "--keep", "scales": "--scale"}
+# Options that have other names than arguments of `tribo.fit` and `tribo.sensitivity`.
+OPTIONS = {"ranges": "--vary", "quantities": "--keep", "scales": "--scale"}
 
 
 def add_fit(fit: argparse.ArgumentParser) -> None:

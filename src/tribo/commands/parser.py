@@ -21,7 +21,7 @@ from tribo.commands.sweep import run_sweep
 from tribo.commands.view import add_play, add_view
 from tribo.files import checked_target
 from tribo.interrupts import COMPLETED, STOPPED
-from tribo.validation import TriboWarning
+from tribo.validation import InputError, TriboWarning
 
 FIRST_STEPS = """\
 first steps:
@@ -56,10 +56,14 @@ class CommandParser(argparse.ArgumentParser):
 
 
 def run_command(arguments: list[str] | None) -> int:
+    """Run a command.  Raises InputError, which names the option that has the value."""
     options = _parser().parse_args(arguments)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
-        return options.command(options)
+        try:
+            return options.command(options)
+        except InputError as error:
+            raise shared.of_option(error, options) from None
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 # Characters of an error of matplotlib that a message quotes: LaTeX's have hundreds of lines.
 MOST_OF_ERROR = 200
+# Of the parsed command line, what is given without the name of an option.
+ARGUMENTS = ("scene", "command")
+# How problems of an argument begin that is not given.
+MISSING = ("is missing", "is empty")
 # Of an option that may be given several times.
 REPEATED: dict[str, Any] = {"action": "append", "default": []}
 
@@ -148,6 +152,20 @@ def load_with_values(options: argparse.Namespace) -> Scene:
         return with_values(scene, values) if values else scene
     except InputError as error:
         raise InputError(f"--set {error.field}", error.problem) from None
+
+
+def of_option(error: InputError, options: argparse.Namespace) -> InputError:
+    """The same error about the option that gives the argument of a function, if one does.
+
+    Options have the names of arguments, as ``--half-width upper.W`` that of ``half_width.upper.W``.
+    """
+    name, _, rest = error.field.partition(".")
+    value = None if name in ARGUMENTS else vars(options).get(name)
+    is_given = not (value is None or value is False or value == [])
+    is_missing = name in vars(options) and error.problem.startswith(MISSING)
+    if not is_given and not is_missing:
+        return error
+    return InputError(f"--{name.replace('_', '-')} {rest}".strip(), error.problem)
 
 
 def by_key(option: str, texts: Iterable[str]) -> dict[str, str]:

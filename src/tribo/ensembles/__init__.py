@@ -167,7 +167,7 @@ def ensemble(
         )
     lengths = variation.lengths
     if members is None and wanted is None and not lengths:
-        raise InputError("members", 'is missing; give it, or half_width={"surface.W": 1e-2}')
+        raise InputError("members", "is missing; give a number, or the half-width of a mean")
     if members is None:
         given_lengths = list(lengths.values())
         members = min(given_lengths if wanted is None else [*given_lengths, MOST_MEMBERS])

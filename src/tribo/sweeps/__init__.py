@@ -121,7 +121,7 @@ def sweep(
     how = Execution.checked(engine, threads)
     statistics = boolean("statistics", statistics)
     if statistics and number is None and half_width is None:
-        raise InputError("statistics", "needs members, as members=100")
+        raise InputError("statistics", "needs members; give their number")
     wanted: dict[str, Any] = {"statistics": statistics, "half_width": half_width}
     compute: Callable[[Target, Callable[[float], None] | None], xarray.Dataset]
     if half_width is None:
