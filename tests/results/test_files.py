@@ -82,6 +82,9 @@ def test_resumed_after_kills(often, tmp_path, name):
         except Killed:
             kills += 1
             assert not out.exists() and (tmp_path / "run.nc.part").exists()
+            for file in (out, tmp_path / "run.nc.part"):
+                with pytest.raises(tribo.InputError, match="completes the file with --resume"):
+                    tribo.load_result(file)
     assert kills >= 4
     assert same_end(whole, found) and found.error_estimate == whole.error_estimate
     assert not (tmp_path / "run.nc.part").exists()

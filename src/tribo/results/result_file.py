@@ -18,6 +18,7 @@ from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS, Table
 from tribo.ledger.reported import quantity_of
+from tribo.loops.frames import PART
 from tribo.loops.saved_state import State
 from tribo.model.identity import plugin_stamps, version
 from tribo.model.scene import Scene
@@ -164,7 +165,18 @@ def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
 
 
 def load(path: Path) -> xarray.Dataset:
-    """The data set that `save` wrote, or another program again.  Raises InputError if damaged."""
+    """The data set that `save` wrote, or another program again.
+
+    Raises InputError if it is damaged, or the run has not ended.
+    """
+    is_part = path.suffix == PART
+    if is_part or (not path.exists() and path.with_name(path.name + PART).exists()):
+        part = "it" if is_part else f"{path.name}{PART}"
+        raise InputError(
+            str(path),
+            f"is not complete: {part} has what a run has reached; the command that began the run "
+            "completes the file with --resume",
+        )
     image = read_file(path)
     whole = seals.is_sealed(io.BytesIO(image), str(path)) or _has_own_hash(image)
     if not whole:
