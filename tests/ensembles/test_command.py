@@ -298,3 +298,26 @@ def test_refusals(text, tmp_path, capsys):
     arguments = ["ensemble", str(path), "--vary", text, "--members", "3", "--keep", "upper.w1"]
     assert main(arguments) == 2
     assert "KEY=normal(MEAN,DEVIATION)" in capsys.readouterr().err
+
+
+def test_averages_over_time_are_named(tmp_path, capsys):
+    """A quantity has one value at the end, and another as the average of a member's samples."""
+    row = {"shape": (3, 1), "spacing": (1.0, 0.0)}
+    upper = tribo.Surface("upper", bob=(0.0, 1.2), velocity=(0.2, 0.0), **row)
+    scene = tribo.Scene(
+        [upper, tribo.Surface("lower", facing="up", **row)],
+        tribo.LennardJones(0.1, 1.0).with_cutoff(2.5),
+        4.0,
+        output=tribo.Output(samples=21, series=["forces"]),
+    )
+    path = tmp_path / "a.toml"
+    scene.save(path)
+    many = ["ensemble", str(path), "--vary", "upper.theta=normal(0,0.1)", "--members", "4"]
+    assert main([*many, "--keep", "upper.friction_force,upper.w1", "--step", "0.05"]) == 0
+    text = capsys.readouterr().out
+    averaged = ("friction_force", "friction_force_time_half_width", "time_without_contact")
+    listed = ", ".join(f"upper.{name}" for name in averaged)
+    assert f"\naverages over time: {listed}; others are those at the end\n" in text
+    assert main([*many, "--step", "0.05"]) == 0
+    text = capsys.readouterr().out
+    assert "upper.friction_force " in text and "\nvalues are those at the end\n" in text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
@@ -16,6 +16,7 @@ import numpy as np
 
 from tribo.commands import scene_options as shared
 from tribo.ensembles.engines import Engine
+from tribo.ensembles.kept_values import is_averaged
 from tribo.ensembles.members import Distribution, Sampler, Source, draws_of
 from tribo.ensembles.swing_states import Canonical, EnergyBall, Microcanonical, SwingStates
 from tribo.files import strict_json
@@ -136,7 +137,8 @@ def run_ensemble(options: argparse.Namespace) -> int:
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
     found = _summary(data, options.out)
-    print(strict_json(found) if options.json else _in_words(found))
+    averaged = _averaged(data, found["quantities"])
+    print(strict_json(found) if options.json else _in_words(found, averaged))
     shared.draw_to(options.figure, partial(_draw, data, settings["keep"]))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
 
@@ -155,7 +157,8 @@ def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
     if "status" in data:
         values = values[(data["status"] == Status.COMPLETED).values]
     with inside("--figure"):
-        save(histogram(values.values.ravel(), f"{name} at the end"), path)
+        when = "averaged over time" if _averaged(data, [name]) else "at the end"
+        save(histogram(values.values.ravel(), f"{name} {when}"), path)
 
 
 def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
@@ -186,8 +189,17 @@ def _summary(data: xarray.Dataset, out: Path | None) -> dict[str, Any]:
     return {**head, "notes": notes, **rest}
 
 
-def _in_words(found: Mapping[str, Any]) -> str:
-    """The summary as text: statuses, a line for each quantity, notes and duration."""
+def _averaged(data: xarray.Dataset, names: Iterable[str]) -> list[str]:
+    """The quantities that are averages over time of each member, of those in a summary."""
+    has_times = "keep" not in data.attrs or "time" in data.dims
+    return [] if has_times else [name for name in names if is_averaged(name)]
+
+
+def _in_words(found: Mapping[str, Any], averaged: Sequence[str]) -> str:
+    """The summary as text: statuses, a line for each quantity, notes and duration.
+
+    Of quantities that are `averaged` over time a line says so.
+    """
     members = found["members"]
     table = found["quantities"]
     lines = [f"{found['status']}: {sum(members.values())} of {found['n']} members"]
@@ -197,6 +209,10 @@ def _in_words(found: Mapping[str, Any]) -> str:
         lines.append(f"{'quantity':<28} " + " ".join(f"{c.replace('_', '-'):>13}" for c in columns))
     for name, numbers in table.items():
         lines.append(f"{name:<28} " + " ".join(f"{x:>13.6g}" for x in numbers.values()))
+    if table:
+        rest = "others are" if averaged else "values are"
+        over_time = f"averages over time: {', '.join(averaged)}; " if averaged else ""
+        lines.append(f"{over_time}{rest} those at the end")
     lines += [f"note: {note}" for note in found["notes"]]
     lines.append(f"{found['seconds']:.2f} s by {found['method']}")
     return "\n".join(lines)

@@ -101,6 +101,12 @@ def step_notes(statuses: Mapping[str, int], excess: float, step: float | None) -
     yield from excess_note(excess, step)
 
 
+def is_averaged(name: str) -> bool:
+    """Whether a quantity that is kept of members without their samples is an average over time."""
+    kind = name.rpartition(".")[2].removesuffix(INTERVAL)
+    return kind in (*quantities.AVERAGED, SHARE)
+
+
 @dataclass(frozen=True)
 class Kept:
     """What is kept of each member."""
@@ -186,7 +192,7 @@ class Kept:
         """The units and the meaning of a quantity, or `of` it."""
         kind = name.rpartition(".")[2].removesuffix(INTERVAL)
         quantity = quantity_of(kind, len(self.dimensions(name)) == self.at_samples)
-        when = ", averaged over time" if kind in (*quantities.AVERAGED, SHARE) else ", at the end"
+        when = ", averaged over time" if is_averaged(name) else ", at the end"
         meaning = quantity.long_name if self.at_samples else quantity.long_name + when
         before = "half-width of the 95 % interval of: " if is_interval(name) else ""
         return {"units": quantity.units, "long_name": of + before + meaning}
