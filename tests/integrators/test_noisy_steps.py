@@ -361,11 +361,18 @@ def test_a_given_step_that_misses_energy_is_noted():
         assert note or heat if miss else not note
 
 
-@pytest.mark.parametrize("keep", [None, ["upper.heat"]])
-def test_members_that_miss_energy_are_counted(keep):
+@pytest.mark.parametrize(
+    ("keep", "vary"),
+    [
+        (None, {}),
+        (["upper.heat"], {}),
+        (["upper.heat"], {"upper.drive.load": np.linspace(0.29, 0.31, 32)}),
+    ],
+)
+def test_members_that_miss_energy_are_counted(keep, vary):
     scene = cut_inside_the_core(1)
-    given = tribo.ensemble(scene, 32, step=0.01, keep=keep)
-    chosen = tribo.ensemble(scene, 32, keep=keep)
+    given = tribo.ensemble(scene, 32, vary, step=0.01, keep=keep)
+    chosen = tribo.ensemble(scene, 32, vary, keep=keep)
     found = re.search(r"in (\d+) of 32 members no work accounts for", given.attrs["notes"])
     rest = re.search(r"in (\d+) of 32 members no work accounts for", chosen.attrs["notes"])
     assert int(found[1]) > 3

@@ -226,7 +226,7 @@ class StepRuns(Policy):
 
     def _missed_energy(self, runs: MemberRuns) -> tuple[np.ndarray, np.ndarray]:
         """As `missed_energy`, of the runs that completed; zeros of the others."""
-        ledger = assemble(runs.layout, runs.samples.ends())
+        ledger = assemble(runs.layout, runs.samples)
         missed, through = missed_energy(runs.layout, ledger, len(runs.counts))
         complete = complete_members(runs)
         return np.where(complete, missed, 0.0), np.where(complete, through, 0.0)

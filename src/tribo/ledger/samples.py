@@ -85,13 +85,8 @@ class Samples:
         return min(int(np.searchsorted(self.t, time)), self.t.size - 1)
 
     def ends(self) -> Samples:
-        """The first and the last sample of each run."""
-        last = self.t.size - self.runs
-        if self.runs == 1:
-            return self.rows(np.array([0, last] if last > 0 else [0]))
-        first = np.arange(self.runs)
-        chosen = np.concatenate([first, last + first]) if last > 0 else first
-        return Samples.of_runs(self.runs, *(each[chosen] for each in self.columns))
+        """The first and the last sample."""
+        return self.rows(np.array([0, self.t.size - 1] if self.t.size > 1 else [0]))
 
     def then(self, *later: Samples) -> Samples:
         """These samples, followed by `later` ones of runs with the same start."""
