@@ -14,6 +14,7 @@ import pytest
 import tribo
 from support.command import main
 from tribo import Coulomb, Numerics, Output, Scene, Surface
+from tribo.commands import parser, scene_options
 from tribo.kernels.status import MEANINGS
 
 # The keys of `tribo run --json`: names that people's programs rely on.
@@ -385,6 +386,19 @@ def test_wrong_values(run, monkeypatch, options, problem):
     status, out, err = run(SCENE, *options)
     assert status == 2 and out == ""
     assert err.startswith(f"tribo: {problem}") and err.count("\n") == 1
+
+
+def test_what_is_given_without_an_option():
+    """Messages about all else name the option, which has the name of its value."""
+    (commands,) = (each.choices for each in parser._parser()._actions if each.choices)
+    places = {"command"}
+    for command in commands.values():
+        for action in command._actions:
+            if not action.option_strings:
+                places.add(action.dest)
+            else:
+                assert f"--{action.dest.replace('_', '-')}" in action.option_strings
+    assert places == scene_options.ARGUMENTS
 
 
 def test_set_on_explain(tmp_path, capsys):

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 # Characters of an error of matplotlib that a message quotes: LaTeX's have hundreds of lines.
 MOST_OF_ERROR = 200
 # Of the parsed command line, what is given without the name of an option.
-ARGUMENTS = ("scene", "command")
+ARGUMENTS = {
+    *("command", "scene", "trace", "case", "potential", "parameters"),
+    *("names", "beside", "file", "files", "kind", "shell"),
+}
 # How problems of an argument begin that is not given.
 MISSING = ("is missing", "is empty")
 # Of an option that may be given several times.
