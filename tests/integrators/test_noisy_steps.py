@@ -379,6 +379,15 @@ def test_members_that_miss_energy_are_counted(keep, vary):
     assert rest is None or int(rest[1]) < int(found[1]) // 2
 
 
+@pytest.mark.parametrize("ledger", ["asperites", "surfaces", "none"])
+def test_energy_is_missed_by_any_ledger_that_has_it(ledger):
+    """The same run has the same note, by sums over a surface too; without works there is none."""
+    scene = cut_inside_the_core(1)
+    output = tribo.Output(samples=101, ledger=ledger)
+    found = [tribo.simulate(replace(scene, seed=seed, output=output)) for seed in range(8)]
+    assert any("no work accounts" in str(each.notes) for each in found) == (ledger != "none")
+
+
 def test_members_that_start_from_rest_are_run_together():
     """Any energy is beyond a thousand times that at the start, which does not make a run lost."""
     scene = replace(cut_inside_the_core(1), interactions=())

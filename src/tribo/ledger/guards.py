@@ -103,8 +103,8 @@ def missed_energy(layout: Layout, ledger: Ledger, runs: int = 1) -> tuple[np.nda
     work = system["applied_work"][-runs:]
     missed = np.abs(system["total_energy_change"][-runs:] - work)
     through = np.abs(work) + _exchanged(layout)
-    for heat in ledger.series("heat"):
-        through = through + np.abs(np.sum(heat[-runs:], axis=1))
+    for heat in ledger.series("heat"):  # of each asperite, or of the surface as a whole
+        through = through + np.abs(np.sum(heat[-runs:].reshape(runs, -1), axis=1))
     return missed, through
 
 
