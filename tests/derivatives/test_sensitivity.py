@@ -121,3 +121,21 @@ def test_members_differ_in_pairs():
 def test_refusals(arguments, message):
     with pytest.raises(InputError, match=message):
         tribo.sensitivity(collision(), *arguments)
+
+
+def test_long_steps_that_agree_by_chance():
+    """A derivative that shorter steps contradict is no derivative."""
+    steps = 0.04 * 0.5 ** np.arange(6)
+    # Of which the extrapolations of the first steps agree, at 1, and those of the last ones at 2.
+    slopes = np.array([1.0, 1.0, 1.0, 2.0, 2.01, 2.012])
+    up = (slopes * steps)[:, None]
+    found = best_of_ladder(Differences(steps, up, -up), np.full(6, 1e-9))
+    assert abs(found.value - 2.0) < found.half_width + 0.02 and found.half_width < 0.1
+
+
+def test_quantities_without_error_estimates_are_named():
+    tip = tribo.Surface("tip", drive=tribo.Pulled(stiffness=0.5, speed=0.2))
+    scene = tribo.Scene((tip,), (), 2.0, output=tribo.Output(samples=3))
+    names = ["tip.W", "tip.stage_work"]
+    data = tribo.sensitivity(scene, names, ["tip.drive.speed"], accuracy=1e-6)
+    assert "tip.stage_work have no error estimates" in data.attrs["notes"]

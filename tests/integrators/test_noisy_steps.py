@@ -1,5 +1,6 @@
 """The automatic step with noise resolves the stiffest motion that occurs, in any force."""
 
+import json
 import re
 from dataclasses import replace
 from typing import NamedTuple
@@ -394,3 +395,13 @@ def test_members_that_start_from_rest_are_run_together():
     single = tribo.simulate(scene)
     found = tribo.ensemble(scene, 64, keep=["upper.heat"])
     assert np.all(found["steps"] == round(scene.duration / step_of(single)))
+
+
+def test_a_sweep_notes_a_step_that_heats():
+    """As single runs do; so do ensembles."""
+    scene = trap(12.0, duration=200.0, samples=401)
+    single = [note for note in tribo.simulate(scene, step=0.5).notes if "heat: by" in note]
+    data = tribo.sweep(scene, {"tip.langevin.gamma": [2.0, 3.0]}, keep=["tip.heat"], step=0.5)
+    notes = [note for note in json.loads(data.attrs["notes"]) if "heat: by" in note]
+    assert len(single) == 1 and len(notes) == 2
+    assert "tip.langevin.gamma = 3" in notes[1]

@@ -132,10 +132,11 @@ def sensitivity(
         for k in range(len(keys)):
             best[n, k] = _best(data, table, keys, k, sizes)
     notes = json.loads(data.attrs.get("notes", "[]"))
-    if members is None and not any(each.known for each in tables):
+    unknown = [name for name, each in zip(names, tables, strict=True) if not each.known]
+    if unknown:
+        whose = "runs with a given step" if step is not None else ", ".join(unknown)
         notes.append(
-            "runs with a given step have no error estimates: half-widths are those of the "
-            "differences alone"
+            f"{whose} have no error estimates: half-widths are those of the differences alone"
         )
     attributes = {"notes": json.dumps(notes), "runs": len(points) * (members or 1)}
     of_scene = np.array([np.mean(each.values[0]) for each in tables])

@@ -27,7 +27,9 @@ def best_of_ladder(differences: Differences, errors: np.ndarray) -> Derivative |
     """The extrapolation with the smallest error; None if no step has one.
 
     `errors` (steps,) are the sums of the errors of the values up and down.  The members of each are
-    independent of one another, and the same at all steps.
+    independent of one another, and the same at all steps.  An error is at least the difference from
+    the next longer step, and from the next shorter one beyond its own error of runs: two long steps
+    may agree by chance.
     """
     steps = differences.steps
     slopes = (differences.up - differences.down) / (2.0 * steps[:, None])
@@ -42,7 +44,10 @@ def best_of_ladder(differences: Differences, errors: np.ndarray) -> Derivative |
         of_runs = of_runs + student(members - 1) * spread / np.sqrt(members)
     candidates = []
     for k in range(1, len(means)):
-        half_width = abs(means[k] - means[k - 1]) + of_runs[k]
+        apart = abs(means[k] - means[k - 1])
+        if k + 1 < len(means) and np.isfinite(means[k + 1]):
+            apart = max(apart, abs(means[k + 1] - means[k]) - of_runs[k + 1])
+        half_width = apart + of_runs[k]
         if np.isfinite(half_width):
             candidates.append(Derivative(float(means[k]), float(half_width), float(steps[k])))
     return min(candidates, key=lambda each: each.half_width, default=None)

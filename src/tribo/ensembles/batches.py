@@ -10,7 +10,7 @@ import numpy as np
 from tribo.accuracy.choose_method import check_damped_step, check_resolved
 from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValues, set_notes
 from tribo.ensembles.members import Members, is_random, values_at_start
-from tribo.integrators.methods import noisy
+from tribo.integrators.methods import Method, noisy, refusal
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.guards import MOST_MISSED, lost_samples, missed_energy, passed_through
@@ -20,6 +20,7 @@ from tribo.loops.batch import MemberRuns, MemberStarts, padded
 from tribo.loops.lane_loop import fit_lanes
 from tribo.loops.resolution import longest_damped_step
 from tribo.model.identity import as_sent, received
+from tribo.model.scene import Scene
 from tribo.prepared import Simulation
 from tribo.result import Result
 from tribo.results import notes as notes_on
@@ -126,6 +127,7 @@ class SingleRuns(Policy):
             return simulation.compute_first()
         if self.own_numbers or is_random(simulation.scene):
             scene = members.scene(index, simulation.scene)
+            _check_method(simulation.method, scene)
             simulation = from_settings(scene, simulation.settings)
             step = simulation.plan.setting.step
             method = simulation.method
@@ -134,6 +136,20 @@ class SingleRuns(Policy):
         # The errors of sums are those of some members, which are run again.
         estimate = self.kept.with_errors or not self.kept.counts
         return simulation.compute(members.start(index), estimate=estimate)
+
+
+def _check_method(method: Method, scene: Scene) -> None:
+    """Refuse members with effects that the scene, for which the method was chosen, does not have.
+
+    Raises InputError.
+    """
+    why = refusal(method, scene)
+    if why is not None:
+        raise InputError(
+            "vary",
+            f"gives members effects that the scene does not have: method {why}; give the scene "
+            "itself such values, as a temperature above 0",
+        )
 
 
 def chunk_of(simulation: Simulation, evaluations: float | None) -> int:

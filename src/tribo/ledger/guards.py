@@ -76,9 +76,11 @@ def _excess(samples: Samples, system: Table, known: float = 0.0) -> tuple[np.nda
 
 @np.errstate(over="ignore", invalid="ignore")  # an energy may exceed all numbers
 def grows(layout: Layout, samples: Samples) -> np.ndarray:
-    """Whether the energy exceeds RUNAWAY times that at the start, (times,).
+    """Whether the energy exceeds RUNAWAY times that at the start, (times x runs,).
 
     It is the sum of the magnitudes of all energies, in the frame of the surfaces' mean velocity.
+    Where it is zero at the start, the first one that is not takes its place: the work of a drive
+    that begins is not known better than the little energy that it has given.
     """
     mean = mean_velocity(layout)[..., None]
     stores = samples.stored[:, :, [SPRINGS, BATH, TORSIONAL, WITHIN]]
@@ -88,7 +90,9 @@ def grows(layout: Layout, samples: Samples) -> np.ndarray:
             vx, vy = m.span.velocity - mean
             moving = 0.5 * ((m.vx + vx) ** 2 + (m.vy + vy) ** 2)
             energy = energy + np.sum(moving * m.span.asperites.mass + m.energy, axis=1)
-    return np.asarray(energy > RUNAWAY * samples.at_start(energy))
+    of_runs = energy.reshape(-1, samples.runs)
+    first = np.argmax(of_runs != 0.0, axis=0)
+    return np.asarray(of_runs > RUNAWAY * of_runs[first, np.arange(samples.runs)]).ravel()
 
 
 def missed_energy(layout: Layout, ledger: Ledger, runs: int = 1) -> tuple[np.ndarray, np.ndarray]:

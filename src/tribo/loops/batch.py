@@ -96,6 +96,7 @@ class RecordingLoop(ABC):
     """A loop over members that records samples as those of single runs, member by member."""
 
     layout: Layout
+    watches = True  # whether it measures the stiffness that reservoirs and equal steps meet
     _own: list[np.ndarray]
     _fresh: list[np.ndarray]
 
@@ -125,7 +126,7 @@ class RecordingLoop(ABC):
         times = self.layout.times
         members = len(starts.y)
         columns = sample_columns(layout, padded(members), times.size)
-        watched = is_damped(layout) and setting.step is not None
+        watched = self.watches and is_damped(layout) and setting.step is not None
         sums = np.zeros((members if watched else 0, 3, layout.core))
         counts = self.fill(setting, starts, columns, sums)
         stiffness = None
@@ -213,6 +214,7 @@ class GeneralMembers(GeneralLoop, RecordingLoop):
         """Compile the loop, and keep its memory, into which members are loaded."""
         setting = unit_setting(layout, method)
         super().__init__(layout, method, setting, layout.start, first_step)
+        self.watches = method.splits
         self._longest = first_step
         others = arrays_in((self.clocks, self._neighbours.active))
         self.state, self._scratch = self.keep((self.state, self._scratch), others)

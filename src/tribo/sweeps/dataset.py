@@ -27,7 +27,7 @@ from tribo.ensembles.members import Members
 from tribo.ensembles.stores import Target
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
-from tribo.results.notes import NO_WORK
+from tribo.results.notes import NO_WORK, excess_note
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError, inside
@@ -123,12 +123,15 @@ class Table:
         note = self.note.reshape(points, -1)
         stopped = (status != str(Status.COMPLETED)) & (status != NOT_RUN)
         without = np.count_nonzero(stopped, axis=1)
-        if not self._members:
-            for index in np.flatnonzero(note[:, 0] != "").tolist():
-                own = str(note[index, 0]).replace("\n", "; ")
-                yield f"{self._grid.label(index)}: {own}"
-            return
         excesses = self.placed(self._found["excess"]).reshape(points, -1)
+        if not self._members:
+            for index in range(points):
+                lines = str(note[index, 0]).splitlines()
+                if step is not None and not np.isnan(excesses[index, 0]):  # else it was run alone
+                    lines += excess_note(float(excesses[index, 0]), step)
+                if lines:
+                    yield f"{self._grid.label(index)}: {'; '.join(lines)}"
+            return
         missing = np.count_nonzero(np.char.find(note, NO_WORK) >= 0, axis=1)
         noted = np.flatnonzero(without + missing).tolist()
         some = range(points) if step is not None else noted

@@ -95,8 +95,8 @@ def friction_law(
         (load, speed, temperature) of those that are given [force]; with a load
         ``friction_coefficient`` and its half-width; ``contact_share`` where contacts have a range;
         and ``completed``, the number of runs that completed, over which means are taken.
-        Half-widths are of Student's intervals over members and seeds, or of the average over time
-        of a single run, and NaN where there is none.
+        Half-widths are of Student's intervals over members, or over seeds (of the means over the
+        members of each), or of the average over time of a single run, and NaN where there is none.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def _law(
     share = f"{part.name}.contact_share"
     names = tuple(axes)
     sign = -_direction(part, axes.get("speed"))
-    mean, half_width = _mean(_samples(data, force, len(axes), samples))
+    mean, half_width = _mean(_independent(data, force, len(axes), samples))
     if samples == 0:
         half_width = data[f"{force}_time_half_width"].values
     completed = np.sum(_samples(data, "status", len(axes), samples) == str(Status.COMPLETED), -1)
@@ -156,14 +156,15 @@ def _law(
             variables["friction_coefficient"] = names, sign * mean / total, {"units": "1"}
             variables["friction_coefficient_half_width"] = names, half_width / total, {"units": "1"}
     if share in data:
-        shares = _mean(_samples(data, share, len(axes), samples))[0]
+        shares = _mean(_independent(data, share, len(axes), samples))[0]
         variables["contact_share"] = names, shares, {"units": "1"}
     coordinates = {name: (name, axis.values, {"units": UNITS[name]}) for name, axis in axes.items()}
     if "load" in coordinates:
         of_whom = "the block" if part.drive.block else "each asperite"
         coordinates["load"][2]["long_name"] = f"load on {of_whom}"
     attributes = {"surface": part.name, "notes": data.attrs["notes"]}
-    attributes["intervals"] = "members and seeds" if samples else "average over time"
+    over = [name for name in ("seed", "member") if name in data[force].dims]
+    attributes["intervals"] = f"{over[0]}s" if over else "average over time"
     return xarray.Dataset(variables, coordinates, attributes)
 
 
@@ -260,6 +261,17 @@ def _samples(data: xarray.Dataset, name: str, axes: int, samples: int) -> np.nda
     if samples == 0:
         return values[..., None]
     return values.reshape(*values.shape[:axes], -1)
+
+
+def _independent(data: xarray.Dataset, name: str, axes: int, samples: int) -> np.ndarray:
+    """Values (axes..., samples) of a quantity that are independent of one another.
+
+    Members of one seed share its surface, and those of one number their noise at all seeds: with
+    both, these are the means over the members of each seed.
+    """
+    if samples < 2:
+        return _samples(data, name, axes, samples)
+    return _mean(data[name].values)[0]
 
 
 def _mean(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
