@@ -134,3 +134,15 @@ def test_the_coefficient_of_friction():
     assert f"{found.mean:.4g} of the load" in str(result)
     with pytest.raises(tribo.InputError, match=r"lower\.drive\.load: is missing"):
         result.friction_coefficient("lower")
+
+
+@pytest.mark.parametrize("last", [-0.2, -0.1])
+def test_a_stage_that_turns_back_is_refused(last):
+    """Also where it returns to its start, so that it has not moved at the end."""
+    speed = [[0.0, 0.2], [2.0, 0.2], [2.0, last], [4.0, last]]
+    tip = tribo.Surface("tip", drive=tribo.Pulled(stiffness=1.0, speed=speed))
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    output = tribo.Output(samples=41, series=["forces"])
+    scene = tribo.Scene([tip], [], 4.0, fields=[field], output=output)
+    with pytest.raises(tribo.InputError, match="does not turn back"):
+        tribo.simulate(scene, step=0.05).depinning("tip")

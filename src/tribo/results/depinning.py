@@ -121,7 +121,7 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
     if drive.stage is not None:
         moved = _moved(result, index, result.t) - ground
         moved = moved - moved[0]
-        along = float(np.sign(moved[-1]))
+        along = float(np.sign(moved[np.argmax(np.abs(moved))]))  # it may return to its start
         steps = along * np.diff(moved)
         if drive.stage.follows_schedule and np.any(steps < -ROUNDING * np.max(np.abs(moved))):
             raise InputError(
