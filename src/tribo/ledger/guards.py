@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tribo.kernels import records as row
+from tribo.kernels.records import OF_MEMBERS
 from tribo.kernels.samples import BATH, SPRINGS, TORSIONAL, WITHIN
 from tribo.layout.layout import Layout, once_per_layout
 from tribo.ledger.ledger import Ledger, assemble
@@ -113,21 +114,30 @@ def missed_energy(layout: Layout, ledger: Ledger, runs: int = 1) -> tuple[np.nda
 
 
 @once_per_layout
-def _exchanged(layout: Layout) -> float:
+def _exchanged(layout: Layout) -> np.ndarray:
     """Energy that reservoirs give to a scene at their temperature, and take back, in a whole run.
 
-    Each coordinate has T / 2, of which damping takes 2 gamma / m in a unit of time.
+    (1,), or (runs,) of members with numbers of their own.  Each coordinate has T / 2, of which
+    damping takes 2 gamma / m in a unit of time.
     """
     table = layout.constants
-    found = 0.0
-    for surface, part in zip(layout.scene.surfaces, layout.parts.values(), strict=True):
+    numbers = layout.numbers
+    found = np.zeros(1 if numbers is None else len(numbers.of_surfaces))
+    for index, (surface, part) in enumerate(
+        zip(layout.scene.surfaces, layout.parts.values(), strict=True)
+    ):
         for reservoir in surface.reservoirs:
-            gamma, temperature = reservoir.for_each(surface.count)
             on_bars = reservoir.on == "bar"
+            if numbers is None:
+                gamma, temperature = reservoir.for_each(surface.count)
+            else:
+                names = (name if on_bars else f"swing_{name}" for name in ("gamma", "temperature"))
+                own = numbers.of_surfaces[:, index]
+                gamma, temperature = (own[:, [OF_MEMBERS.index(name)]] for name in names)
             rates = gamma / table[row.MASS if on_bars else row.INERTIA, part]
             each = (2.0 if on_bars else 1.0) * temperature * (0.5 + rates * layout.run_time)
             as_one = on_bars and (surface.is_rigid_block or surface.moves_as_one)
-            found += float(np.mean(each) if as_one else np.sum(each))
+            found += np.mean(each, axis=-1) if as_one else np.sum(each, axis=-1)
     return found
 
 
