@@ -27,7 +27,7 @@ from tribo.ensembles.members import Members
 from tribo.ensembles.stores import Target
 from tribo.kernels.status import Status
 from tribo.results.averages import interval
-from tribo.results.notes import NO_WORK, excess_note
+from tribo.results.notes import NO_WORK, NOTED_EXCESS, excess_note
 from tribo.results.result_file import Variable
 from tribo.sweeps.grid import Axis, Grid
 from tribo.validation import InputError, inside
@@ -125,12 +125,13 @@ class Table:
         without = np.count_nonzero(stopped, axis=1)
         excesses = self.placed(self._found["excess"]).reshape(points, -1)
         if not self._members:
-            for index in range(points):
+            heats = excesses[:, 0] > NOTED_EXCESS  # NaN of points that were run alone
+            noted = (note[:, 0] != "") | (heats & (step is not None))
+            for index in np.flatnonzero(noted).tolist():
                 lines = str(note[index, 0]).splitlines()
-                if step is not None and not np.isnan(excesses[index, 0]):  # else it was run alone
+                if step is not None:
                     lines += excess_note(float(excesses[index, 0]), step)
-                if lines:
-                    yield f"{self._grid.label(index)}: {'; '.join(lines)}"
+                yield f"{self._grid.label(index)}: {'; '.join(lines)}"
             return
         missing = np.count_nonzero(np.char.find(note, NO_WORK) >= 0, axis=1)
         noted = np.flatnonzero(without + missing).tolist()
