@@ -222,9 +222,9 @@ class Simulation:
             notes = (*notes, *notes_on.passage_notes(layout, run))
         if self._noisy and run.stiffness is not None:
             step = setting.of_equal_steps()
-            excess = [*notes_on.excess_note(float(run.stiffness.excess(step)), step)]
-            missed = "" if excess else self._missed_energy(delivered)
-            notes += (*excess, *notes_on.missed_note(missed, step))
+            notes += tuple(notes_on.excess_note(float(run.stiffness.excess(step)), step))
+            if not self.plan.automatic:
+                notes += tuple(notes_on.missed_note(self._missed_energy(delivered), step))
         if self._streams or self.plan.tuned is None:
             notes += self._sliding_notes(run, watched)
         if self._streams:
@@ -248,12 +248,13 @@ class Simulation:
                 tries -= 1
                 shorter = 0.5 * step if run.stiffness is None else run.stiffness.shorter(step)
                 why = notes_on.too_long(self.layout, run)
-            elif for_energy > 0 and (missed := self._missed_energy(delivered)):
+            else:
+                missed = self._missed_energy(delivered)
+                if not missed or for_energy == 0:
+                    return delivered, setting, (*notes, *notes_on.missed_note(missed, step))
                 for_energy -= 1
                 shorter = 0.5 * step
                 why = f"give the motion energy: {missed}"
-            else:
-                return delivered, setting, notes
             shorter = self.plan.divided(shorter)
             notes = (notes_on.repeat_note(step, why, shorter),)
             setting = Setting(step=shorter)
