@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tribo
+from tribo.ledger.guards import missed_energy
 from tribo.potentials import from_points
 
 T = 0.1
@@ -331,15 +332,29 @@ def test_each_asperite_is_damped_by_its_own_mass(on):
     np.testing.assert_allclose(light_first, heavy_first[:, ::-1], rtol=1e-13, atol=1e-15)
 
 
-def missed_part(result):
-    """The part of the energy that went through the scene for which no work accounts."""
+def missed_and_through(result):
+    """Energy for which no work accounts, and that which went through the scene."""
     system = result.ledger.system
     missed = system["total_energy_change"][-1] - system["applied_work"][-1]
     upper = result.scene.surfaces[0]
     rate = upper.langevin.gamma / (upper.asperite.m1 + upper.asperite.m2)
     exchanged = 2.0 * upper.langevin.temperature * (0.5 + rate * result.t[-1])
     heat = np.sum(result["upper"].heat[-1])
-    return abs(missed) / (abs(system["applied_work"][-1]) + abs(heat) + exchanged)
+    return abs(missed), abs(system["applied_work"][-1]) + abs(heat) + exchanged
+
+
+def missed_part(result):
+    """The former as a part of the latter."""
+    missed, through = missed_and_through(result)
+    return missed / through
+
+
+def test_what_goes_through_a_scene():
+    """Of a block as one body: of its two coordinates each has T / 2."""
+    simulation = tribo.prepare(cut_inside_the_core(1), step=0.01)
+    result = simulation.run()
+    missed, through = missed_energy(simulation.layout, result.ledger)
+    assert (missed[0], through[0]) == pytest.approx(missed_and_through(result), rel=1e-9)
 
 
 def test_a_step_that_hard_collisions_give_energy_is_shortened():

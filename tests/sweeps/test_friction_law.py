@@ -65,23 +65,29 @@ def test_means_over_members():
 
 def test_intervals_over_surfaces():
     """Members of a surface are no further surfaces: only the means of these are independent."""
+    row = {"shape": (6, 1), "spacing": (1.0, 0.0)}
     upper = Surface(
         "upper",
         bob=(0.0, 1.1),
-        shape=(4, 1),
-        spacing=(1.0, 0.0),
         heights={"rms": 0.1},
         drive=Pulled(stiffness=1.0, speed=0.5, load=0.2),
         langevin=Langevin(1.0, 0.001),
+        **row,
     )
-    row = Surface("lower", facing="up", bob=(-5.0, 0.0), shape=(15, 1), drive="bars")
-    potential = tribo.WeeksChandlerAndersen(0.1, 0.8)
-    rough = Scene((upper, row), potential, 5.0, output=Output(samples=51, series=("forces",)))
+    lower = Surface("lower", facing="up", drive="bars", **row)
+    rough = Scene(
+        (upper, lower),
+        tribo.LennardJones(0.1, 1.0).with_cutoff(2.0),
+        10.0,
+        periodic={"x": 6.0},
+        output=Output(samples=41, run_in=2.0),
+    )
     how = {"members": 5, "progress": False, "surface": "upper"}
     data = tribo.friction_law(rough, temperatures=[0.001], seeds=[1, 2, 3], **how)
     keys = {"upper.langevin.temperature": [0.001], "seed": [1, 2, 3]}
     own = tribo.sweep(rough, keys, 5, keep=["upper.friction_force"], progress=False)
     means = np.mean(-own["upper.friction_force"].values, axis=-1)  # (temperatures, seeds)
+    assert np.ptp(means) > 1e-3
     assert np.allclose(data["friction"], np.mean(means, axis=-1))
     half_width = stats.t.ppf(0.975, 2) * stats.sem(means, axis=-1)
     assert np.allclose(data["friction_half_width"], half_width)
