@@ -166,7 +166,8 @@ def _what_holds_them(
     """What keeps bars from passing that are `beyond` another surface, (asperites,)."""
     bars = _places(layout, last, mine, "bar", axis=0)[-1, beyond]
     bobs = _places(layout, last, theirs, "bob", axis=0)[-1]
-    low, high = float(np.min(bobs)), float(np.max(bobs))
+    low = float(np.min(bobs))
+    high = float(np.max(bobs))
     off = np.count_nonzero((bars < low) | (bars > high))
     if layout.scene.periodic.x is None and 2 * off > bars.size:
         name = layout.scene.surfaces[theirs].name
