@@ -54,6 +54,21 @@ def test_points_are_runs(whole):
     assert len(np.unique(whole["upper.W"])) == 6
 
 
+def test_errors_at_a_rough_accuracy_are_bounds():
+    """Encounters limit the steps there, in runs and in those that check them."""
+    pulled = tribo.Pulled(stiffness=1.0, speed=0.3, load=0.1)
+    row = {"spacing": (1.0, 0.0)}
+    upper = tribo.Surface("upper", shape=(3, 1), bob=(0.0, 1.2), drive=pulled, **row)
+    lower = tribo.Surface("lower", facing="up", shape=(6, 1), drive="bars", **row)
+    scene = tribo.Scene((upper, lower), tribo.Morse(0.2, 2.0, 1.0), 5.0, output=Output(samples=6))
+    loads = {"upper.drive.load": [0.05, 0.1, 0.15, 0.2, 0.25, 0.4]}
+    kept = ["upper.W", "upper.theta", "lower.delta_E_int"]
+    rough, exact = (sweep(scene, loads, keep=kept, accuracy=a) for a in (1e-2, 1e-11))
+    for name in kept:
+        error = abs(rough[name] - exact[name]).values.reshape(6, -1).max(axis=1)
+        assert np.all(error <= rough[f"{name}_error"].values), name
+
+
 def test_ends_of_drawn_starts_have_names_of_their_own():
     """The start of a swing keeps its key, also where swing and rate are drawn together."""
     vary = {"upper.swing_state": tribo.Canonical(0.01)}

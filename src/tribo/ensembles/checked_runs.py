@@ -45,6 +45,9 @@ FINEST_OF_LARGE = 1e-4
 CHECKED = 256
 # Level of a run that checks another, relative to that or to the accuracy: two digits better.
 FINER = 1e-2
+# Its longest step to an encounter, relative to that of single runs.  Where accuracies are rough,
+# encounters alone limit the steps: with the same limit, both runs have nearly the same error.
+FINER_NEAR = 0.5
 # Largest difference of a run from a finer one, in units of the accuracy: the rest is the latter's.
 KEPT = 0.9
 # Longest step of members in lanes, as a fraction of the time to the next encounter.
@@ -172,11 +175,14 @@ class CheckedRuns(Policy):
         return stepper.batch.run(self._setting(plan, near), starts)
 
     def _check(self, level: float, starts: MemberStarts) -> MemberRuns:
-        """Run members by the method of single runs, with other roundings of the bobs' places."""
+        """Run members by the method of single runs, in finer steps.
+
+        The bobs' places are rounded in another way.
+        """
         if starts.numbers is not None:
             places = starts.numbers.displaced(*self.simulation.layout.shifts)
             starts = starts._replace(numbers=places)
-        setting = self._setting(self.plan._replace(level=level), NEAR_ALONE)
+        setting = self._setting(self.plan._replace(level=level), FINER_NEAR * NEAR_ALONE)
         return self._checks.run(setting, starts)
 
     def _setting(self, plan: CheckedPlan, near: float) -> Setting:
