@@ -363,3 +363,15 @@ def test_what_a_tilt_cannot_go_with(settings, problem):
 def test_methods_that_cannot_take_it_say_so(method):
     with pytest.raises(InputError, match="block that turn"):
         tribo.simulate(scene(RIGID), method=method)
+
+
+@pytest.mark.parametrize("asperite", [RIGID, PENDULUMS])
+def test_its_rate_is_swept_and_not_given_to_members(asperite):
+    """All bobs have the velocities of the rotation, which a prepared scene does not turn."""
+    given = scene(asperite)
+    rates = [0.0, 0.05]
+    with pytest.raises(InputError, match="block.nu: cannot be changed where drive.tilt"):
+        tribo.ensemble(given, 2, {"block.nu": rates}, keep=["block.W"])
+    found = tribo.sweep(given, {"block.nu": rates}, keep=["block.W"])["block.W"].values
+    alone = [tribo.simulate(scene(asperite, initial=Initial(nu=rate))) for rate in rates]
+    np.testing.assert_allclose(found, [each["block"].W[-1] for each in alone], atol=1e-7)

@@ -251,6 +251,11 @@ class Scene(ComparedByValue):
             problem = "cannot be changed where asperite.kappa = inf"
         elif surface.initial.temperature and quantity not in ("x", "y"):
             problem = "cannot be changed where initial.temperature draws the start"
+        elif quantity in ("phi", "nu") and surface.tilts:
+            problem = (
+                'cannot be changed where drive.tilt = "free", since all bobs turn with the block; '
+                "sweep over it, or prepare another scene"
+            )
         elif quantity in ("phi", "nu") and surface.bars == "clamped":
             problem = "cannot be changed where bars are clamped; prepare another scene"
         elif quantity in DISPLACEMENTS and (held := self._held(surface, quantity)):
