@@ -15,7 +15,7 @@ import numpy as np
 from tribo.integrators.stiffness import EVERY
 from tribo.kernels import records as row
 from tribo.kernels.records import OF_MEMBERS
-from tribo.layout.layout import Layout
+from tribo.layout.layout import Layout, once_per_layout
 from tribo.layout.legs import begun_of
 from tribo.layout.scene_records import MemberNumbers
 from tribo.layout.tables import constants_of
@@ -73,6 +73,13 @@ class Stiffness(NamedTuple):
         return min(0.5 * step, AIMED_TURN / frequency)
 
 
+class ThermalMotion(NamedTuple):
+    """Inertias of coordinates and the squares of their rates at the temperature, per coordinate."""
+
+    inertias: np.ndarray  # ([members,] core)
+    squares: np.ndarray  # ([members,] core) [rad^2 or length^2 / time^2]
+
+
 def stiffness_of(
     layout: Layout, sums: np.ndarray, steps: int, step: float, numbers: MemberNumbers | None = None
 ) -> Stiffness:
@@ -83,34 +90,54 @@ def stiffness_of(
     """
     pairs = (steps + EVERY - 2) // EVERY
     moved, together, changed = np.moveaxis(sums, -2, 0)
-    kinds = _kinds(layout)
-    thermal = np.zeros(moved.shape)
-    inertias = np.zeros(moved.shape)
-    temperature, constants = _of_members(layout, numbers)
-    for slots, present, inertia in kinds:
-        inertias[..., slots] = constants[inertia][..., present]
-        if inertia == row.MASS:
-            inertias[..., slots] *= _moved_with(layout)[present]
-        thermal[..., slots] = temperature[..., present] / inertias[..., slots]
+    thermal = _thermal_motion(layout) if numbers is None else _thermal_motion_of(layout, numbers)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        floor = np.maximum(moved, pairs * step * step * thermal)
+        floor = np.maximum(moved, pairs * step * step * thermal.squares)
         squares = np.where(floor > 0.0, np.sqrt(changed / floor), 0.0)
         own = np.where(moved > 0.0, together / moved, 0.0)
         is_own = together > CORRELATED * np.sqrt(changed * moved)
         squares = np.where(is_own, np.maximum(own, squares), squares)
         frequency = np.sqrt(np.max(squares, axis=-1, initial=0.0))
+        finite = np.isfinite(thermal.inertias)
+        weights = np.where(finite, thermal.inertias, 0.0)
         curvature = np.zeros(frequency.shape)
-        for slots, present, _ in kinds:
-            owners = layout.asperites.surface[present]
-            for surface in np.unique(owners):
-                mine = slots[owners == surface]
-                weights = np.where(np.isfinite(inertias[..., mine]), inertias[..., mine], 0.0)
-                total = np.sum(weights * floor[..., mine], axis=-1)
-                mean = np.sum(weights * together[..., mine], axis=-1) / total
-                curvature = np.maximum(curvature, np.where(total > 0.0, mean, 0.0))
+        for alike in _alike(layout):
+            total = np.sum(weights[..., alike] * floor[..., alike], axis=-1)
+            mean = np.sum(weights[..., alike] * together[..., alike], axis=-1) / total
+            curvature = np.maximum(curvature, np.where(total > 0.0, mean, 0.0))
     return Stiffness(pairs, frequency, curvature)
 
 
+@once_per_layout
+def _thermal_motion(layout: Layout) -> ThermalMotion:
+    """That of all members that have the numbers of the scene."""
+    return _thermal_motion_of(layout, None)
+
+
+def _thermal_motion_of(layout: Layout, numbers: MemberNumbers | None) -> ThermalMotion:
+    temperature, constants = _of_members(layout, numbers)
+    shape = (*temperature.shape[:-1], layout.core)
+    inertias = np.zeros(shape)
+    squares = np.zeros(shape)
+    for slots, present, inertia in _kinds(layout):
+        inertias[..., slots] = constants[inertia][..., present]
+        if inertia == row.MASS:
+            inertias[..., slots] *= _moved_with(layout)[present]
+        squares[..., slots] = temperature[..., present] / inertias[..., slots]
+    return ThermalMotion(inertias, squares)
+
+
+@once_per_layout
+def _alike(layout: Layout) -> list[np.ndarray]:
+    """The slots of the coordinates of one kind of one surface, for each kind and surface."""
+    found = []
+    for slots, present, _ in _kinds(layout):
+        owners = layout.asperites.surface[present]
+        found += [slots[owners == surface] for surface in np.unique(owners)]
+    return found
+
+
+@once_per_layout
 def _kinds(layout: Layout) -> list[tuple[np.ndarray, np.ndarray, int]]:
     """Slots of coordinates of one kind, the asperites that have them, and rows of their inertia."""
     a = layout.asperites
