@@ -28,14 +28,9 @@ def compared(*names, scenes):
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-# The default set has the first potential, the thorough one that of a user; the others are slow.
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.thorough] * (name != "Coulomb"))
-        for name in live_comparison.POTENTIALS
-    ],
-)
+# To compile a module takes half a minute: two are compared here, and the others are slow tests.
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", list(live_comparison.POTENTIALS))
 def test_bits(name):
     """All bits of the record, and all quantities to rounding, of random pairs and drives."""
     runs = compared(name, scenes=3)
