@@ -375,3 +375,21 @@ def test_its_rate_is_swept_and_not_given_to_members(asperite):
     found = tribo.sweep(given, {"block.nu": rates}, keep=["block.W"])["block.W"].values
     alone = [tribo.simulate(scene(asperite, initial=Initial(nu=rate))) for rate in rates]
     np.testing.assert_allclose(found, [each["block"].W[-1] for each in alone], atol=1e-7)
+
+
+@pytest.mark.parametrize("count", [1, 3, 9])
+def test_asperites_that_fill_a_pack_do_not_count(count):
+    """Nor swing: pendulums of equal numbers share columns with those that fill their packs."""
+    drive = Pushed(force=(0.3, -0.3), **FREE)
+    heat = Langevin(0.2, on="swing")
+    shape = {"shape": (count, 1), "heights": [0.0] * count}
+    given = scene(Asperite(kappa=2.0), drive, langevin=heat, initial={}, **shape)
+    each, whole = (
+        tribo.simulate(replace(given, output=Output(samples=9, ledger=ledger)), accuracy=1e-9)
+        for ledger in ("asperites", "surfaces")
+    )
+    for block in (each["block"], whole["block"]):
+        np.testing.assert_allclose(block.W_ps, block.delta_K, atol=1e-12)
+        np.testing.assert_allclose(block.W - block.W_ps, block.delta_E_int, atol=1e-12)
+    heats = [np.sum(result["block"].heat[-1]) for result in (each, whole)]
+    assert heats[0] == pytest.approx(heats[1], abs=1e-12) and heats[0] > 1e-3

@@ -313,7 +313,10 @@ def torques(model, s, i, bob_x, bob_y, bar_x, bar_y):
 
 @inlined
 def joined(model, s, i, swing, turning, x, y):
-    """Accelerations of a pack; those of the whole where bars are one rigid body, in place."""
+    """Accelerations of a pack; those of the whole where bars are one rigid body, in place.
+
+    Asperites that fill a pack stay at rest: sums over packs count what moves.
+    """
     if s.block > 0:
         present = pack(model.each[rows.PRESENT], i)
         x = present * s.ax
@@ -323,6 +326,8 @@ def joined(model, s, i, swing, turning, x, y):
         if s.tilting > 0:
             turning = present * s.alpha
             along_x, along_y = accelerations_of_bars(model, s, i)
+            along_x = present * along_x
+            along_y = present * along_y
         if s.block == PENDULUMS:
             tx, ty = vectors(model.directions, i)
             inverse_length = lever_mass(model, s, i) * constant(model, rows.INVERSE_INERTIA, s, i)
