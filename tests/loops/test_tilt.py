@@ -327,6 +327,19 @@ def test_continues_from_a_state(tmp_path):
             tribo.simulate(replace(given, surfaces=(stiff, given.surfaces[1])), start=state, **how)
 
 
+def test_clamped_bars_go_on_from_the_tilt():
+    """At its angle and rate: those of the start are long past."""
+    first = tribo.simulate(scene(), accuracy=1e-8)
+    apart = Pulled(stiffness=PULL["stiffness"], speed=PULL["speed"], load=PULL["load"])
+    upper, lower = first.scene.surfaces
+    later = replace(first.scene, surfaces=(replace(upper, drive=apart), lower), duration=8.0)
+    rest = tribo.simulate(later, start=first.state(), accuracy=1e-8)["block"]
+    before = first["block"]
+    assert abs(before.phi[-1, 0] - 0.05 * 6.0) > 0.1
+    for name in ("phi", "nu", "theta", "x_bar", "y_bar"):
+        np.testing.assert_allclose(rest[name][0], before[name][-1], atol=1e-12, err_msg=name)
+
+
 # --- files and refusals --------------------------------------------------------------------------
 
 

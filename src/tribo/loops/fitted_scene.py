@@ -114,7 +114,7 @@ def _with_clamps(surface: Surface, before: Surface, state: State) -> Surface:
     table = state.surfaces[surface.name]
     phi = table["phi"] - table["nu"] * state.t
     nu = table["nu"]
-    if before.bars == "clamped":
+    if not before.turns_bars:
         phi, nu = (before.initial.for_each(count)[name] for name in ("phi", "nu"))
     own = surface.initial.for_each(count)
     if np.array_equal(own["phi"], phi) and np.array_equal(own["nu"], nu):
