@@ -23,6 +23,7 @@ import numpy as np
 from tribo import validation as check
 from tribo.model.schedule import Schedule, as_schedule
 from tribo.plugins import classes as plugins
+from tribo.plugins.complex_steps import unlike_slope
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.validation import InputError, is_list, must_be
@@ -113,6 +114,13 @@ FOLLOWING: dict[str, dict[str, Callable[..., Any]]] = {
         "power_at_time": _complex_step_in_time,
     },
 }
+
+
+COMPLEX_STEPS = (_complex_step, _complex_step_at_time, _complex_step_in_time)
+# Where these are compared with differences: times, and places on either side [time, length].
+STEPPED_AT = tuple(
+    (0.0137 * 2.618**k, 0.0171 * (-1.618) ** k, 0.0213 * (-1.618) ** (k // 2)) for k in range(20)
+)
 
 
 def _following(own: Mapping[str, Any]) -> dict[str, Any]:
@@ -218,7 +226,53 @@ def as_field_potential(value: Any) -> Any:
     value = plugins.with_numbers(value)
     if isinstance(value, Corrugation) and value.period <= 0.0:
         raise must_be("period", "positive [length]", value.period)
+    _check_complex_steps(value)
     return value
+
+
+def _check_complex_steps(field: Any) -> None:
+    """Refuse an energy whose complex steps are not its slopes, as those of ``abs(x)`` are not."""
+    cls: Any = type(field)
+    for name, derivative_at in DERIVATIVES.items():
+        if getattr(cls, name, None) not in COMPLEX_STEPS:
+            continue
+        for place in STEPPED_AT:
+            if unlike := unlike_slope(*derivative_at(field, *place)):
+                problem = (
+                    f"{cls.__name__} has no {name}, and complex numbers do not give the slope of "
+                    f"its energy: it is {unlike}; define {name}"
+                )
+                raise InputError("kind", problem)
+
+
+def _by_place(field: Any, t: float, x: float, y: float) -> tuple[Any, ...]:
+    return field.energy_at, lambda x, y: _negative(field.force_at(x, y)), x, y
+
+
+def _by_place_at_time(field: Any, t: float, x: float, y: float) -> tuple[Any, ...]:
+    def energy(x: float, y: float) -> Any:
+        return field.energy_at_time(t, x, y)
+
+    return energy, lambda x, y: _negative(field.force_at_time(t, x, y)), x, y
+
+
+def _by_time(field: Any, t: float, x: float, y: float) -> tuple[Any, ...]:
+    def energy(t: float) -> Any:
+        return field.energy_at_time(t, x, y)
+
+    return energy, lambda t: [field.power_at_time(t, x, y)], t
+
+
+def _negative(force: tuple[float, float]) -> tuple[float, float]:
+    return -force[0], -force[1]
+
+
+# The energy, its slopes by the methods that may be complex steps, and the numbers at a place.
+DERIVATIVES = {
+    "force_at": _by_place,
+    "force_at_time": _by_place_at_time,
+    "power_at_time": _by_time,
+}
 
 
 def from_table(table: Any, folder: Path) -> Field:

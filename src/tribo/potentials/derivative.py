@@ -1,7 +1,7 @@
 """Symbolic derivatives of expressions, and of energies whose class defines no force.
 
 An energy is differentiated from its source if that is a formula: assignments to names, ``if`` and
-return, with arithmetic, functions of numpy or math, and a choice between two values by
+return, with arithmetic, functions of numpy or math, ``abs``, and a choice between two values by
 ``np.where``, ``min``, ``max`` or a conditional expression.  Other energies are differentiated by a
 complex step, which costs several times as much and allows no comparison of r.
 """
@@ -34,6 +34,8 @@ CHOICES: dict[str, type[ast.cmpop]] = {
     "min": ast.Lt,
     "minimum": ast.Lt,
 }
+# Functions that take a number without its sign.
+MAGNITUDES = ("abs", "absolute", "fabs")
 # Functions whose derivative is infinite at zero, where a choice of zero may put their argument.
 SINGULAR = ("log", "sqrt")
 
@@ -78,6 +80,10 @@ class Rules:
             case ast.Call(function, [u, v], []) if _name(function) in CHOICES:
                 test = ast.Compare(u, [CHOICES[_name(function)]()], [v])
                 return self._choice(test, self.derivative(u), self.derivative(v))
+            case ast.Call(function, [u], []) if _name(function) in MAGNITUDES:
+                test = ast.Compare(u, [ast.Gt()], [ast.Constant(0.0)])
+                slope = self.derivative(u)
+                return self._choice(test, slope, ast.UnaryOp(ast.USub(), slope))
             case ast.Call(function, [test, u, v], []) if _name(function) == "where":
                 return self._choice(test, self.derivative(u), self.derivative(v))
             case ast.IfExp(test, u, v):
@@ -311,7 +317,7 @@ class Statements(Rules):
                     pass
                 case ast.Call(ast.Attribute(ast.Name(name))) if self._names.get(name) in (np, math):
                     pass
-                case ast.Call(ast.Name("min" | "max" as name)) if name not in self._names:
+                case ast.Call(ast.Name("min" | "max" | "abs" as name)) if name not in self._names:
                     pass
                 case ast.BinOp(_, ast.Pow(), power) if self.varies(power):
                     raise NoFormulaError  # its derivative needs a logarithm, of an unknown library

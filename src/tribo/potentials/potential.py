@@ -24,6 +24,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Self, dataclass_transform
 
 from tribo.plugins import classes as plugins
+from tribo.plugins.complex_steps import unlike_slope
 from tribo.plugins.sources import is_own
 from tribo.plugins.unloaded import Unloaded
 from tribo.potentials.derivative import factors_of, force_from
@@ -43,6 +44,8 @@ COMBINED: dict[str, Any] = {}
 SWITCH_FROM = 0.9
 # Pairs of charges of which each potential acts on one, unless it acts on none or has unusual rules.
 CHARGES = (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (0.0, 0.0), (0.0, 1.0), (1.0, 2.0), (2.0, 2.0)
+# Distances at which a force by a complex step is compared with the energy's slope [length].
+STEPPED_AT = tuple(0.0137 * 1.618**k for k in range(25))
 # What named tuples have beside their fields.
 OF_TUPLES = (
     *("__new__", "__repr__", "__getnewargs__", "__match_args__"),
@@ -397,6 +400,27 @@ def _check(potential: Potential) -> None:
         raise InputError(name, f"{problem}, got {short_repr(getattr(potential, name))}")
     for method in ("range", "feature", "smoothness", "smoothness_within"):
         plugins.returned_numbers(potential, "potential", method)
+    _check_complex_step(potential)
+
+
+def _check_complex_step(potential: Potential) -> None:
+    """Refuse an energy whose complex step is not its slope, as that of ``abs(r)`` is not."""
+    cls: Any = type(potential)
+    if cls.force is not _complex_step and cls.force_between is not _complex_step_between:
+        return
+    one, other = acting_charges(potential)
+    for r in STEPPED_AT:
+        unlike = unlike_slope(
+            lambda r: potential.energy_between(r, one, other),
+            lambda r: (-potential.force_between(r, one, other),),
+            r,
+        )
+        if unlike:
+            problem = (
+                f"{cls.__name__} has no force, and complex numbers do not give the slope of its "
+                f"energy: dU/dr is {unlike}; define force(self, r)"
+            )
+            raise InputError("potential", problem)
 
 
 def acting_charges(potential: Potential) -> tuple[float, float]:
