@@ -295,3 +295,23 @@ def test_surfaces_longer_than_the_period_are_noted():
         scene = tribo.Scene(surfaces, contact, 0.1, periodic={"x": period})
         notes = " ".join(tribo.simulate(scene, method="verlet", step=0.05).notes)
         assert (f"{fit} fit in it" in notes) == (fit < 12)
+
+
+def test_notes_of_a_coefficient_quote_coefficients():
+    """Not forces: of incomplete periods, and of samples that see one phase of a motion."""
+    rigid = tribo.Asperite(kappa=np.inf)
+    pull = tribo.Pulled(stiffness=0.5, speed=0.1, load=2.0)
+    langevin = tribo.Langevin(2.0)
+    tip = tribo.Surface("tip", drive=pull, langevin=langevin, asperite=rigid)
+    bobs = {"shape": (60, 1), "bob": (-1.0, -1.5), "spacing": (0.5, 0.0)}
+    wall = tribo.Surface("wall", facing="up", drive="bars", asperite=rigid, **bobs)
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    output = tribo.Output(samples=1151, series=["forces"])
+    scene = tribo.Scene([tip, wall], tribo.BornMayer(5.0, 0.3), 115.0, fields=[field], output=output)
+    result = tribo.simulate(scene, accuracy=1e-6)
+    force = result.friction_force("tip", after=13.0)
+    found = result.friction_coefficient("tip", after=13.0)
+    assert found.mean == pytest.approx(-0.5 * force.mean) and found.mean > 0.0
+    assert found.weighted_mean == pytest.approx(-0.5 * force.weighted_mean)
+    assert f"it is {force.weighted_mean:.4g}" in force.note
+    assert f"it is {found.weighted_mean:.4g}" in found.note

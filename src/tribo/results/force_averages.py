@@ -92,7 +92,8 @@ def friction_coefficient(
     Returns
     -------
     Average
-        As of :meth:`friction_force`, relative to the load; the mean is not negative.
+        As of :meth:`friction_force`, relative to the load and in the direction of the mean, which
+        is not negative.
     """
     found = friction_force(result, surface, after)
     part = next(each for each in result.scene.surfaces if each.name == surface)
@@ -105,17 +106,18 @@ def friction_coefficient(
     load = load_of(part)
     if load == 0.0:
         raise InputError(f"{surface}.drive.load", "is missing; name the surface that has the load")
-    return found._replace(
-        mean=abs(found.mean) / load,
-        half_width=found.half_width / load,
-        spread=found.spread / load,
-        weighted_mean=np.copysign(1.0, found.mean) * found.weighted_mean / load,
-        weighted_half_width=found.weighted_half_width / load,
-    )
+    # The series itself is divided: notes quote its numbers.
+    toward = float(np.copysign(load, found.mean))
+    return force_average(result, f"{surface}.friction_force", after, per=toward)
 
 
-def force_average(result: RunResult, full: str, after: float | str | None = None) -> Average:
-    """The average of "upper.pull_force", by default from ``output.run_in`` on; it notes a stop."""
+def force_average(
+    result: RunResult, full: str, after: float | str | None = None, per: float = 1.0
+) -> Average:
+    """The average of "upper.pull_force", by default from ``output.run_in`` on; it notes a stop.
+
+    It is `per` another force, as a load.
+    """
     surface, _, name = full.rpartition(".")
     series = result[surface]
     if name not in series and not result.ledger.kept:
@@ -125,6 +127,7 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
         raise InputError("output.series", 'does not contain "forces"; add it, and run again')
     stop = _stop_of(result)
     t, values = _up_to_stop(result, series, name)
+    values = values / per
     # Means over the intervals that end at the samples have no first value.
     of_intervals = bool(np.isnan(values[0]))
     if not of_intervals:
@@ -141,11 +144,13 @@ def force_average(result: RunResult, full: str, after: float | str | None = None
     if name == "pull_force":
         notes.append(_drag_note(result, surface, found.mean))
     if name == "friction_force":
-        notes.append(_sampling_note(result, surface, found, t[-1]))
+        notes.append(_sampling_note(result, surface, found, t[-1], per))
     return found._replace(note="; ".join(filter(None, notes)))
 
 
-def _sampling_note(result: RunResult, surface: str, found: Average, end: float) -> str:
+def _sampling_note(
+    result: RunResult, surface: str, found: Average, end: float, per: float
+) -> str:
     """A note where the samples of the friction force miss a part of the motion; else empty.
 
     Samples at one phase of a periodic motion have a mean of their own.  The impulse of the contact,
@@ -159,7 +164,7 @@ def _sampling_note(result: RunResult, surface: str, found: Average, end: float) 
         return ""
     first, last = np.searchsorted(result.t, [found.after, end])
     gained = series["friction_work"][last] - series["friction_work"][first]
-    exact = -float(gained) / (speed * (end - found.after))
+    exact = -float(gained) / (speed * (end - found.after)) / per
     missed = abs(found.mean - exact)
     by_chance = 2.0 * found.half_width if np.isfinite(found.half_width) else found.spread
     if not missed > max(by_chance, NOTED_MISS * abs(exact)):
