@@ -299,7 +299,7 @@ SMOOTHNESS = {
     "a core": (WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6)), 1),
     "a core cut off farther out": (
         WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6)).with_cutoff(3.0, "truncate"),
-        -1,
+        1,
     ),
     "a table that ends in a jump": (from_points(POINTS, POINTS), -1),
     "a table that ends in a corner": (from_points(POINTS, 2.0 - POINTS), 0),
@@ -315,8 +315,6 @@ def test_smoothness_is_as_declared(name):
     """The first derivative of U that jumps at r = 2 is the one after those declared."""
     potential, smoothness = SMOOTHNESS[name]
     assert potential.smoothness() == smoothness
-    if name == "a core cut off farther out":
-        return  # what a cutoff may do, it is said to do
     h = 1e-4
     sides = [2.0 + side * h * np.array([1.0, 2.0, 3.0, 4.0]) for side in (-1.0, 1.0)]
     values = [np.array([potential.energy(r) for r in side]) for side in sides]
@@ -325,6 +323,19 @@ def test_smoothness_is_as_declared(name):
         before, after = (fit.deriv(order)(2.0) if order else fit(2.0) for fit in fits)
         jumps = abs(after - before) > 0.02
         assert jumps == (order > smoothness) or order > smoothness + 1, order
+
+
+def test_what_lies_beyond_a_cutoff_does_not_count():
+    """Parts of a sum end, jump or bend there, where the sum has ended."""
+    charge = Coulomb(0.1)
+    table = from_points(POINTS, POINTS)  # which ends in a jump at r = 2
+    core = WeeksChandlerAndersen(0.3, 2.0 ** (5 / 6))  # which ends in a bend there
+    for part, whole in ((table, -1), (core, 1)):
+        both = part + charge
+        assert both.with_cutoff(1.5).smoothness() == 2
+        assert both.with_cutoff(1.5, "shift").smoothness() == 0
+        assert both.with_cutoff(3.0).smoothness() == whole
+        assert (both.with_cutoff(1.5) + charge).smoothness_below(1.0) == 2
 
 
 # --- tables --------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from support.command import main
-from tribo import InputError, check
+from tribo import InputError, Potential, check
 from tribo.potentials import (
     BUILT_IN,
     LennardJones,
@@ -557,3 +557,71 @@ def test_a_given_calculator():
     peer = MorsePotential(epsilon=2.0, r0=1.5, rho0=4.5, rcut1=1e4, rcut2=2e4)
     assert check(Morse(2.0, 3.0, 1.5), ase=peer)["ase"].passed
     assert not check(Morse(2.0, 3.0001, 1.5), ase=peer)["ase"].passed
+
+
+class Charged(Potential):
+    """Coulomb's potential with a flaw between some charges."""
+
+    strength: float
+    unlike: float = 1.0  # factor of the force between unlike charges
+    silent: float = 0.0  # whether unlike charges are said not to act
+
+    def energy(self, r):
+        return self.strength / r
+
+    def energy_between(self, r, one, other):
+        return one * other * self.strength / r
+
+    def force_between(self, r, one, other):
+        factor = self.unlike if one * other < 0.0 else 1.0
+        return factor * one * other * self.strength / r**2
+
+    def acts_between(self, one, other):
+        return one * other > 0.0 or (one * other < 0.0 and self.silent == 0.0)
+
+
+@pytest.mark.parametrize("flaw", [{}, {"unlike": 1.01}, {"unlike": -1.0}, {"silent": 1.0}])
+def test_charges_of_either_sign(flaw):
+    report = check(Charged(0.3, **flaw))
+    assert failed(report) == ({"charges"} if flaw else set()), str(report)
+    if flaw:
+        assert ("acts_between" if "silent" in flaw else "0.7 and -1.3") in report["charges"].note
+
+
+class Ending(Potential):
+    """U = height (1 - r / d)^power below d; `cut` is whether it declares the range."""
+
+    height: float
+    d: float
+    power: float
+    cut: float = 0.0
+
+    def energy(self, r):
+        return self.height * np.maximum(1.0 - r / self.d, 0.0) ** self.power
+
+    def range(self):
+        return self.d if self.cut > 0.0 else np.inf
+
+
+@pytest.mark.parametrize("d", [0.3, 0.7, 1.0, 5.0])
+def test_a_kink_where_the_force_vanishes_is_found(d):
+    """It lies at the end of the distances at which the force is felt."""
+    assert failed(check(Ending(1.0, d, 2.0))) == {"kinks of force"}
+
+
+def test_a_force_that_ends_as_a_root_does_not_jump():
+    """The slope of the force does, as the card says."""
+    assert failed(check(Ending(1.0, 1.5, 1.5, 1.0))) == {"slope at the cutoff"}
+
+
+class Powers(Potential):
+    """Integer powers: a division by zero near r = 0, and infinities far away."""
+
+    strength: float
+
+    def energy(self, r):
+        return self.strength * (r**-12 - 1.0 / r**36)
+
+
+def test_integer_powers_pass():
+    assert failed(check(Powers(-1.0))) == set()

@@ -85,10 +85,11 @@ class Sum(Potential):
 
     def smoothness_within(self):
         """That of the less smooth part, without the point where the sum ends."""
-        end = self.range()
-        return min(
-            part.smoothness_within() if part.range() == end else part.smoothness() for part in self
-        )
+        return self.smoothness_below(self.range())
+
+    def smoothness_below(self, end):
+        """That of the less smooth part, which may jump or bend beyond."""
+        return min(part.smoothness_below(end) for part in self)
 
     def energy_subtracted(self, charge):
         """That of both parts."""
@@ -129,6 +130,9 @@ class Wrapper(Potential):
 
     def smoothness_within(self):
         return self.potential.smoothness_within()
+
+    def smoothness_below(self, end):
+        return self.potential.smoothness_below(end)
 
     def energy_subtracted(self, charge):
         return self.potential.energy_subtracted(charge)

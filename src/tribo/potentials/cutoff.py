@@ -50,9 +50,17 @@ class WithCutoff(Wrapper):
 
     def smoothness(self):
         """Number of continuous derivatives of U at every r > 0; -1 where U jumps."""
-        ends = self.cutoff <= self.potential.range()
-        below = self.potential.smoothness_within() if ends else self.potential.smoothness()
-        return min(self._at_cutoff, below)
+        if self.cutoff > self.potential.range():  # where U and the force are zero
+            return self.potential.smoothness()
+        return min(self._at_cutoff, self.smoothness_within())
+
+    def smoothness_within(self):
+        """Number of continuous derivatives of U below the cutoff."""
+        return self.potential.smoothness_below(self.range())
+
+    def smoothness_below(self, end):
+        """Number of continuous derivatives of U at every r below `end` [length]."""
+        return self.smoothness_within() if end <= self.range() else self.smoothness()
 
     def constraints(self):
         repeated = type(self.potential) in AT_CUTOFF.values()
@@ -211,9 +219,13 @@ class Switched(WithCutoff):
         )
         return 1.0 * np.where(r < self.range(), force, 0.0)
 
+    def smoothness(self):
+        """Number of continuous derivatives of U at every r > 0: two at switch_from."""
+        return min(2, super().smoothness())
+
     def smoothness_within(self):
-        """Number of continuous derivatives of U at switch_from."""
-        return min(2, self.potential.smoothness_within())
+        """Number of continuous derivatives of U below the cutoff: two at switch_from."""
+        return min(2, super().smoothness_within())
 
     def constraints(self):
         below = f"must be below the cutoff {self.cutoff:g} [length]"

@@ -96,11 +96,20 @@ class Rules:
                 first: ast.expr = ast.Constant(0)
                 if self.varies(u):
                     first = substitute("u/v", u=self.derivative(u), v=v)
-                second = multiply(substitute("-(u/v)/v", u=u, v=v), self.derivative(v))
-                return add(first, second)
+                return add(first, self._of_inverse(u, v))
             case ast.BinOp(u, ast.Add() | ast.Sub() as op, v):
                 return add(self.derivative(u), self.derivative(v), op)
         raise NoFormulaError
+
+    def _of_inverse(self, u: ast.expr, v: ast.expr) -> ast.expr:
+        """What the change of v adds to the derivative of u / v.
+
+        That of a power of w is n (u / w ** n) / w, in which no larger power overflows.
+        """
+        match v:
+            case ast.BinOp(w, ast.Pow(), ast.Constant(int() | float()) as n):
+                return multiply(substitute("-(n*(u/v))/w", n=n, u=u, v=v, w=w), self.derivative(w))
+        return multiply(substitute("-(u/v)/v", u=u, v=v), self.derivative(v))
 
     def _choice(self, test: ast.expr, u: ast.expr, v: ast.expr) -> ast.expr:
         """One of two values, both of them floats."""

@@ -240,6 +240,10 @@ class Potential(tuple[Any, ...], metaclass=PotentialType):
         """Number of continuous derivatives of U within its range."""
         return self.smoothness()
 
+    def smoothness_below(self, end: float) -> float:
+        """Number of continuous derivatives of U at every r below `end` [length]."""
+        return self.smoothness_within() if end <= self.range() else self.smoothness()
+
     def energy_subtracted(self, charge: float) -> float:
         """What cutoffs subtract from the energies of bobs with this charge, at most [energy]."""
         return 0.0

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 from tribo.model.interaction import Interaction
 from tribo.plugins.classes import is_named
 from tribo.potentials.tables import as_table
-from tribo.report_card.agreement import check_agreement, check_ase, check_third_law
+from tribo.report_card.agreement import (
+    check_agreement,
+    check_ase,
+    check_charges,
+    check_third_law,
+)
 from tribo.report_card.card import Check, Report
 from tribo.report_card.derivatives import check_force, check_minimum, curves
 from tribo.report_card.limits import check_finite, check_limits
@@ -67,6 +72,7 @@ def check(
         *check_cutoff(scan),
         check_limits(scan),
         check_third_law(scan),
+        check_charges(scan),
         *check_agreement(scan),
         *check_ase(scan, ase, symbols),
     ]

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tribo.potentials import Coulomb, LennardJones, Morse
 from tribo.report_card.card import Check
+from tribo.report_card.derivatives import BOUND, TRUSTED, derivative, reach_of
 from tribo.report_card.scan import PotentialScan
 from tribo.validation import InputError
 
@@ -27,6 +29,10 @@ ROUND_OFF = 1e-12
 # Distances at which charges are exchanged, and calculators called; and two charges.
 DISTANCES = 40
 CHARGES = (0.7, -1.3)
+# Charges between which force and energy are compared too.
+OTHER_CHARGES = (1.0, -1.0), (-1.0, -1.0), CHARGES, (0.0, 1.0), (2.0, 0.5)
+# Errors are of other charges alone where they exceed those of the scan's own so many times.
+TWICE = 2.0
 # Largest distance compared [typical distance]: there, the energy at FAR, by which ASE shifts U, is
 # below round-off.
 WIDEST = 30.0
@@ -59,6 +65,45 @@ def check_third_law(scan: PotentialScan) -> Check:
     other = [scan.one_by_one(method, r, CHARGES[::-1]) for method in scan.methods]
     text = f"charges exchanged, at {r.size} distances"
     return check_same("third law", text, scan, r, one, other)
+
+
+def check_charges(scan: PotentialScan) -> Check:
+    """Check force and energy between charges of either sign, and whether they act as declared."""
+    r = scan.r[scan.r < scan.cutoff]
+    r = r[:: max(1, r.size // DISTANCES)]
+    worst = np.zeros(r.size)
+    note = ""
+    same = _error_between(scan, r, scan.charges)[1]  # which the force's own check has
+    for charges in OTHER_CHARGES:
+        energies, error = _error_between(scan, r, charges)
+        error = np.where(error > TWICE * same, error, 0.0)
+        if np.any(error > BOUND):
+            note = f"between charges of {charges[0]:g} and {charges[1]:g}"
+        worst = np.maximum(worst, error)
+        acts = np.nan_to_num(np.abs(energies) / r) > ROUND_OFF * scan.scale(r)
+        if np.any(acts) and not scan.potential.acts_between(*charges):
+            note = (
+                f"acts_between({charges[0]:g}, {charges[1]:g}) is false, and energy and force are "
+                "not zero: runs leave them out"
+            )
+            worst = np.where(acts, np.inf, worst)
+    text = f"force and -dU/dr of charges of either sign, at {r.size} distances"
+    return replace(Check.of_worst("charges", text, worst, BOUND, r), note=note)
+
+
+def _error_between(
+    scan: PotentialScan, r: np.ndarray, charges: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The energies of two charges, and the error of their force; 0 where dU/dr is not known."""
+    energies = np.float64(scan.python_energies(r, charges))
+    force = scan.one_by_one(scan.methods[1], r, charges)
+    of_charges = partial(scan.python_energies, charges=charges)
+    with np.errstate(all="ignore"):
+        slope, unsure = derivative(of_charges, r, reach_of(scan, r))
+        scale = np.maximum(scan.scale(r), np.abs(force) + np.abs(energies) / r)
+        error = np.abs(force + slope) / scale
+    known = np.isfinite(error) & (TRUSTED * unsure / scale <= BOUND)
+    return energies, np.where(known, error, 0.0)
 
 
 def check_same(

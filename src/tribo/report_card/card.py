@@ -28,6 +28,7 @@ ADVICE = {
     "slope at the cutoff": _AT_END.format("the slope of the force", 1),
     "limits": "let force() vanish where the energy is constant, or declare domain()",
     "third law": "make coupling(one, other) symmetric in the two bobs",
+    "charges": "mend energy_between() and force_between(), or acts_between()",
     "arrays": "compute each value from its own r: np.maximum instead of np.max",
     "compiled": "avoid what Python and numba compute differently, as globals that change; "
     "tribo doctor names the folder of compiled code, which can be removed",

@@ -70,13 +70,18 @@ def derivative(function: Function, r: ArrayLike, reach: ArrayLike) -> tuple[np.n
     return best, uncertainty
 
 
+def reach_of(scan: PotentialScan, r: np.ndarray) -> np.ndarray:
+    """How far from r energies are evaluated for a derivative: not beyond the cutoff [length]."""
+    end = scan.cutoff
+    reach = np.minimum(REACH * r, LONGEST * scan.length)
+    return np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
+
+
 def curves(scan: PotentialScan) -> Curves:
     """Energy, force, and |F + dU/dr| with the uncertainty of dU/dr."""
     r = np.sort(np.concatenate([scan.r, scan.random]))
-    end = scan.cutoff
     energy, force = scan.compiled(r)
-    reach = np.minimum(REACH * r, LONGEST * scan.length)
-    reach = np.where(r < end, np.minimum(reach, 0.9 * np.abs(end - r)), reach)
+    reach = reach_of(scan, r)
     with np.errstate(all="ignore"):
         slope, uncertainty = derivative(scan.python_energies, r, reach)
         scale = scan.scale(r)
@@ -87,7 +92,7 @@ def curves(scan: PotentialScan) -> Curves:
             disagreement=np.abs(force + slope) / scale,
             uncertainty=uncertainty / scale,
             bound=BOUND,
-            cutoff=end,
+            cutoff=scan.cutoff,
             length=scan.length,
         )
 

@@ -42,6 +42,8 @@ SEARCHED = 8000
 AROUND_OWN = 1e3
 # How far they reach, inward and outward, if the potential has no length [ratio, length].
 WITHOUT_OWN = 1e20
+# Cells beyond the distance from which the force has vanished: where it has a kink, it lies there.
+BEYOND = 8
 # Distances on either side of a minimum at which the force must have one sign, as round-off has not.
 SAME_SIGN = 6
 # Largest typical distance where there is a cutoff [cutoff].
@@ -111,13 +113,19 @@ class PotentialScan:
                     found.flat[i] = method(x, one, other)
         return found
 
-    def python_energies(self, r: np.ndarray) -> np.ndarray:
-        """U(r) in the precision of r: of the whole array, or one by one if it takes no arrays."""
+    def python_energies(
+        self, r: np.ndarray, charges: tuple[float, float] | None = None
+    ) -> np.ndarray:
+        """U(r) in the precision of r: of the whole array, or one by one if it takes no arrays.
+
+        It is between two charges, or those of the scan.
+        """
+        charges = charges or self.charges
         with suppress(Exception):
-            energies = np.asarray(self.potential.energy_between(r, *self.charges))
+            energies = np.asarray(self.potential.energy_between(r, *charges))
             if energies.shape == r.shape:
                 return energies
-        return self.one_by_one(self.potential.energy_between, r)
+        return self.one_by_one(self.potential.energy_between, r, charges)
 
     def compiled(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """U and -dU/dr at each r, in the shape of r: two bobs at a distance r along x."""
@@ -132,6 +140,17 @@ class PotentialScan:
             problem = f"{raised}; must return nan where it has no energy"
             raise InputError("potential", problem) from None
         return energies.reshape(r.shape), forces[:, 0, 0].reshape(r.shape)
+
+    def compiled_if_possible(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same, with nan at distances for which the potential raises an exception."""
+        with suppress(InputError):
+            return self.compiled(r)
+        energy = np.full(r.shape, np.nan)
+        force = np.full(r.shape, np.nan)
+        for place in np.ndindex(r.shape):
+            with suppress(InputError):
+                energy[place], force[place] = self.compiled(r[place])
+        return energy, force
 
     def scale(self, r: ArrayLike) -> np.ndarray:
         """Scale of errors of the force at r: the largest |F| + |U| / r in the cells around."""
@@ -240,6 +259,9 @@ class PotentialScan:
         Short is a feature of a few percent of the distance.
         """
         edges = np.geomspace(self.low, self.high, 501)  # of 500 cells of equal ratio
+        if math.isinf(self.cutoff) and math.isinf(self.domain[1]):
+            more = np.geomspace(edges[-1 - BEYOND], self.high, 1 + BEYOND)[1:]
+            edges = np.append(edges, more * (self.high / edges[-1 - BEYOND]))
         feature = float(self.potential.feature()[0])
         around = np.arange(-FINE_CELLS, FINE_CELLS + 1) / CELLS_PER_FEATURE * feature + self.length
         if not 0.0 < feature / CELLS_PER_FEATURE < self.length * (edges[1] / edges[0] - 1.0):

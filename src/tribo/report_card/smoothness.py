@@ -88,8 +88,8 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
     if not math.isfinite(end):
         return
     promised = float(scan.potential.smoothness())
+    energy, force = (_limit(values) for values in scan.compiled(_below(end)))
     slope = _slope_below(scan, end)
-    energy, force = (float(x[0]) for x in scan.compiled(np.array([np.nextafter(end, 0.0)])))
     unit = scan.typical_energy
     length = scan.length
     jumps = {
@@ -104,15 +104,24 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
         yield Check(f"{name} at the cutoff", text, jump, bound, end)
 
 
-def _slope_below(scan: PotentialScan, end: float) -> float:
-    """Slope of the force just below `end`, extrapolated from three short distances.
+def _below(end: float) -> np.ndarray:
+    """Three distances just below a cutoff, and the last one."""
+    return np.nextafter(end, 0.0) - end * np.array([*INWARD, 0.0])
 
-    Aitken's formula is exact for a slope that approaches its limit as any power of the distance,
-    as the square root at the end of a Hertz contact.
-    """
-    last = np.nextafter(end, 0.0)
-    r = last - end * np.array([*INWARD, 0.0])
+
+def _slope_below(scan: PotentialScan, end: float) -> float:
+    """Slope of the force just below `end`, extrapolated from three short distances."""
+    r = _below(end)
     force = scan.compiled(r)[1]
-    first, second, third = (force[:3] - force[3]) / (r[:3] - r[3])
+    return _limit((force[:3] - force[3]) / (r[:3] - r[3]))
+
+
+def _limit(values: np.ndarray) -> float:
+    """The limit of values at the first three distances below a cutoff.
+
+    Aitken's formula is exact for what approaches its limit as any power of the distance, as the
+    square root at the end of a Hertz contact.
+    """
+    first, second, third = values[:3].tolist()
     change = (third - second) - (second - first)
     return float(third - (third - second) ** 2 / change if change != 0.0 else third)
