@@ -161,6 +161,26 @@ def test_a_held_bar_makes_no_loop_of_its_own(pulled, swung):
         quiet.loop("upper", position=np.sin(quiet.t))
 
 
+def test_bars_that_are_moved_make_a_loop():
+    """Its area is the work by which they are moved in a cycle."""
+    speed = tribo.Schedule.sine(0.0, 0.6, period=20.0, phase=0.5 * np.pi), 0.0
+    drag = Langevin(1.0, on="swing")
+    place = {"bob": (0.0, 1.3), "velocity": (0.6, 0.0), "shape": (2, 1), "spacing": (1.3, 0.0)}
+    tip = Surface("tip", drive=tribo.Moved(speed=speed), langevin=drag, **place)
+    below = {"bob": (-5.0, 0.0), "shape": (12, 1), "spacing": (1.0, 0.0)}
+    row = Surface("row", facing="up", drive="bars", **below)
+    output = Output(samples=4001, series=("forces",), run_in=20.0)
+    contact = tribo.Gaussian(0.2, 0.5).with_cutoff(2.0)
+    result = tribo.simulate(Scene((tip, row), contact, 81.0, output=output), accuracy=1e-8)
+    found = result.loop("tip")
+    assert found.stroke.mean == pytest.approx(0.6 * 20.0 / np.pi, rel=1e-3)
+    work = np.sum(result["tip"].w2, axis=1)
+    cycles = found.cycles
+    for begin, end, area in zip(*(cycles[n].values for n in ("begin", "end", "area")), strict=True):
+        done = np.interp([begin, end], result.t, work)
+        assert area == pytest.approx(done[1] - done[0], rel=0.01)
+
+
 TURNS = {"points": [[0, 0.2], [15, 0.2], [15, -0.2], [30, -0.2]]}
 BLOCK = {"stiffness": 3.0, "speed": TURNS, "load": 0.4, "block": True}
 

@@ -88,13 +88,16 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
     if not math.isfinite(end):
         return
     promised = float(scan.potential.smoothness())
-    energy, force = (_limit(values) for values in scan.compiled(_below(end)))
+    # What ends as a root is far from zero at the last distance; of others, that is the better value.
+    energy, force = (
+        min(abs(_limit(values)), abs(float(values[3]))) for values in scan.compiled(_below(end))
+    )
     slope = _slope_below(scan, end)
     unit = scan.typical_energy
     length = scan.length
     jumps = {
-        "energy": abs(energy) / unit,
-        "force": abs(force) * length / unit,
+        "energy": energy / unit,
+        "force": force * length / unit,
         "slope": abs(slope) * length**2 / unit,
     }
     for least, (name, jump) in enumerate(jumps.items()):

@@ -50,13 +50,13 @@ def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
         return Pull(given, force, stiffness)
     if stage is not None:
         return Pull(stage, force, stiffness)
-    if surface.drive.holds_bars:
+    if surface.drive.holds_bars or surface.drive.gives_motion:
         return Pull(places_of_bars(result, name).mean(axis=1), force, np.inf)
     if not 0.0 < stiffness < np.inf:
         raise InputError(
             "surface",
-            f'must be one that springs to a stage pull, or whose bars are driven; "{name}" has '
-            f'{surface.drive}: give the position of its stage as "position"',
+            f'must be one that springs to a stage pull, or whose bars are driven or moved; "{name}" '
+            f'has {surface.drive}: give the position of its stage as "position"',
         )
     return Pull(places_of_bars(result, name).mean(axis=1) + force / stiffness, force, stiffness)
 
