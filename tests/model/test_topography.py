@@ -185,6 +185,48 @@ def test_undefined_points_are_filled_in():
     assert heights(scan)[2, 3] == pytest.approx(3.0, abs=1e-9)
 
 
+def test_undefined_points_are_counted(tmp_path):
+    """Also those of arrays that are not finite; a scan without a height has none to interpolate."""
+    pytest.importorskip("SurfaceTopography")
+    values = X.copy()
+    values[3, 2] = np.inf
+    values[5, 4] = np.nan
+    np.save(tmp_path / "holes.npy", values)
+    np.save(tmp_path / "empty.npy", np.full((7, 5), np.nan))
+    scan = Topography(tmp_path / "holes.npy", size=(7.0, 5.0), detrend="none")
+    upper = Surface("upper", shape=(7, 5), spacing=(1.0, 1.0), bob=(0.0, 12.0), heights=scan)
+    np.testing.assert_allclose(-upper.drawn_heights(0).reshape(5, 7).T, X, atol=1e-9)
+    scene = Scene((upper, Surface("lower", facing="up")), tribo.Coulomb(0.1), 0.1)
+    notes = tribo.simulate(scene, method="verlet", step=0.1).notes
+    assert any('2 of 35 points of the scan of "upper" have no height' in note for note in notes)
+    with pytest.raises(InputError, match="no point of the scan has one"):
+        heights(tmp_path / "empty.npy", size=(7.0, 5.0))
+
+
+def test_points_that_are_no_grid_are_no_matrix(tmp_path):
+    """A list of places without some of them would be read as three columns of heights."""
+    pytest.importorskip("SurfaceTopography")
+    rows = np.stack([X.ravel(), Y.ravel(), (X**2).ravel()], axis=1)
+    np.savetxt(tmp_path / "holes.xyz", np.delete(rows, [8, 20], axis=0))
+    with pytest.raises(InputError, match="33 of 7 x 5 points; give those that are missing"):
+        heights(tmp_path / "holes.xyz", size=(7.0, 5.0))
+    rows[[8, 20], 2] = np.nan
+    np.savetxt(tmp_path / "whole.xyz", rows)
+    np.testing.assert_allclose(heights(tmp_path / "whole.xyz").T, X**2, atol=1.0)
+
+
+def test_a_matrix_as_text_is_turned(tmp_path):
+    """Each of its lines runs along x; of an array the first index is that of x."""
+    pytest.importorskip("SurfaceTopography")
+    values = X + 10.0 * Y
+    np.save(tmp_path / "scan.npy", values)
+    np.savetxt(tmp_path / "scan.txt", values.T)
+    for name in ("scan.npy", "scan.txt"):
+        np.testing.assert_allclose(heights(tmp_path / name, size=(7.0, 5.0)), values.T)
+    with pytest.raises(InputError, match=r"got an array; SurfaceTopography makes one of it"):
+        Topography(values)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

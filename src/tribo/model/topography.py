@@ -40,6 +40,8 @@ class Grid(NamedTuple):
 class Sampled(NamedTuple):
     grid: Grid
     heights: np.ndarray  # (n,) shifts in y, x running fastest [length]
+    undefined: int  # points of the scan that have no height, or one that is not finite
+    points: int  # all of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +55,8 @@ class Topography(ComparedByValue):
     ----------
     topography : str or path or object
         A file in a format that SurfaceTopography reads, or one of its topographies or line scans.
+        Each line of a matrix as text runs along x; of an array of numpy, the first index is that
+        of x.
     unit : str or float, optional
         The scene's unit of length: "m", "mm", "um", "nm", "A" or "pm", or a number of metres.
         Required if the scan has a unit of its own; without one, its lengths are the scene's.
@@ -92,6 +96,9 @@ class Topography(ComparedByValue):
             with inside("topography"):
                 file = str(check.as_path(self.topography).absolute())
             object.__setattr__(self, "topography", file)
+        elif isinstance(self.topography, np.ndarray):
+            problem = "must be a file or a topography, got an array; SurfaceTopography makes one of"
+            raise InputError("topography", f"{problem} it: Topography(heights, (size_x, size_z))")
         elif not hasattr(self.topography, "positions_and_heights"):
             raise must_be("topography", "a file or a topography", self.topography)
         if isinstance(self.unit, str):
@@ -119,18 +126,30 @@ class Topography(ComparedByValue):
         """The same topography, sampled at the asperites of a grid."""
         if self.sampled is not None and self.sampled.grid == grid:
             return self
-        heights = -grid.facing_sign * self._heights(grid.shape, grid.spacing)
+        scan = self._scan()
+        undefined = _undefined(scan)
+        if np.all(undefined):
+            raise InputError("topography", "must have finite heights: no point of the scan has one")
+        heights = -grid.facing_sign * self._heights(scan, grid.shape, grid.spacing)
         heights.flags.writeable = False
-        return replace(self, sampled=Sampled(grid, heights))
+        number = int(np.count_nonzero(undefined))
+        return replace(self, sampled=Sampled(grid, heights, number, undefined.size))
 
-    def _heights(self, shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+    def _scan(self) -> Any:
+        """The scan, read from its file if it is in one."""
+        if not isinstance(self.topography, str):
+            return self.topography
+        given: dict[str, Any] = {"channel": self.channel, "size": self.size}
+        return _read(
+            self.topography, **{key: each for key, each in given.items() if each is not None}
+        )
+
+    def _heights(
+        self, scan: Any, shape: tuple[int, int], spacing: tuple[float, float]
+    ) -> np.ndarray:
         """(nx nz,) heights of the scan at the asperites, x running fastest [length]."""
         from scipy.interpolate import RegularGridInterpolator
 
-        scan = self.topography
-        if isinstance(scan, str):
-            given: dict[str, Any] = {"channel": self.channel, "size": self.size}
-            scan = _read(scan, **{key: each for key, each in given.items() if each is not None})
         length = self._length_of(scan.unit)
         scan = _defined(scan)
         is_periodic = getattr(scan, "is_periodic", False)
@@ -213,6 +232,12 @@ def _axes_and_heights(scan: Any) -> tuple[list[np.ndarray], np.ndarray]:
     return axes, heights
 
 
+def _undefined(scan: Any) -> np.ndarray:
+    """Which points of a scan have no finite height."""
+    heights = np.ma.masked_invalid(scan.positions_and_heights()[-1])
+    return np.ma.getmaskarray(heights)
+
+
 def _defined(scan: Any) -> Any:
     """The scan with values that are interpolated where it has none."""
     if scan.has_undefined_data:
@@ -253,7 +278,10 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             if size is not None:
                 number = settings.get("channel_index", reader.default_channel.index)
                 _check_sizes(size, reader.channels[number].dim)
-            return reader.topography(**settings)
+            scan = reader.topography(**settings)
+            if size is not None:
+                _check_no_points(scan)
+            return scan
     except InputError:
         raise
     except MetadataAlreadyFixedByFile:
@@ -270,6 +298,24 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
             f"{path} cannot be read ({problem}); in Python, give the object "
             "that SurfaceTopography reads from it; the key size gives a size that is missing",
         ) from None
+
+
+def _check_no_points(scan: Any) -> None:
+    """Refuse a matrix of three columns whose first two are places.  Raises InputError.
+
+    Readers take points that are no whole grid for a matrix of heights.
+    """
+    columns = np.asarray(scan.positions_and_heights()[-1], float)
+    if columns.ndim != 2 or columns.shape[0] != 3 or columns.shape[1] <= 3:
+        return
+    x, y = (np.unique(column).size for column in columns[:2])
+    rows = columns.shape[1]
+    if max(x, y) < rows <= x * y:
+        raise InputError(
+            "topography",
+            f"has three columns, of which the first two are places: {rows} of {x} x {y} points; "
+            "give those that are missing too, with the height nan",
+        )
 
 
 def _check_sizes(size: Any, axes: int) -> None:

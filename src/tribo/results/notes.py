@@ -21,6 +21,7 @@ from tribo.model.drives import RIGID_IS_OLD
 from tribo.model.scene import Scene
 from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
+from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
@@ -55,7 +56,7 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
     starts = [*core_notes(layout), *_on_places(scene), *_on_images(scene)]
-    starts += [*_on_angles(scene), *_on_seams(scene)]
+    starts += [*_on_angles(scene), *_on_scans(scene), *_on_seams(scene)]
     starts += _on_rigid(scene)
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
@@ -65,6 +66,17 @@ def _on_rigid(scene: Scene) -> Iterator[str]:
     for surface in scene.surfaces:
         if surface.moves_as_one:
             yield f'"{surface.name}" has drive.rigid = true, which {RIGID_IS_OLD}'
+
+
+def _on_scans(scene: Scene) -> Iterator[str]:
+    """Scans some of whose points have no height."""
+    for surface in scene.surfaces:
+        scan = surface.heights.sampled if isinstance(surface.heights, Topography) else None
+        if scan is not None and scan.undefined:
+            yield (
+                f'{scan.undefined} of {scan.points} points of the scan of "{surface.name}" have no '
+                "height, and are interpolated from those around"
+            )
 
 
 def _on_seams(scene: Scene) -> Iterator[str]:
