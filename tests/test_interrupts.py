@@ -13,6 +13,7 @@ import pytest
 
 import tribo
 from support.command import main
+from tribo import interrupts
 from tribo.compiler.jit import undisturbed
 from tribo.interrupts import Interrupted
 
@@ -95,8 +96,21 @@ def test_before_there_is_a_result(interrupted, name):
     assert err == "tribo: Interrupted: the command was interrupted before it had a result\n"
 
 
+def test_a_command_that_is_ended_names_what_it_has_kept(tmp_path, capfd, monkeypatch):
+    """If nothing answers in time, as while a large ledger is computed; only of a file that is."""
+    monkeypatch.setattr(interrupts, "_parts", [])
+    interrupts.part_is_kept_in(str(tmp_path / "run.nc.part"))
+    interrupts.report(json=False)
+    (tmp_path / "run.nc.part").touch()
+    interrupts.report(json=False)
+    first, second = capfd.readouterr().err.splitlines()
+    assert first.endswith("before it had a result")
+    assert second.endswith(f"the same command with --resume goes on from {tmp_path}/run.nc.part")
+
+
 LOST = """
 import os, signal, sys
+from tribo import interrupts
 from tribo.interrupts import watch
 
 class Incomplete:

@@ -66,8 +66,10 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
 
 # The ending of names of NetCDF files.
 NETCDF = ".nc"
+# What follows the name of a file that has what a computation has finished, before it is complete.
+PART = ".part"
 # What follows the name of a file while it is written; the longest such addition to a name.
-NEW = ".part.new"
+NEW = f"{PART}.new"
 
 
 @contextmanager

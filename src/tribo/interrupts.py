@@ -41,6 +41,8 @@ _arrived = threading.Event()
 _answered = threading.Event()
 # Prints what a command that is ended has reached.
 _report: list[Callable[[], None]] = []
+# Files that have what a command has reached, from which it can go on.
+_parts: list[str] = []
 
 
 class Interrupted(KeyboardInterrupt):
@@ -99,6 +101,11 @@ def report_by(function: Callable[[], None]) -> None:
     _report[:] = [function]
 
 
+def part_is_kept_in(path: str) -> None:
+    """Name a file, which has what a command has reached, if an interrupt ends the program."""
+    _parts.append(path)
+
+
 def report(json: bool) -> None:
     """Print what a command has reached when it is ended, or its status, with `json` as JSON too."""
     if _report:
@@ -106,7 +113,11 @@ def report(json: bool) -> None:
         return
     if json:
         os.write(1, b'{"status": "Interrupted"}\n')
-    os.write(2, b"tribo: Interrupted: the command was interrupted before it had a result\n")
+    problem = "tribo: Interrupted: the command was interrupted before it had a result"
+    for part in _parts:
+        if os.path.exists(part):
+            problem += f"; the same command with --resume goes on from {part}"
+    os.write(2, f"{problem}\n".encode())
 
 
 def _report_lost(lost: sys.UnraisableHookArgs) -> None:

@@ -10,7 +10,7 @@ from tribo.accuracy.choose_method import Choice, choose
 from tribo.accuracy.comparison import Accuracy, check_observables
 from tribo.accuracy.plan import Plan, make_plan, plan_of_members
 from tribo.analysis.deep_core import core_notes
-from tribo.files import netcdf_target
+from tribo.files import PART, netcdf_target
 from tribo.integrators import methods
 from tribo.integrators.own_method import coefficients_of
 from tribo.kernels.status import Status
@@ -18,7 +18,7 @@ from tribo.layout.initial_state import Start
 from tribo.layout.layout import Layout, lay_out
 from tribo.ledger.ledger import check_keep
 from tribo.loops.integrate import Progress
-from tribo.loops.journal import PART, Journal
+from tribo.loops.journal import Journal
 from tribo.loops.origin import Origin, continued, digest_of
 from tribo.loops.saved_state import State
 from tribo.loops.select import Integrator

@@ -383,7 +383,7 @@ def test_its_rate_is_swept_and_not_given_to_members(asperite):
     """All bobs have the velocities of the rotation, which a prepared scene does not turn."""
     given = scene(asperite)
     rates = [0.0, 0.05]
-    with pytest.raises(InputError, match="block.nu: cannot be changed where drive.tilt"):
+    with pytest.raises(InputError, match=r"block\.nu: cannot be changed where drive\.tilt"):
         tribo.ensemble(given, 2, {"block.nu": rates}, keep=["block.W"])
     found = tribo.sweep(given, {"block.nu": rates}, keep=["block.W"])["block.W"].values
     alone = [tribo.simulate(scene(asperite, initial=Initial(nu=rate))) for rate in rates]

@@ -307,7 +307,9 @@ def test_notes_of_a_coefficient_quote_coefficients():
     wall = tribo.Surface("wall", facing="up", drive="bars", asperite=rigid, **bobs)
     field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
     output = tribo.Output(samples=1151, series=["forces"])
-    scene = tribo.Scene([tip, wall], tribo.BornMayer(5.0, 0.3), 115.0, fields=[field], output=output)
+    scene = tribo.Scene(
+        [tip, wall], tribo.BornMayer(5.0, 0.3), 115.0, fields=[field], output=output
+    )
     result = tribo.simulate(scene, accuracy=1e-6)
     force = result.friction_force("tip", after=13.0)
     found = result.friction_coefficient("tip", after=13.0)

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import checked_target, netcdf_target
+from tribo.files import PART, checked_target, netcdf_target
+from tribo.interrupts import part_is_kept_in
 from tribo.validation import InputError, must_be
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def check_files(options: argparse.Namespace) -> None:
         raise InputError("--resume", "needs --out FILE")
     if options.out is not None:
         netcdf_target("--out", options.out)
+        part_is_kept_in(f"{options.out}{PART}")
 
 
 def add_scene(

@@ -17,6 +17,7 @@ from tribo import seals
 from tribo.ensembles.kept_values import Kept, KeptValues, Tally, completed, joined
 from tribo.ensembles.statistics import Moments
 from tribo.files import (
+    PART,
     append_netcdf,
     netcdf_attributes,
     netcdf_target,
@@ -26,7 +27,7 @@ from tribo.files import (
 )
 from tribo.interrupts import Interrupted
 from tribo.kernels.status import Status
-from tribo.loops.frames import PART, Frames, as_bytes
+from tribo.loops.frames import Frames, as_bytes
 from tribo.model.identity import Identity, refuse_other
 from tribo.model.scene import Scene
 from tribo.progress import Shown, reported

@@ -27,8 +27,6 @@ from tribo.validation import InputError
 
 Arrays = dict[str, np.ndarray]
 
-# What follows the name of a file in the name of its frames.
-PART = ".part"
 # The first bytes of a file.
 MAGIC = b"tribo\r\n\x1a"
 # Length of the content, and checksum of both.

@@ -16,15 +16,13 @@ import numpy as np
 from tribo.kernels.status import Status
 from tribo.ledger.samples import Samples
 from tribo.ledger.sinks import StreamedLedger
-from tribo.loops.frames import PART, Arrays, Frames, as_bytes
+from tribo.loops.frames import Arrays, Frames, as_bytes
 from tribo.loops.integrate import Reached
 from tribo.loops.saved_state import below, under
 from tribo.loops.setting import Setting
 from tribo.loops.time_loop import Columns, TimeLoop
 from tribo.model.identity import Identity
 from tribo.validation import InputError
-
-__all__ = ["PART", "Journal", "key_of"]
 
 
 class Journal(Frames):

@@ -276,6 +276,12 @@ class Surface(ComparedByValue):
         return isinstance(self.heights, (np.ndarray, Topography))
 
     @property
+    def points_without_height(self) -> tuple[int, int]:
+        """How many points of its scan have no height, and how many there are; 0 without a scan."""
+        sampled = self.heights.sampled if isinstance(self.heights, Topography) else None
+        return (0, 0) if sampled is None else (sampled.undefined, sampled.points)
+
+    @property
     def noisy_forces(self) -> tuple[str, ...]:
         """The forces on its asperites that have white noise."""
         noisy = [reservoir.on for reservoir in self.reservoirs if reservoir.warmest > 0.0]

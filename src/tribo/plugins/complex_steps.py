@@ -48,9 +48,7 @@ def unlike_slope(
     return ""
 
 
-def _of_one(
-    energy: Callable[..., float], place: tuple[float, ...], k: int, number: float
-) -> float:
+def _of_one(energy: Callable[..., float], place: tuple[float, ...], k: int, number: float) -> float:
     """The energy at a place with another kth number."""
     return float(energy(*place[:k], number, *place[k + 1 :]))
 

@@ -31,8 +31,8 @@ def check_finite(scan: PotentialScan) -> Check:
 def check_limits(scan: PotentialScan) -> Check:
     """Check that energy and force are finite from a small distance to a very large one.
 
-    At smaller and larger distances a run may end as NotFinite, or with the potential's exception.  Where U is constant, by round-off
-    or underflow, the force must do no work.
+    At smaller and larger distances a run may end as NotFinite, or with the potential's exception.
+    Where U is constant, by round-off or underflow, the force must do no work.
     """
     r = 2.0 ** np.arange(-OCTAVES, OCTAVES + 1)
     energy, force = scan.compiled_if_possible(r)

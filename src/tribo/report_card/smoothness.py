@@ -88,7 +88,7 @@ def check_cutoff(scan: PotentialScan) -> Iterator[Check]:
     if not math.isfinite(end):
         return
     promised = float(scan.potential.smoothness())
-    # What ends as a root is far from zero at the last distance; of others, that is the better value.
+    # What ends as a root is far from zero at the last distance; others are better known there.
     energy, force = (
         min(abs(_limit(values)), abs(float(values[3]))) for values in scan.compiled(_below(end))
     )

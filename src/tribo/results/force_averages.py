@@ -148,9 +148,7 @@ def force_average(
     return found._replace(note="; ".join(filter(None, notes)))
 
 
-def _sampling_note(
-    result: RunResult, surface: str, found: Average, end: float, per: float
-) -> str:
+def _sampling_note(result: RunResult, surface: str, found: Average, end: float, per: float) -> str:
     """A note where the samples of the friction force miss a part of the motion; else empty.
 
     Samples at one phase of a periodic motion have a mean of their own.  The impulse of the contact,

@@ -21,7 +21,6 @@ from tribo.model.drives import RIGID_IS_OLD
 from tribo.model.scene import Scene
 from tribo.model.smoothness import smoothness_of
 from tribo.model.spectrum import valid_until
-from tribo.model.topography import Topography
 from tribo.plugins.classes import parts
 from tribo.plugins.sources import is_own
 from tribo.potentials.tables import as_table
@@ -71,11 +70,11 @@ def _on_rigid(scene: Scene) -> Iterator[str]:
 def _on_scans(scene: Scene) -> Iterator[str]:
     """Scans some of whose points have no height."""
     for surface in scene.surfaces:
-        scan = surface.heights.sampled if isinstance(surface.heights, Topography) else None
-        if scan is not None and scan.undefined:
+        undefined, points = surface.points_without_height
+        if undefined:
             yield (
-                f'{scan.undefined} of {scan.points} points of the scan of "{surface.name}" have no '
-                "height, and are interpolated from those around"
+                f'{undefined} of {points} points of the scan of "{surface.name}" have no height, '
+                "and are interpolated from those around"
             )
 
 

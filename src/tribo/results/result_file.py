@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo import seals
-from tribo.files import netcdf_in, read_file, replace_netcdf
+from tribo.files import PART, netcdf_in, read_file, replace_netcdf
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS, Table
 from tribo.ledger.reported import quantity_of
-from tribo.loops.frames import PART
 from tribo.loops.saved_state import State
 from tribo.model.identity import plugin_stamps, version
 from tribo.model.scene import Scene

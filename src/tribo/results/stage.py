@@ -55,8 +55,8 @@ def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
     if not 0.0 < stiffness < np.inf:
         raise InputError(
             "surface",
-            f'must be one that springs to a stage pull, or whose bars are driven or moved; "{name}" '
-            f'has {surface.drive}: give the position of its stage as "position"',
+            "must be one that springs to a stage pull, or whose bars are driven or moved; "
+            f'"{name}" has {surface.drive}: give the position of its stage as "position"',
         )
     return Pull(places_of_bars(result, name).mean(axis=1) + force / stiffness, force, stiffness)
 
