@@ -175,6 +175,17 @@ def test_forces_of_energies_alone(tmp_path, name):
             assert force == pytest.approx(step, rel=1e-13, abs=1e-14)
 
 
+def test_a_class_with_a_force_alone_has_no_energy():
+    class Own(tribo.Potential):
+        s: float
+
+        def force(self, r):
+            return self.s / r**2
+
+    with pytest.raises(InputError, match=r"Own has no method energy\(self, r\)"):
+        as_potential(Own(0.3))
+
+
 def test_a_source_that_was_edited_is_not_the_energy(tmp_path, monkeypatch):
     """A source that has changed since it was loaded is not differentiated."""
     import importlib

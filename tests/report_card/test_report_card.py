@@ -409,6 +409,14 @@ def test_status_and_text(run):
     assert out.splitlines()[-1].startswith("passed: all ")
 
 
+def test_a_formula_that_begins_with_a_minus(run):
+    """It is no option; the one for help still is."""
+    status, out, _ = run("-h/r**3", "h=0.1", "--json")
+    assert status == 0 and json.loads(out)["passed"]
+    with pytest.raises(SystemExit, match="^0$"):
+        run("-h")
+
+
 WRONG = """
 from typing import NamedTuple
 class Wrong(NamedTuple):

@@ -27,6 +27,17 @@ def test_a_forced_surface_at_rest_that_receives_work_is_noted(numerics):
     assert note.endswith('because its bars move; with drive = "bars" it does none')
 
 
+def test_an_interaction_without_a_pair_is_noted():
+    """A scene from which a surface was left out."""
+    alone = Scene((Surface("upper", velocity=(0.5, 0.0)),), Coulomb(0.2), 1.0)
+    noted = tribo.simulate(alone, method="rk4", step=0.1).notes
+    assert any('acts on nothing: "upper" is the only surface' in note for note in noted)
+    row = Surface("row", shape=(2, 1), spacing=(1.0, 0.0))
+    within = tribo.Interaction(Coulomb(0.2), between=("row", "row"))
+    noted = tribo.simulate(Scene((row,), within, 1.0), method="rk4", step=0.1).notes
+    assert not any("acts on nothing" in note for note in noted)
+
+
 def test_a_single_encounter_has_no_note():
     """One asperite on one, as in the paper's cases: the works are the result."""
     assert notes(Forced(), count=1, accuracy=1e-6) == ()

@@ -28,6 +28,20 @@ def test_representations_fit_a_screen(result):
     assert "401 times" in repr(result.ledger)
 
 
+def test_the_error_in_the_summary_has_one_unit():
+    """That of energies: of numbers in SI units, lengths and rates are larger by many powers."""
+    small = tribo.Asperite(m1=1e-21, m2=2e-21, kappa=2e-21, length=2e-9, bar_length=3e-9, i2=5e-39)
+    start = {"bob": (-1e-8, 0.0), "velocity": (0.5, 0.0)}
+    upper = tribo.Surface("upper", asperite=small, **start)
+    lower = tribo.Surface("lower", facing="up", asperite=small)
+    result = tribo.simulate(tribo.Scene((upper, lower), tribo.Coulomb(2e-31), 4e-8))
+    text = str(result).splitlines()[0]
+    largest = max(result.error_estimate[name] for name in ("w1", "w", "W", "applied_work"))
+    shown = float(text.rpartition("errors of energies up to ")[2])
+    assert 0.9 * largest <= shown < 3.0 * largest
+    assert max(value for value in result.error_estimate.values()) > 1e3 * shown
+
+
 def test_html(result):
     """In a notebook: the surfaces at the end with their errors, and nothing unescaped."""
     text = result._repr_html_()

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import sys
 import warnings
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
@@ -57,13 +58,23 @@ class CommandParser(argparse.ArgumentParser):
 
 def run_command(arguments: list[str] | None) -> int:
     """Run a command.  Raises InputError, which names the option that has the value."""
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(_with_formulas(sys.argv[1:] if arguments is None else arguments))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TriboWarning)  # commands print what it would say
         try:
             return options.command(options)
         except InputError as error:
             raise shared.of_option(error, options) from None
+
+
+def _with_formulas(arguments: list[str]) -> list[str]:
+    """The arguments, where a formula of `tribo check` that begins with a minus is no option.
+
+    A blank before it tells the parser so.
+    """
+    if arguments[:1] != ["check"]:
+        return arguments
+    return [f" {each}" if re.match(r"-(?!-|h$)", each) else each for each in arguments]
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -261,7 +272,8 @@ def _check(options: argparse.Namespace) -> int:
 
     shared.check_figure(options.figure)
     pairs = shared.by_key("parameter", options.parameters).items()
-    table = {"potential": options.potential} | {name: shared.parsed(value) for name, value in pairs}
+    named = {"potential": options.potential.strip()}
+    table = named | {name: shared.parsed(value) for name, value in pairs}
     report = check(from_table(table, Path.cwd()))
     print(report.to_json() if options.json else report)
     shared.draw_to(options.figure, report.save_figure)

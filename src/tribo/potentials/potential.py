@@ -345,12 +345,24 @@ def complete(cls: Any) -> Any:
     would end there.
     """
     plugins.check_class(cls, "potential", "energy(self, r)", " or derive from tribo.Potential")
+    if _has_no_energy(cls):
+        raise InputError("potential", f"{cls.__name__} has no method energy(self, r)")
     if _inherits_range(cls):
         problem = "defines an energy but inherits range; define range too, beyond which U is zero"
         raise InputError("potential", f"{cls.__name__} {problem}")
     if issubclass(cls, Potential):
         return cls
     return plugins.completed(cls, (Potential,), following, complete, as_potential)
+
+
+def _has_no_energy(cls: Any) -> bool:
+    """Whether the energy of a class is that of its charges, and that of these its energy."""
+    own = vars(Potential)
+    defaults = (_energy_of_charges_one, own.get("energy"))
+    return (
+        getattr(cls, "energy", None) in defaults
+        and getattr(cls, "energy_between", None) is energy_of_charges
+    )
 
 
 def _inherits_range(cls: type) -> bool:

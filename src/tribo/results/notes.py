@@ -56,7 +56,7 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
     starts = [*core_notes(layout), *_on_places(scene), *_on_images(scene)]
     starts += [*_on_angles(scene), *_on_scans(scene), *_on_seams(scene)]
-    starts += _on_rigid(scene)
+    starts += [*_on_rigid(scene), *_on_interactions(scene)]
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
 
 
@@ -65,6 +65,18 @@ def _on_rigid(scene: Scene) -> Iterator[str]:
     for surface in scene.surfaces:
         if surface.moves_as_one:
             yield f'"{surface.name}" has drive.rigid = true, which {RIGID_IS_OLD}'
+
+
+def _on_interactions(scene: Scene) -> Iterator[str]:
+    """Interactions for which there is no pair of surfaces."""
+    for number, interaction in enumerate(scene.interactions):
+        if not scene.pairs(interaction):
+            only = ", ".join(f'"{surface.name}"' for surface in scene.surfaces)
+            yield (
+                f"interaction {number} ({short_repr(as_table(interaction.potential)['potential'])})"
+                f" acts on nothing: {only} is the only surface, and it has no `between`; add a "
+                "[[surface]] that faces it"
+            )
 
 
 def _on_scans(scene: Scene) -> Iterator[str]:

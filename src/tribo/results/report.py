@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tribo.kernels.status import MEANINGS, Status
-from tribo.ledger.quantities import BLOCK_QUANTITIES
+from tribo.ledger.quantities import BLOCK_QUANTITIES, EVERY_QUANTITY
 from tribo.ledger.separation import contact_distance_of
 from tribo.model.surface import Surface
 from tribo.results import force_averages
@@ -55,11 +55,22 @@ def _last(table: Mapping[str, np.ndarray]) -> dict[str, Any]:
     return {name: values[-1].tolist() for name, values in table.items()}
 
 
+def _units_of(name: str) -> str:
+    """The units of a quantity, or of a surface's, as "upper.W"."""
+    quantity = EVERY_QUANTITY.get(name.rpartition(".")[2])
+    return "" if quantity is None else quantity.units
+
+
 def text(result: RunResult) -> str:
     """The summary of a result: what ran, the surfaces at the end, friction, and notes."""
     cost = result.cost
-    worst = [value for value in result.error_estimate.values() if value is not None]
-    error = f"errors up to {max(worst):.1e}" if worst else "errors not estimated"
+    error = "errors not estimated"
+    known = {name: value for name, value in result.error_estimate.items() if value is not None}
+    if known:
+        # Numbers of one unit can be compared, and energies are what most ask for.
+        energies = [known[name] for name in known if _units_of(name) == "energy"]
+        of = " of energies" if energies else ""
+        error = f"errors{of} up to {max(energies or known.values()):.1e}"
     digits = ""
     if cost.digit_more is not None and cost.digit_fewer is not None:
         digits = f" (one digit more {cost.digit_more:.2g} s, one fewer {cost.digit_fewer:.2g} s)"
