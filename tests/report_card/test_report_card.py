@@ -413,7 +413,7 @@ def test_a_formula_that_begins_with_a_minus(run):
     """It is no option; the one for help still is."""
     status, out, _ = run("-h/r**3", "h=0.1", "--json")
     assert status == 0 and json.loads(out)["passed"]
-    with pytest.raises(SystemExit, match="^0$"):
+    with pytest.raises(SystemExit, match=r"^0$"):
         run("-h")
 
 

@@ -107,7 +107,7 @@ async function startPage(element, source, { values, signal, laws }) {
     const [from, to] = [nearestTo(run.times, Math.min(marked, run.last)), nearestTo(run.times, t)];
     const said = source.surfaces.map(({ name }, index) => {
       const table = run.tables[index];
-      const moved = (x) => shownShort(table[x][to] - table[x][from]);
+      const moved = (x) => shownShort(table[x][to] - table[x][from], 1e-12 * Math.abs(table[x][to]));
       if (!("x_bar" in table)) return `${name}: first bob ${shownShort(movedBob(index, from, to))}`;
       return `${name}: bar ${moved("x_bar")}, centre of mass ${moved("x_cm")}, bob ${moved("x_bob")}`;
     });

@@ -26,7 +26,7 @@ function drawBars(canvas, rows, size) {
     context.textAlign = "left";
     context.fillText(label, 0, y);
     context.textAlign = "right";
-    context.fillText(shownShort(value), width, y);
+    context.fillText(shownShort(value, 2e-6 * size), width, y);
     context.fillStyle = paint(own);
     const end = Math.max(Math.min(value * unit, middle - left), left - middle);
     context.fillRect(Math.min(middle, middle + end), y - 7, Math.max(Math.abs(end), 1), 14);
@@ -35,7 +35,8 @@ function drawBars(canvas, rows, size) {
   drawLine(context, middle, 2, middle, 21 * rows.length);
 }
 
-const shownShort = (value) => (Math.abs(value) < 5e-7 ? "0" : Number(value.toPrecision(4)).toString().replace("-", "−"));
+// A number in four digits; one of at most `least` is zero, but for rounding.
+const shownShort = (value, least = 0) => (Math.abs(value) <= least ? "0" : Number(value.toPrecision(4)).toString().replace("-", "−"));
 
 // A bound on an error; it is unknown where a coarser run stopped early.
 function shownError(value) {

@@ -20,6 +20,6 @@ function showStatus({ part, source, state, change, laws }, run) {
     const w1 = run.tables.map((table) => table.w1[table.w1.length - 1]);
     const ps = run.tables.map((table) => table.w1_ps[table.w1_ps.length - 1]);
     const which = source.subject;
-    status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which])}, pseudowork ${shownShort(ps[which])}, each to ±${shownError(worst)}. Run to t = ${shownShort(run.last)}.`;
+    status.textContent = `Work of friction on ${source.surfaces[which].name} ${shownShort(w1[which], worst)}, pseudowork ${shownShort(ps[which], worst)}, each to ±${shownError(worst)}. Run to t = ${shownShort(run.last)}.`;
   }
 }
