@@ -25,10 +25,11 @@ function makeEndPanel({ part, source, state, isOpen, change, showAll, short, obs
   part("endQuantity").value = `${source.surfaces[source.subject].name}.w1`;
   part("endKey").value = source.controls.find(({ key }) => key.endsWith(".velocity"))?.key ?? part("endKey").options[0]?.value;
 
-  // The result of a short run; with `lengthen` it lasts until the bobs have passed.
+  // The result of a short run; with `lengthen` it lasts until the bobs are as far apart as they began:
+  // just past one another they still do work.
   function endOf(numbers) {
     let found = short(observed(numbers), { level: 10 * source.level });
-    if (part("lengthen").checked && found.code === 0 && !found.passed && found.needed > numbers[source.duration]) {
+    if (part("lengthen").checked && found.code === 0 && found.needed > numbers[source.duration]) {
       numbers[source.duration] = found.needed;
       found = short(numbers, { level: 10 * source.level });
     }

@@ -21,7 +21,7 @@ function workerMain() {
         options.phases = [2 * Math.PI * Math.random(), 2 * Math.PI * Math.random()];
         options.drawn = [Math.random(), Math.random()];
         let result = program(own, options);
-        if (lengthen && result.code === 0 && !result.passed && result.needed > own[source.duration]) {
+        if (lengthen && result.code === 0 && result.needed > own[source.duration]) {
           own[source.duration] = result.needed;
           result = program(own, options);
         }
