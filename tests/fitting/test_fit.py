@@ -85,9 +85,10 @@ def test_files_of_data(tmp_path):
         trace_of(path, "upper.W")
     path.write_text("\n".join(f"{a} {b}" for a, b in zip(t, values, strict=True)))
     assert np.array_equal(trace_of(str(path), "upper.W").t, t)
-    path.write_text("1,2\n3,four")
-    with pytest.raises(InputError, match="must have numbers in two columns"):
-        trace_of(path, "upper.W")
+    for last in ("3,four", "3,nan", "3"):
+        path.write_text(f"1,2\n\n{last}")
+        with pytest.raises(InputError, match="must have finite numbers in two col.*line 3 is"):
+            trace_of(path, "upper.W")
     for wrong, message in (
         ((t[::-1], values), "that increase"),
         ("no.csv", "cannot be read"),

@@ -325,6 +325,15 @@ def test_smoothness_is_as_declared(name):
         assert jumps == (order > smoothness) or order > smoothness + 1, order
 
 
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("coulumb", "coulomb"), ("lj", "lennard-jones"), ("Lennard_Jones", "lennard-jones")],
+)
+def test_a_misspelt_name_has_a_nearest_one(word, meant):
+    with pytest.raises(InputError, match=f'is not a known name; did you mean "{meant}"'):
+        tribo.potentials.named(word, strength=1.0)
+
+
 def test_what_lies_beyond_a_cutoff_does_not_count():
     """Parts of a sum end, jump or bend there, where the sum has ended."""
     charge = Coulomb(0.1)

@@ -58,7 +58,12 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise InputError("data", f"{path} cannot be read ({error.strerror or error})") from None
-    lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] != "#"]
+    numbered = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and line.lstrip()[0] != "#"
+    ]
+    lines = [line for _, line in numbered]
     if not lines:
         raise InputError("data", f"{path} has no rows")
     delimiter = next((mark for mark in ",;\t" if mark in lines[0]), None)
@@ -69,12 +74,19 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     columns = (0, 1)
     if not _is_number(rows[0][0]):
         columns = _columns_of([word.strip() for word in rows.pop(0)], quantity, path)
-    try:
-        table = [[float(row[k]) for k in columns] for row in rows]
-    except (ValueError, IndexError):
-        raise InputError(
-            "data", f"{path} must have numbers in two columns, time and value"
-        ) from None
+    table = []
+    for (number, line), row in zip(numbered[-len(rows) :], rows, strict=False):
+        try:
+            table.append([float(row[k]) for k in columns])
+            known = np.isfinite(table[-1]).all()
+        except (ValueError, IndexError):
+            known = False
+        if not known:
+            problem = f"{path} must have finite numbers in two columns, time and value, with points"
+            quoted = short_repr(line.strip())
+            raise InputError(
+                "data", f"{problem} before decimals; line {number} is {quoted}; leave out others"
+            )
     if not table:
         raise InputError("data", f"{path} has no rows")
     t, values = np.array(table).T
@@ -90,7 +102,9 @@ def _columns_of(names: list[str], quantity: str, path: Path) -> tuple[int, int]:
     if len(names) == 2:
         return 0, 1
     raise InputError(
-        "data", f'{path} must have the columns "time" and "{quantity}", or two columns alone'
+        "data",
+        f'{path} must have the columns "time" and "{quantity}", or two columns alone; it has '
+        f"{', '.join(names)}",
     )
 
 

@@ -1,7 +1,9 @@
 """Potentials as tables of scene files: a name or an expression, and numbers."""
 
+import difflib
 import functools
 import operator
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -97,8 +99,19 @@ def class_named(name: object, folder: Path) -> type:
         return BUILT_IN[name]
     if is_expression(name):
         return complete(class_of(name))
-    known = shortened(f'"{known}"' for known in (*BUILT_IN, *MADE, "ase"))
+    names = (*BUILT_IN, *MADE, "ase")
+    near = _nearest(name, names)
+    if near:
+        raise InputError("potential", f'{name!r} is not a known name; did you mean "{near}"?')
+    known = shortened(f'"{known}"' for known in names)
     raise must_be("potential", f'{known}, "file.py:Class" or an expression in r', name)
+
+
+def _nearest(name: str, names: Sequence[str]) -> str:
+    """The name that is most like another one, or has it as its initials; empty if none does."""
+    word = "-".join(name.lower().replace("_", " ").split())
+    initials = [each for each in names if "".join(part[0] for part in each.split("-")) == word]
+    return next(iter(initials or difflib.get_close_matches(word, names, n=1)), "")
 
 
 def as_table(potential: Any) -> dict[str, Any]:
