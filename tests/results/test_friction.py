@@ -230,7 +230,10 @@ def test_the_summary_prints_friction_heat_and_budget(result):
     )
     assert f"drive's force {result.pull_force('tip').mean:.4g} +- " in text
     assert f"heat {result['tip'].heat[-1, 0]:.6g} to the reservoir" in text
-    assert f"energy: work applied {result.system['applied_work'][-1]:.6g}, change of the" in text
+    work = result.system["applied_work"][-1]
+    drag = np.sum(result["tip"].w_T[-1])
+    pulled = np.sum(result["tip"].w2[-1]) + 0.0
+    assert f"energy: work applied {work:.6g} ({drag:.6g} by reservoirs, {pulled:.6g} by all" in text
     assert "friction force" in result._repr_html_() and "energy: work" in result._repr_html_()
     drawn = [ax.get_ylabel() for ax in result.plot.overview().axes]
     assert "friction force on tip" in drawn

@@ -138,16 +138,20 @@ def in_words(found: Average, surface: Surface, is_friction: bool) -> str:
 def _energies(result: RunResult) -> Iterator[str]:
     """The heat given to reservoirs and baths, and how well the energy budget closes."""
     end = result.ledger.at_end()
+    of_reservoirs = []
     for name, block in end.blocks.items():
         table = {**end.surfaces.get(name, {}), **block}
+        of_reservoirs += [np.sum(table["w_T"][-1])] if "w_T" in table else []
         heats = {"reservoir": table.get("heat"), "bath": table.get("heat_bath")}
         parts = [f"{np.sum(h[-1]):.6g} to the {to}" for to, h in heats.items() if h is not None]
         if parts:
             yield f"  {name:>10}: heat {', '.join(parts)}"
     if "applied_work" in end.system and "total_energy_change" in end.system:
         work, change = (end.system[k][-1] for k in ("applied_work", "total_energy_change"))
+        share = sum(of_reservoirs)
+        who = f" ({share:.6g} by reservoirs, {work - share:.6g} by all else)" * bool(of_reservoirs)
         yield (
-            f"  energy: work applied {work:.6g}, change of the total energy {change:.6g}, "
+            f"  energy: work applied {work:.6g}{who}, change of the total energy {change:.6g}, "
             f"difference {work - change:.1e}"
         )
 
