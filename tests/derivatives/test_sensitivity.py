@@ -139,3 +139,18 @@ def test_quantities_without_error_estimates_are_named():
     names = ["tip.W", "tip.stage_work"]
     data = tribo.sensitivity(scene, names, ["tip.drive.speed"], accuracy=1e-6)
     assert "tip.stage_work have no error estimates" in data.attrs["notes"]
+
+
+def test_averages_without_an_interval_have_no_derivative():
+    """Which is said, and what would do: the runs end as they should."""
+    tip = Surface(
+        "tip",
+        asperite=Asperite(kappa=np.inf),
+        drive=tribo.Pulled(stiffness=0.5, speed=0.1),
+        langevin=tribo.Langevin(0.5),
+    )
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    output = tribo.Output(samples=5, series=("forces",))
+    scene = Scene([tip], [], 4.0, fields=[field], output=output)
+    with pytest.raises(InputError, match=r'error of "tip\.pull_force" is not known; .* longer run'):
+        tribo.sensitivity(scene, ["tip.pull_force"], ["field.amplitude"], accuracy=1e-6)

@@ -12,6 +12,7 @@ from tribo.accuracy.comparison import Accuracy
 from tribo.derivatives.differences import Derivative, Differences, best_of_ladder
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Sampler, Source
+from tribo.kernels.status import Status
 from tribo.model.parameters import value_of
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
@@ -146,6 +147,7 @@ def sensitivity(
 class _Table(NamedTuple):
     """Values of a quantity at all points."""
 
+    name: str
     values: np.ndarray  # (points, members)
     errors: np.ndarray  # (points,)
     known: bool  # whether these are
@@ -173,7 +175,7 @@ def _best(
     differences = Differences(LADDER * sizes[k], table.values[up], table.values[down])
     best = best_of_ladder(differences, table.errors[up] + table.errors[down])
     if best is None:
-        raise InputError(f"keys.{keys[k]}", _failure(data, rows))
+        raise InputError(f"keys.{keys[k]}", _failure(data, table, rows))
     return best
 
 
@@ -249,15 +251,24 @@ def _values_of(data: xarray.Dataset, name: str, has_members: bool) -> _Table:
     table = array.values.reshape(array.shape[0], -1).astype(float)
     errors = np.zeros(len(table))
     if has_members:
-        return _Table(table, errors, True)
+        return _Table(name, table, errors, True)
     for ending in ERRORS:
         if f"{name}{ending}" in data:
             known = data[f"{name}{ending}"].values.astype(float)
-            return _Table(table, np.where(np.isfinite(known), known, np.inf), True)
-    return _Table(table, errors, False)
+            return _Table(name, table, np.where(np.isfinite(known), known, np.inf), True)
+    return _Table(name, table, errors, False)
 
 
-def _failure(data: xarray.Dataset, rows: np.ndarray) -> str:
-    """Why a key has no derivative: the statuses of its runs."""
-    statuses = np.unique(data["status"].values[rows].astype(str))
-    return f"has no derivative: runs at its steps end by {', '.join(statuses)}, or have no error"
+def _failure(data: xarray.Dataset, table: _Table, rows: np.ndarray) -> str:
+    """Why a key has no derivative: the statuses of its runs, or errors that are not known."""
+    ends = np.unique(data["status"].values[rows].astype(str)).tolist()
+    others = [end for end in ends if end != Status.COMPLETED]
+    if others:
+        return f"has no derivative: runs at its steps end by {', '.join(others)}"
+    unknown = np.count_nonzero(~np.isfinite(table.errors[rows]))
+    if unknown:
+        return (
+            f"has no derivative: in {unknown} of {rows.size} runs at its steps the error of "
+            f'"{table.name}" is not known; averages need a longer run, or a later output.run_in'
+        )
+    return f'has no derivative: "{table.name}" is not finite at its steps'
