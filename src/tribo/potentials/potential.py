@@ -357,12 +357,8 @@ def complete(cls: Any) -> Any:
 
 def _has_no_energy(cls: Any) -> bool:
     """Whether the energy of a class is that of its charges, and that of these its energy."""
-    own = vars(Potential)
-    defaults = (_energy_of_charges_one, own.get("energy"))
-    return (
-        getattr(cls, "energy", None) in defaults
-        and getattr(cls, "energy_between", None) is energy_of_charges
-    )
+    energies = getattr(cls, "energy", None), getattr(cls, "energy_between", None)
+    return energies == (_energy_of_charges_one, energy_of_charges)
 
 
 def _inherits_range(cls: type) -> bool:
