@@ -379,7 +379,8 @@ WRONG = [
     ("surface[0].name", "a/b", "must be a word"),
     ("surface[0].name", "a\nb", "must be a word"),
     ("surface[1].name", "upper", '"upper" is the name of another surface; give each name once'),
-    ("interaction[0].potential", "mose", 'must be "coulomb", "yukawa"'),
+    ("interaction[0].potential", "mose", "'mose' is not a known name; did you mean"),
+    ("interaction[0].potential", "zzzz", 'must be "coulomb", "yukawa"'),
     (
         "interaction[0].between",
         ["upper", "middle"],

@@ -520,8 +520,8 @@ REFUSED = [
     ("energy*r", 'must be an expression with another name for the parameter "energy"'),
     ("cutoff*r", 'must be an expression with another name for the parameter "cutoff"'),
     ("_s*r", 'must be an expression with another name for the parameter "_s"'),
-    ("mose", 'must be "coulomb", "yukawa"'),
-    ("lenard-jones", 'must be "coulomb", "yukawa"'),
+    ("mose", 'did you mean "morse"?'),
+    ("lenard-jones", 'did you mean "lennard-jones"?'),
     ("r", 'must be "coulomb", "yukawa"'),
 ]
 
@@ -708,7 +708,7 @@ WRONG = [
     ('potential = "sum"\nof = [5, 6]', "interaction.of[0]: must be a table, got 5"),
     (
         'potential = "scaled"\nfactor = 2\nof = {potential = "mose"}',
-        'interaction.of.potential: must be "coulomb", ',
+        "interaction.of.potential: 'mose' is not a known name; ",
     ),
     ('potential = "scaled"\nof = {potential = "mose"}', "interaction.factor: is missing"),
     ('potential = "table"\nr = [1, 2, 3]', "interaction.energy: is missing"),
