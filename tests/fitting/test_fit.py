@@ -87,7 +87,7 @@ def test_files_of_data(tmp_path):
     assert np.array_equal(trace_of(str(path), "upper.W").t, t)
     for last in ("3,four", "3,nan", "3"):
         path.write_text(f"1,2\n\n{last}")
-        with pytest.raises(InputError, match="must have finite numbers in two col.*line 3 is"):
+        with pytest.raises(InputError, match=r"must have finite numbers in two col.*line 3 is"):
             trace_of(path, "upper.W")
     for wrong, message in (
         ((t[::-1], values), "that increase"),

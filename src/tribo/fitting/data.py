@@ -78,7 +78,7 @@ def _from_csv(path: Path, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     for (number, line), row in zip(numbered[-len(rows) :], rows, strict=False):
         try:
             table.append([float(row[k]) for k in columns])
-            known = np.isfinite(table[-1]).all()
+            known = bool(np.isfinite(table[-1]).all())
         except (ValueError, IndexError):
             known = False
         if not known:

@@ -95,7 +95,7 @@ def _error_between(
     scan: PotentialScan, r: np.ndarray, charges: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The energies of two charges, and the error of their force; 0 where dU/dr is not known."""
-    energies = np.float64(scan.python_energies(r, charges))
+    energies = scan.python_energies(r, charges).astype(float)
     force = scan.one_by_one(scan.methods[1], r, charges)
     of_charges = partial(scan.python_energies, charges=charges)
     with np.errstate(all="ignore"):
