@@ -2,18 +2,27 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import tribo
 from support import lattice_comparison
 from support.pages import ARGUMENTS, CHROMIUM, held
+from tribo import live_pages
+from tribo.layout.layout import lay_out
+from tribo.ledger.guards import MOST_PASSED, facing
 from tribo.live_pages.compile import GENERIC
 from tribo.model.parameters import with_values
+from tribo.viewer.contents import PLACES
 
+NODE = shutil.which("node")
+STATUS = Path(live_pages.__file__).parent / "parts" / "status.js"
 # Largest difference of a quantity in units of its largest value, and of a number that follows from
 # keys: rounding.
 ROUNDING = 1e-13
@@ -69,6 +78,45 @@ def test_in_a_browser(tmp_path):
             tab.wait_for_timeout(50)
         tab.wait_for_selector("[data-part=end][aria-busy=false]", timeout=60_000)
         assert problems == []
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+def test_a_page_says_when_surfaces_have_passed():
+    """By the rule of runs, which stop there: at their last sample, and not before."""
+    row = {"shape": (3, 1), "spacing": (1.5, 0.0)}
+    drive = tribo.Pulled(stiffness=1.0, speed=0.1, load=0.4)
+    upper = tribo.Surface("upper", bob=(0.4, 1.2), drive=drive, **row)
+    lower = tribo.Surface("lower", facing="up", drive="bars", **row)
+    output = tribo.Output(samples=401)
+    scene = tribo.Scene((upper, lower), tribo.Gaussian(0.1, 0.5), 60.0, output=output)
+    with pytest.warns(tribo.TriboWarning, match="PassedThrough"):
+        result = tribo.simulate(scene, method="verlet", step=0.01, progress=False)
+    assert result.status == "PassedThrough"
+    source = {"facing": facing(lay_out(scene)), "mostPassed": MOST_PASSED}
+    for end, found in ((result.t.size, [result.t[-1], "upper"]), (result.t.size - 1, None)):
+        surfaces = [
+            {
+                "name": surface.name,
+                "facing": surface.facing,
+                "count": surface.count,
+                "places": [np.ravel(result[surface.name][each][:end]).tolist() for each in PLACES],
+            }
+            for surface in scene.surfaces
+        ]
+        run = {"times": result.t[:end].tolist(), "surfaces": surfaces}
+        program = (
+            f"const PLACES = {json.dumps(PLACES)};\n{STATUS.read_text()}\n"
+            f"const run = {json.dumps(run)};\n"
+            "for (const each of run.surfaces) "
+            "each.places = each.places.map((values) => Float64Array.from(values));\n"
+            f"const found = passage({json.dumps(source)}, run);\n"
+            "console.log(JSON.stringify(found && [found.t, found.name]));"
+        )
+        done = subprocess.run(
+            [NODE, "-"], input=program, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr[-500:]
+        assert json.loads(done.stdout) == found
 
 
 def check_run(tab, scene, values):

@@ -31,7 +31,7 @@ RUNAWAY = 1e3
 # (benchmarks/missed_energy.py).
 MOST_MISSED = 0.01
 # Part of the bars of a surface that must pass for the surface to count as passed.
-MOST = 0.5
+MOST_PASSED = 0.5
 
 
 def lost_sample(layout: Layout, samples: Samples) -> int | None:
@@ -182,7 +182,7 @@ def passed_through(layout: Layout, samples: Samples) -> np.ndarray:
     """Whether most bars of a surface have passed another one, (times,)."""
     passed = np.zeros(samples.t.size, dtype=bool)
     for mine, theirs in facing(layout):
-        passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST
+        passed |= np.mean(_beyond(layout, samples, mine, theirs), axis=1) > MOST_PASSED
     return passed
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from tribo.integrators import methods
 from tribo.kernels.status import ENCOUNTER_JUMPED, NOT_FINITE
 from tribo.layout.layout import Layout
+from tribo.ledger.guards import MOST_PASSED, facing
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.live_pages import lattice_asperite as asperites
 from tribo.live_pages import lattice_quantities as quantities
@@ -119,6 +120,8 @@ class Lattice:
                 "drawn": asperites.Drawn._fields,
             },
             "surfaces": [_drawn(surface) for surface in self.scene.surfaces],
+            "facing": facing(self.layout),  # pairs of surfaces, of which one may pass the other
+            "mostPassed": MOST_PASSED,
             "duration": duration,
             "observer": len(self.words),
         }
