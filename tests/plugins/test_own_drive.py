@@ -155,3 +155,25 @@ def test_the_drive_of_the_page(tmp_path, run):
     environment = os.environ | {"PYTHONPATH": str(sources)}
     program = DASHPOT.replace("RUN", str(run))
     subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=environment, check=True)
+
+
+def test_a_load_that_changes_is_kept_in_files(tmp_path):
+    """Of a drive of one's own, as of all others."""
+    file = tmp_path / "brake.py"
+    file.write_text(
+        "from typing import NamedTuple\n"
+        "class Brake(NamedTuple):\n"
+        "    drag: float\n"
+        "    def force_on_bar(self, t, x, y, vx, vy, fx, fy):\n"
+        "        return -self.drag * vx, -fy\n"
+    )
+    load = {"mean": 0.3, "amplitude": 0.1, "period": 2.0, "phase": 0.0}
+    drive = {"kind": f"{file}:Brake", "drag": 0.1, "load": load}
+    own = tribo.Scene((tribo.Surface("tip", drive=drive),), (), 1.0)
+    own.save(tmp_path / "scene.toml")
+    again = tribo.load_scene(tmp_path / "scene.toml")
+    assert again.surfaces[0].drive.load == own.surfaces[0].drive.load
+    assert again.to_toml() == own.to_toml() and "amplitude" in own.to_toml()
+    result = tribo.simulate(again, method="rk4", step=0.05)
+    result.save(tmp_path / "run.nc")
+    assert tribo.load_result(tmp_path / "run.nc").status == "completed"

@@ -146,3 +146,28 @@ def test_a_stage_that_turns_back_is_refused(last):
     scene = tribo.Scene([tip], [], 4.0, fields=[field], output=output)
     with pytest.raises(tribo.InputError, match="does not turn back"):
         tribo.simulate(scene, step=0.05).depinning("tip")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"drive": {"damping": 0.5}},
+        {"drive": {"tilt": "free"}, "initial": tribo.Initial(nu=0.02)},
+        {"drive": {}, "elastic": tribo.Elastic(modulus=0.3, poisson=0.3)},
+    ],
+    ids=["damped", "tilting", "elastic"],
+)
+def test_blocks_whose_force_is_not_known_without_a_record(settings):
+    """Places of bars do not tell it; recorded forces do, and bars of a block count as one."""
+    how = {"stiffness": 1.5, "speed": 0.15, "load": 0.1, "block": True} | settings.pop("drive")
+    row = {"shape": (5, 1), "spacing": (1.13, 1.2), "bob": (0.3, 0.0)}
+    rigid = tribo.Asperite(kappa=np.inf)
+    tip = tribo.Surface("tip", asperite=rigid, drive=tribo.Pulled(**how), **row, **settings)
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["tip"])
+    scene = tribo.Scene([tip], [], 12.0, fields=[field], output=tribo.Output(samples=601))
+    with pytest.raises(tribo.InputError, match='"forces", without which the force on "tip"'):
+        tribo.simulate(scene, method="rk4", step=0.02).depinning("tip", 0.3)
+    recorded = replace(scene, output=tribo.Output(samples=601, series=["forces"]))
+    found = tribo.simulate(recorded, method="rk4", step=0.02).depinning("tip", 0.3)
+    assert found.each.shape == (1,) and np.isnan(found.half_width)
+    assert found.mean > 0.0

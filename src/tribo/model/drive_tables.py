@@ -56,7 +56,7 @@ def as_table(drive: Drive) -> dict[str, Any]:
         table = {"kind": plugins.name_of(drive.force, {})} | drive.force._asdict()
         table |= {"block": True} if drive.block else {}
         table |= {"tilt": drive.tilt} if drive.tilts else {}
-        return table if drive.load is None else table | {"load": drive.load}
+        return table if drive.load is None else table | {"load": table_of(drive)["load"]}
     absent = () if drive.block else drive.of_block
     absent = absent if drive.tilts else (*absent, "tilt")
     own = {k: v for k, v in table_of(drive).items() if v is not False and k not in absent}

@@ -8,6 +8,7 @@ from tribo.layout.legs import BEGUN
 from tribo.model.fields import period_of
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
+from tribo.results.stage import places_of_bars
 from tribo.validation import POSITIVE, InputError, number
 
 # Relative size of a motion backwards that is round-off.
@@ -23,10 +24,10 @@ class Depinning(NamedTuple):
         The mean over the asperites that started to slide [force].
     half_width : float
         Half-width of its 95 % interval, as of independent asperites; NaN where fewer than two or
-        not all started.  Bars that springs couple start together and count as one.
+        not all started.  Bars of a block, or that springs couple, start together and count as one.
     each : ndarray, (asperites,)
-        Force of each asperite; NaN where it did not start. Bars that springs couple share one
-        number, their average.
+        Force of each asperite; NaN where it did not start. Bars of a block, or that springs couple,
+        share one number, their average.
     times : ndarray, (asperites,)
         Times at which the force was largest [time].
     """
@@ -71,8 +72,9 @@ def depinning(result: RunResult, surface: str, distance: float | None = None) ->
         distance = 0.5 * periods[0]
     distance = number("distance", distance, POSITIVE, "length")
     force, along = _force(result, index, ground)
-    moved = result[surface]["x_bar"] - ground[:, None]
-    if result.scene.surfaces[index].springs:
+    moved = places_of_bars(result, surface) - ground[:, None]
+    sliding = result.scene.surfaces[index]
+    if sliding.springs or sliding.drive.block or sliding.moves_as_one:  # bars start together
         moved = moved.mean(axis=1, keepdims=True)
         force = force.mean(axis=1, keepdims=True)
     moved = along * (moved - moved[0])
@@ -101,7 +103,7 @@ def _ground(result: RunResult, name: str) -> tuple[list[float], np.ndarray]:
         return periods, np.mean([field.velocity[0] for field in fields]) * (result.t - result.t[0])
     others = [s for s in result.scene.surfaces if s.name != name]
     rows = [s for s in others if s.positions is None and s.shape[0] > 1 and s.spacing[0] > 0.0]
-    places = [result[s.name]["x_bar"].mean(axis=1) for s in others] or [0.0 * result.t]
+    places = [places_of_bars(result, s.name).mean(axis=1) for s in others] or [0.0 * result.t]
     displacement = np.mean(places, axis=0)
     return [s.spacing[0] for s in rows], displacement - displacement[0]
 
@@ -150,8 +152,16 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     scene = result.scene
     state = result.state()
     surface = scene.surfaces[index]
-    x = result[surface.name]["x_bar"]
+    x = places_of_bars(result, surface.name)
     drive = surface.drive
+    # Dampers take velocities, and a block's spring is not at each of its bars.
+    is_shared = drive.block and (surface.elastic is not None or (surface.tilts and drive.stage))
+    if drive.damps > 0.0 or is_shared:
+        raise InputError(
+            "output.series",
+            f'must have "forces", without which the force on "{surface.name}" is known only of '
+            "undamped springs to each bar, or to a block that neither bends nor tilts",
+        )
     t = result.t[:, None]
     rest = surface.resting_bobs(seed=[scene.seed, index, 0])[:, 0] + surface.velocity[0] * state.t
     stage = rest + state.phases[index, 0]
