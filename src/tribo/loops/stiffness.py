@@ -115,6 +115,7 @@ def _thermal_motion(layout: Layout) -> ThermalMotion:
 
 
 def _thermal_motion_of(layout: Layout, numbers: MemberNumbers | None) -> ThermalMotion:
+    """That of members with numbers of their own, or of the scene's without them."""
     temperature, constants = _of_members(layout, numbers)
     shape = (*temperature.shape[:-1], layout.core)
     inertias = np.zeros(shape)
