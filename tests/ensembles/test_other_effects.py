@@ -43,3 +43,37 @@ def test_a_scene_that_starts_without_energy_does_not_run_away(method):
     for samples in (41, 401):
         result = tribo.simulate(pulled(gamma=0.0, samples=samples), method=method, step=0.05)
         assert result.status == "completed"
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower"),
+    [
+        pytest.param([0.0, 0.5, 2.0], [1.0, 1.0, 1.0], id="springs that only some have"),
+        pytest.param([0.5, 0.0, 0.0], [0.0, 1.0, 2.0], id="springs that change surfaces"),
+    ],
+)
+def test_members_by_tolerances_whose_accounts_differ(upper, lower):
+    """Ends of springs have accounts of their own, for which the scene's tolerances need no place.
+
+    Members of the first kind ended as a ValueError once.
+    """
+    pair = [
+        tribo.Surface(
+            name,
+            shape=(2, 1),
+            spacing=(1.0, 0.0),
+            asperite=tribo.Asperite(kappa=kappa),
+            bob=(0.0, height),
+            facing=facing,
+        )
+        for name, kappa, height, facing in (("upper", 0.5, 1.0, "down"), ("lower", 0.0, 0.0, "up"))
+    ]
+    scene = tribo.Scene(pair, tribo.Yukawa(0.3, 1.0), 1.0, output=tribo.Output(samples=3))
+    how = {"method": "dop853", "accuracy": 1e-7}
+    keys = "upper.asperite.kappa", "lower.asperite.kappa"
+    vary = dict(zip(keys, (upper, lower), strict=True))
+    found = tribo.ensemble(scene, 3, vary, keep=["upper.W"], **how)
+    for value, *kappas in zip(found["upper.W"].values, upper, lower, strict=True):
+        own = tribo.simulate(with_values(scene, dict(zip(keys, kappas, strict=True))), **how)
+        assert value == pytest.approx(own["upper"].W[-1], rel=1e-6)
+        assert value != 0.0

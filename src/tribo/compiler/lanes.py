@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import config, types
-from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+from numba.extending import intrinsic, lower_builtin, models, register_model
 
-from tribo.compiler.numba_private import cgutils, cpu_features
+from tribo.compiler.numba_private import cgutils, cpu_features, typed_first
 
 LANES = 8
 NARROW = 4
@@ -68,14 +68,11 @@ def _lanes_of(args) -> LanesType | None:
 def _binary(operation, compute) -> None:
     """Give Lanes an operation with Lanes and with numbers."""
 
-    @type_callable(operation)
-    def find_type(context):
-        def result(one, other):
-            args = one, other
-            known = all(isinstance(arg, (LanesType, types.Float, types.Integer)) for arg in args)
-            return _lanes_of(args) if known else None
-
-        return result
+    @typed_first(operation)
+    def find_type(*args):
+        result = _lanes_of(args)
+        known = all(isinstance(arg, (LanesType, types.Float, types.Integer)) for arg in args)
+        return result(*args) if result and known else None
 
     def build(context, builder, sig, args):
         vector = sig.return_type.vector
@@ -137,9 +134,9 @@ def instruction(signature, python=None) -> Any:
     return make
 
 
-@type_callable(operator.neg)
-def _type_of_negative(context):
-    return lambda x: x if isinstance(x, LanesType) else None
+@typed_first(operator.neg)
+def _type_of_negative(x):
+    return x(x) if isinstance(x, LanesType) else None
 
 
 @lower_builtin(operator.neg, LanesType)

@@ -16,7 +16,7 @@ from llvmlite import ir
 from numba import config, extending, typeof, types
 
 from tribo.compiler.jit import KERNEL
-from tribo.compiler.numba_private import NATIVE, cgutils, own_reference
+from tribo.compiler.numba_private import NATIVE, cgutils, own_reference, typed_first
 from tribo.compiler.plugin_methods import PluginType, plugin_type
 
 if NATIVE:
@@ -160,19 +160,17 @@ def _part(array: PointerType, at: Any) -> types.Type | None:
     return PointerType(array.dtype, left) if left else array.dtype
 
 
-@extending.type_callable(operator.getitem)
-def _type_of_item(context):
-    return lambda array, at: _part(array, at) if isinstance(array, PointerType) else None
+@typed_first(operator.getitem)
+def _type_of_item(array, at):
+    part = _part(array, at) if isinstance(array, PointerType) else None
+    return part(array, at) if part else None
 
 
-@extending.type_callable(operator.setitem)
-def _type_of_setting(context):
-    def find(array, at, value):
-        if isinstance(array, PointerType) and _part(array, at) == array.dtype:
-            return types.none(array, at, array.dtype)
-        return None
-
-    return find
+@typed_first(operator.setitem)
+def _type_of_setting(array, at, value):
+    if isinstance(array, PointerType) and _part(array, at) == array.dtype:
+        return types.none(array, at, array.dtype)
+    return None
 
 
 def _read(context, builder, kind, value):

@@ -12,6 +12,7 @@ from tribo.ensembles.kept_values import MISSED, REFUSED, UNKNOWN, Kept, KeptValu
 from tribo.ensembles.members import Members, is_random, values_at_start
 from tribo.integrators.methods import Method, noisy, refusal
 from tribo.kernels.status import EVALUATIONS, STEPS, Status
+from tribo.layout.layout import Layout
 from tribo.layout.own_numbers import member_numbers
 from tribo.ledger.guards import MOST_MISSED, lost_samples, missed_energy, passed_through
 from tribo.ledger.ledger import assemble
@@ -106,7 +107,10 @@ def _restored(kind: type[Policy], scene: Any, settings: Any, *others: Any) -> Po
 
 
 class SingleRuns(Policy):
-    """Runs members of any scene one by one, first by the settings of its simulation."""
+    """Runs members of any scene one by one, first by the settings of its simulation.
+
+    Members with effects for which the tolerances of the scene have no numbers are UNKNOWN.
+    """
 
     chunk = 1
 
@@ -115,13 +119,15 @@ class SingleRuns(Policy):
         found = self.kept.without_runs(members.numbers.size)
         for index in range(members.numbers.size):
             result = self._run(members, index)
+            if result is None:
+                continue
             missed = result.status == Status.COMPLETED and result.met is False
             if not missed or self.kept.with_errors:
                 self.kept.fill_in(found, index, result)
         return found
 
-    def _run(self, members: Members, index: int) -> Result:
-        """The result of a member, planned again where its scene differs in more than the start."""
+    def _run(self, members: Members, index: int) -> Result | None:
+        """The result of a member by the settings of the scene; None where these do not fit it."""
         simulation = self.simulation
         if not members.values and members.seeds[index] == simulation.scene.seed:
             return simulation.compute_first()
@@ -129,6 +135,8 @@ class SingleRuns(Policy):
             scene = members.scene(index, simulation.scene)
             _check_method(simulation.method, scene)
             simulation = from_settings(scene, simulation.settings)
+            if self._differs(simulation.layout):
+                return None
             step = simulation.plan.setting.step
             method = simulation.method
             if simulation.plan.tuned is None and step is not None and method.splits:
@@ -136,6 +144,12 @@ class SingleRuns(Policy):
         # The errors of sums are those of some members, which are run again.
         estimate = self.kept.with_errors or not self.kept.counts
         return simulation.compute(members.start(index), estimate=estimate)
+
+    def _differs(self, layout: Layout) -> bool:
+        """Whether the tolerances of the scene, if it has some, are of other numbers."""
+        of_scene = self.simulation
+        adaptive = of_scene.plan.setting.tolerance is not None
+        return adaptive and layout.numbering != of_scene.layout.numbering
 
 
 def _check_method(method: Method, scene: Scene) -> None:

@@ -160,6 +160,13 @@ class Layout:
         fields = [np.multiply(field.drift, t) for field in self.model.fields or ()]
         return np.array([*stages, *fields])
 
+    @property
+    def numbering(self) -> tuple[object, ...]:
+        """Equal for layouts in which each number of y and s is of the same thing."""
+        names = [name for name in records.SURFACE.names or () if name[:4] in ("dof_", "acc_")]
+        own = self.surfaces[["stop", "account_stride", *names]]
+        return own.tolist(), self.accounts_of_fields, self.accounts
+
     def stage_moved(self, index: int, t: Any) -> Any:
         """How far the pulling stage of a surface is from its anchor at times t, likewise."""
         for each in self.scheduled:
