@@ -64,8 +64,14 @@ READ |= {"asperite": partial(from_table, Asperite), "initial": partial(from_tabl
 # First parts of the keys of a scene's only interaction, and of its only field.
 INTERACTION = "interaction"
 FIELD = "field"
+# Keys without a point.
+WITHOUT_POINT = (*OF_SCENE, *PARTS_OF_SCENE, INTERACTION, FIELD)
 # The values of a field beside those of its potential.
 OF_FIELD = SETTINGS
+# How similar the last part of a key in a hint is, 1 being the same.
+SIMILAR = 0.75
+# Keys in a hint, at most.
+MOST_HINTS = 3
 
 
 def is_parameter(scene: Scene, key: str) -> bool:
@@ -103,7 +109,10 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         if part not in known:
             raise _unknown(scene, key)
         of_parts.setdefault(part, {})[name] = value
-    whole = known_keys(of_parts.pop("", {}), (*OF_SCENE, *PARTS_OF_SCENE, INTERACTION, FIELD))
+    whole = of_parts.pop("", {})
+    for name in whole:
+        if name not in WITHOUT_POINT:
+            raise _unknown(scene, name)
     own = {name: whole[name] for name in OF_SCENE if name in whole}
     for part in PARTS_OF_SCENE:
         if part in whole or part in of_parts:
@@ -280,16 +289,63 @@ def _parts_of(scene: Scene) -> list[str]:
 
 def _unknown(scene: Scene, key: str) -> InputError:
     """The error of a key whose part the scene does not have."""
-    part = key.rpartition(".")[0]
+    part, _, name = key.rpartition(".")
     outer = key.partition(".")[0]
-    for name, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
-        if outer == name:
-            return InputError(key, f"needs one {name}, and the scene has {len(items)}")
-    near = difflib.get_close_matches(part, _parts_of(scene), n=1)
-    names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
-    hint = f'did you mean "{near[0]}.{key.rpartition(".")[2]}"?' if near and near[0] else ""
-    hint = hint or f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
+    for kind, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
+        if outer == kind and part:
+            return InputError(key, f"needs one {kind}, and the scene has {len(items)}")
+    near = difflib.get_close_matches(part, _parts_of(scene), n=1) if part else []
+    if near and near[0]:
+        inner = [each for each in _keys_of(scene) if each.startswith(f"{near[0]}.")]
+        hint = _meant(name, inner) or f'did you mean "{near[0]}.{name}"?'
+    elif part:
+        names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
+        hint = f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
+    else:
+        hint = _meant(name, _keys_of(scene)) or f"known here: {', '.join(WITHOUT_POINT)}"
     return InputError(key, f"is not a known key; {hint}")
+
+
+def _meant(name: str, keys: list[str]) -> str:
+    """Which keys somebody may mean who gives the last part of one, perhaps misspelt; or ""."""
+    last = {key: key.rpartition(".")[2] for key in keys}
+    names = list(dict.fromkeys(last.values()))
+    near = [name] if name in names else difflib.get_close_matches(name, names, 1, SIMILAR)
+    found = [f'"{key}"' for key in keys if last[key] in near]
+    if not found:
+        return ""
+    shown = found[:MOST_HINTS]
+    return f"did you mean {', '.join(shown[:-1])}{' or ' * (len(shown) > 1)}{shown[-1]}?"
+
+
+def _keys_of(scene: Scene) -> list[str]:
+    """The keys of a scene, without those of numbers of schedules and of one of two numbers."""
+    found = [*WITHOUT_POINT]
+    for part, kind in PARTS_OF_SCENE.items():
+        found += [f"{part}.{name}" for name in field_names(kind)]
+    for part in (INTERACTION, FIELD):
+        found += [f"{part}.{name}" for name in _values_of_only(scene, part)]
+    for surface in scene.surfaces:
+        found += _keys_of_surface(surface)
+    return found
+
+
+def _keys_of_surface(surface: Surface) -> list[str]:
+    """The keys of a surface and of the parts that it has, likewise."""
+    found = [f"{surface.name}.{name}" for name in OF_SURFACE]
+    for part in parts_of(surface):
+        name, _, on = part.partition(".")
+        present = getattr(surface, name)
+        if on:
+            present = present[list(PLACES).index(on)]
+        if isinstance(present, Custom):
+            names = [*by_key.values_by_key(present.force)]
+        elif isinstance(present, Bath):
+            names = [*bath_table(present)]
+        else:
+            names = [] if present is None else field_names(type(present))
+        found += [f"{surface.name}.{part}.{each}" for each in names]
+    return found
 
 
 def _is_number(value: object) -> bool:
@@ -324,10 +380,9 @@ def _changed_surface(surface: Surface, of_parts: Mapping[str, dict[str, Any]]) -
     """
     with inside(surface.name):
         given = of_parts.get(surface.name, {})
-        unknown = given.keys() - {*OF_SURFACE}
-        for key in sorted(unknown & table_of(surface.asperite).keys() if unknown else ()):
-            hint = f'did you mean "{surface.name}.asperite.{key}"?'
-            raise InputError(key, f"is not a known key; {hint}")
+        for key in given:
+            if key not in OF_SURFACE and (hint := _meant(key, _keys_of_surface(surface))):
+                raise InputError(key, f"is not a known key; {hint}")
         own = known_keys(given, OF_SURFACE)
         if "velocity" in own and not is_list(own["velocity"]):
             velocity = number("velocity", own["velocity"], unit="length / time")
