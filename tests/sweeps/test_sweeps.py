@@ -447,9 +447,14 @@ def test_figure_of_keys_that_are_swept_together():
     for against, name in shown.items():
         ax = sweep_lines(data, "upper.W", against)
         assert ax.get_xlabel() == name and len(ax.containers) == 2
+        order = np.argsort(data[name].values)
         for line, works in zip(ax.containers, work.T, strict=True):
-            assert np.array_equal(line.lines[0].get_xdata(), data[name])
-            assert np.array_equal(line.lines[0].get_ydata(), works)
+            assert np.array_equal(line.lines[0].get_xdata(), data[name][order])
+            assert np.array_equal(line.lines[0].get_ydata(), works[order])
+            assert line.lines[0].get_linestyle() != "None"
+    twice = data.assign_coords({"duration": (pair, [40.0, 80.0, 80.0])})
+    for line in sweep_lines(twice, "upper.W", "duration").containers:
+        assert line.lines[0].get_linestyle() == "None"
     labels = [line.get_label() for line in sweep_lines(data, "upper.W", key).containers]
     assert labels[1] == "upper.drive.speed = 0.25, duration = 80.0"
 

@@ -62,15 +62,19 @@ def sweep_lines(
         raise InputError("data", f"has {len(lines)} lines; select values with data.sel or isel")
     with drawing_on(ax, WIDE, 0.55 * WIDE) as ax:
         values = data[key].values
-        places = values if values.dtype.kind in "fiu" else values.astype(str)  # or categories
+        numbers = values.dtype.kind in "fiu"
+        places = values if numbers else values.astype(str)  # or categories
+        order = np.argsort(values, kind="stable") if numbers else np.arange(values.size)
+        # Points of one value differ in keys that are swept together with this one.
+        joined = len({*values.tolist()}) == values.size
         for number, indices in enumerate(lines):
             at = dict(zip(others, indices, strict=True))
-            half = None if bars is None else bars.isel(at).values
+            half = None if bars is None else bars.isel(at).values[order]
             beside = [other for other in places_of if places_of[other] in others]
             label = ", ".join(f"{k} = {data[k].values[at[places_of[k]]]}" for k in beside)
             how: Any = {"marker": "o", "markersize": 3.0, "capsize": 2.0, "linewidth": 1.0}
-            how["linestyle"] = DASHES[number % len(DASHES)]
-            ax.errorbar(places, drawn.isel(at).values, half, label=label, **how)
+            how["linestyle"] = DASHES[number % len(DASHES)] if joined else "none"
+            ax.errorbar(places[order], drawn.isel(at).values[order], half, label=label, **how)
         at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
         ax.set(xlabel=key, ylabel=f"{name}{at_end}")
         title = f"bars: {meaning}" if meaning else None
