@@ -166,6 +166,16 @@ def test_an_isolated_pendulum_keeps_an_accuracy(bars):
     assert simulate(pair(tribo.Coulomb(0.0), 5.0, upper), method="gauss-radau-15").met
 
 
+@pytest.mark.parametrize("kappa", [0.0, 1.0])
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-10])
+def test_a_surface_alone_keeps_an_accuracy(kappa, accuracy):
+    """Nothing moves but all of the scene; its velocity, which is rounded, was relative to zero."""
+    alone = tribo.Surface("upper", velocity=(0.5, 0.0), asperite=tribo.Asperite(kappa=kappa))
+    result = tribo.simulate(tribo.Scene((alone,), (), 1.0), accuracy=accuracy)
+    assert result.met and result.notes == ()
+    assert result["upper"].vx_cm == pytest.approx(0.5, abs=0.0, rel=1e-15)
+
+
 UNCOMPILED = """
 import tribo
 surfaces = tribo.Surface("upper"), tribo.Surface("lower", facing="up")
