@@ -385,6 +385,25 @@ def test_seconds_are_evaluations_times_their_time(monkeypatch):
     assert stepped.seconds == pytest.approx(1e-3 * stepped.force_evaluations)
 
 
+@pytest.mark.parametrize("samples", [11, 20_001])
+def test_the_time_of_series_is_predicted_where_memory_does_not_hold_them(monkeypatch, samples):
+    """It was left out: ten times too little for surfaces of 1,832 asperites."""
+    monkeypatch.setattr(prediction, "_recording_time", lambda layout, method: 1.0)
+    row = {"shape": (50, 1), "spacing": (1.1, 0.0)}
+    upper = tribo.Surface("upper", bob=(0.0, 1.2), velocity=(0.5, 0.0), **row)
+    output = tribo.Output(samples=samples, keep=["upper.W"])
+    lower = tribo.Surface("lower", facing="up", **row)
+    scene = tribo.Scene((upper, lower), (), 1.0, output=output, numerics=STEPPED)
+    found = tribo.explain(scene).predicted.seconds
+    assert found > samples if samples > 11 else found < 1.0
+
+
+def test_seconds_of_recording_are_measured():
+    """Of one sample, in a small part of a run; no number, as those depend on the machine."""
+    layout = lay_out(paper.scene("A"))
+    assert 0.0 < prediction._recording_time(layout, METHODS["verlet"]) < 0.1
+
+
 def test_command(tmp_path, capsys):
     """The JSON has the keys of the contract; the text fits a screen."""
     path = tmp_path / "scene.toml"

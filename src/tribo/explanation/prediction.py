@@ -7,7 +7,7 @@ that its last run reached, and by the ratios of the levels of the runs that are 
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,8 @@ from tribo.loops.setting import Setting
 BUDGET = 1.0
 # Time of the run that measures a speed with a given step, by the model of costs [s].
 MEASURED = 0.05
+# Samples times asperites whose recording is measured.
+NUMBERS_RECORDED = 100_000
 # The phase of the fastest motion in a step [rad] that is still well resolved.
 RESOLVED = 0.1
 
@@ -49,7 +51,8 @@ class Predicted:
     force_evaluations : int
         Evaluations of all forces, in the run and in those that estimate its error.
     seconds : float
-        Time of these runs on this machine, without compiling [s].
+        Time of these runs on this machine, without compiling [s]; with that of the series of
+        samples that memory does not hold.
     memory_bytes : int
         Bytes of the arrays of the scene, of the loop, of all samples, and of all series.
     basis : str
@@ -149,9 +152,12 @@ def predict(choice: Choice, search: Search) -> tuple[Predicted, float | None]:
         samples = layout.times.size
         evaluations = counted(layout, method, step, layout.times)
     stop, status = _stop(search, tuned)
+    recorded = 0.0
+    if is_streamed(layout, layout.times.size):
+        recorded = layout.times.size * _recording_time(layout, method)
     predicted = Predicted(
         force_evaluations=round(evaluations),
-        seconds=each * evaluations,
+        seconds=each * evaluations + recorded,
         memory_bytes=bytes_of_run(layout, method, samples, choice.step is None),
         basis=basis,
         met=None if tuned is None else tuned.met,
@@ -176,6 +182,21 @@ def _measured(search: Search, step: float | None) -> float:
     steps = int(1e9 * MEASURED / evaluation_time(layout, search.method))
     loop.advance(layout.times, columns, max(1, steps))
     return (time.perf_counter() - began) / max(1, int(evaluations[0]) - before)
+
+
+def _recording_time(layout: Layout, method: Method) -> float:
+    """Seconds that a run takes for the series of each sample, where memory does not hold them all.
+
+    Measured with some samples of the start, as their values do not matter.
+    """
+    size = min(layout.times.size, max(2, NUMBERS_RECORDED // layout.scene.count))
+    start = Samples.at_zero(layout).rows(np.zeros(size, int))
+    samples = replace(start, t=layout.times[:size])
+    streamed = StreamedLedger(layout, guarded=not method.adaptive)
+    streamed.add(samples.rows(slice(0, 2)), 0)  # finds what all portions share
+    began = time.perf_counter()
+    streamed.add(samples, 0)
+    return (time.perf_counter() - began) / size
 
 
 def _stop(search: Search, tuned: FoundSettings | None) -> tuple[str, Status]:
