@@ -339,11 +339,11 @@ def _keys_of_surface(surface: Surface) -> list[str]:
         if on:
             present = present[list(PLACES).index(on)]
         if isinstance(present, Custom):
-            names = [*by_key.values_by_key(present.force)]
+            names = tuple(by_key.values_by_key(present.force))
         elif isinstance(present, Bath):
-            names = [*bath_table(present)]
+            names = tuple(bath_table(present))
         else:
-            names = [] if present is None else field_names(type(present))
+            names = () if present is None else field_names(type(present))
         found += [f"{surface.name}.{part}.{each}" for each in names]
     return found
 
