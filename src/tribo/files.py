@@ -64,6 +64,16 @@ def netcdf_target(field: str, path: Path, others: str = "") -> Path:
     return target
 
 
+def page_target(field: str, path: Path) -> Path:
+    """The page of HTML that a path names, behind links.  Raises InputError about `field`."""
+    target = checked_target(field, path)
+    if path.suffix.lower() not in PAGES:
+        raise InputError(field, f"must end on .html, as it is a page, got {str(path)!r}")
+    return target
+
+
+# The endings of names of pages.
+PAGES = (".html", ".htm")
 # The ending of names of NetCDF files.
 NETCDF = ".nc"
 # What follows the name of a file that has what a computation has finished, before it is complete.

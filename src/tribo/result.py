@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tribo.files import netcdf_target, replace_file, strict_json
+from tribo.files import netcdf_target, page_target, replace_file, strict_json
 from tribo.kernels.status import Status
 from tribo.model.identity import opened
 from tribo.results import (
@@ -191,13 +191,14 @@ class Result(RunResult):
         Raises
         ------
         InputError
-            If the file cannot be written, or the positions of asperites, or of requested
-            oscillators, are not recorded.
+            If the file cannot be written or does not end on .html, or the positions of asperites,
+            or of requested oscillators, are not recorded.
         """
         from tribo.viewer.contents import contents
         from tribo.viewer.html import document
 
         path = as_path(path)
+        page_target("path", path)
         replace_file(path, document({"run": contents(self, bath), "sliders": []}).encode())
         return path
 
@@ -221,7 +222,7 @@ def load_result(path: str | Path) -> Result:
     Raises
     ------
     InputError
-        If there is no such file, or it contains no result.
+        If there is no such file, or it contains no result, as a scene file.
     """
     path = as_path(path)
     data = result_file.load(path)

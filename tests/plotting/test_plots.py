@@ -147,6 +147,16 @@ def test_command(result, tmp_path, capsys):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert main(["plot", str(file), "-o", str(tmp_path / "a.txt")]) == 2
     assert "--out: must end on .png" in capsys.readouterr().err
+    scene = tmp_path / "a.toml"
+    result.scene.save(scene)
+    assert main(["plot", str(scene), "-o", str(tmp_path / "b.png")]) == 2
+    assert "is a scene, and the file of a run is needed" in capsys.readouterr().err
+    for command in ("view", "live"):
+        assert main([command, str(scene), "-o", str(tmp_path / "a.pdf")]) == 2
+        assert "--out: must end on .html, as it is a page" in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"path: must end on \.html"):
+        result.to_html(tmp_path / "a.nc")
+    assert tribo.load_result(file).status == "completed"
 
 
 def test_energy_budget_of_a_scene_with_heat_closes():

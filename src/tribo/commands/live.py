@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tribo.commands import scene_options as shared
-from tribo.files import checked_target
+from tribo.files import page_target
 from tribo.interrupts import COMPLETED
 
 
@@ -23,6 +23,6 @@ def _live(options: argparse.Namespace) -> int:
     from tribo.live_pages.page import to_live_html
 
     out = options.out or options.scene.with_suffix(".html")
-    checked_target("--out", out)
+    page_target("--out", out)
     print(to_live_html(shared.load_with_values(options), out, options.controls))
     return COMPLETED

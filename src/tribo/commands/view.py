@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tribo.commands import scene_options as shared
-from tribo.files import checked_target, replace_file
+from tribo.files import page_target, replace_file
 from tribo.interrupts import COMPLETED, STOPPED, also_in_part, answer
 from tribo.validation import InputError, must_be
 
@@ -68,7 +68,7 @@ def _view(options: argparse.Namespace) -> int:
     from tribo.viewer.contents import contents
     from tribo.viewer.html import document
 
-    out = checked_target("--out", options.out or options.scene.with_suffix(".html"))
+    out = page_target("--out", options.out or options.scene.with_suffix(".html"))
     if options.slider:
         if options.scene.suffix != ".toml" or options.beside is not None:
             raise InputError("--slider", "needs one scene file")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.files import checked_target, replace_file, strict_json
+from tribo.files import page_target, replace_file, strict_json
 from tribo.live_pages.source import source_of
 from tribo.model.scene import Scene
 from tribo.simulation import simulate
@@ -105,7 +105,7 @@ def to_live_html(scene: Scene, path: str | Path, controls: object = None) -> Pat
         If the scene cannot go into a page, a key or a range cannot be used, or the file cannot be
         written.
     """
-    target = checked_target("path", as_path(path))
+    target = page_target("path", as_path(path))
     replace_file(target, document(scene, controls).encode())
     return as_path(path)
 

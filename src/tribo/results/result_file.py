@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo import seals
-from tribo.files import PART, netcdf_in, read_file, replace_netcdf
+from tribo.files import NETCDF, PART, netcdf_in, read_file, replace_netcdf
 from tribo.ledger.ledger import Ledger
 from tribo.ledger.quantities import EVERY_QUANTITY
 from tribo.ledger.quantity import UNITS, Table
@@ -166,8 +166,14 @@ def _checksum_of(attributes: dict[Any, Any], values: bytes = b"") -> str:
 def load(path: Path) -> xarray.Dataset:
     """The data set that `save` wrote, or another program again.
 
-    Raises InputError if it is damaged, or the run has not ended.
+    Raises InputError if it is damaged, the run has not ended, or it is a scene.
     """
+    if path.suffix == ".toml":
+        raise InputError(
+            str(path),
+            f"is a scene, and the file of a run is needed: tribo run {path.name} --out "
+            f"{path.with_suffix(NETCDF).name} writes it",
+        )
     is_part = path.suffix == PART
     if is_part or (not path.exists() and path.with_name(path.name + PART).exists()):
         part = "it" if is_part else f"{path.name}{PART}"
