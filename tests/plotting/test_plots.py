@@ -128,6 +128,19 @@ def test_springs_between_bars():
     assert np.ptp(ends, axis=1) == pytest.approx([2.0, 2.0])
 
 
+def test_a_rigid_surface_shows_its_velocity():
+    """Pendulums that cannot swing have no angles to draw."""
+    rigid = tribo.Asperite(m1=[1.0, 3.0], kappa=np.inf)
+    upper = tribo.Surface(
+        "upper", shape=(2, 1), spacing=(1.0, 0.0), asperite=rigid, drive="free", velocity=(0.5, 0.0)
+    )
+    result = tribo.simulate(tribo.Scene((upper,), (), 1.0), method="verlet", step=0.1)
+    (line,) = result.plot.velocities().get_lines()[:1]
+    assert line.get_ydata() == pytest.approx(np.full(result.t.size, 0.5))
+    labels = [ax.get_ylabel() for ax in result.plot.overview().axes]
+    assert "velocity (length / time)" in labels and "swing (rad)" not in labels
+
+
 def test_film_that_cannot_be_written(result, tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"path: must end on \.gif or \.mp4"):
         result.animate(tmp_path / "a.avi")

@@ -67,6 +67,18 @@ class Plots:
             finish(ax, result, "swing (rad)")
         return ax
 
+    def velocities(self, ax: Axes | None = None) -> Axes:
+        """Draw the velocity along x of the centre of mass of each surface [length / time]."""
+        result = self._result
+        with drawing_on(ax, COLUMN, ASPECT * COLUMN) as ax:
+            for k, surface in enumerate(result.scene.surfaces):
+                masses = surface.each["m1"] + surface.each["m2"]
+                mean = np.average(result[surface.name].vx_cm, axis=1, weights=masses)
+                label = named(surface.name, self._label)
+                ax.plot(result.t, mean, color=COLOURS[k], label=label, linewidth=self._width(k))
+            finish(ax, result, "velocity (length / time)")
+        return ax
+
     def work(
         self,
         surface: str | None = None,
@@ -301,7 +313,7 @@ class Plots:
         """Draw snapshots, works on the first surface, energies, angles and phases in one figure.
 
         Where sliding goes on and forces are recorded, the friction force on the first surface takes
-        the place of the phases.
+        the place of the phases; where all pendulums are rigid, velocities that of the angles.
 
         Raises
         ------
@@ -319,7 +331,8 @@ class Plots:
                 height_ratios=(1.5, 1.0, 1.0),
             )
             self.energy_budget(ax=places["energies"])
-            self.angles(ax=places["angles"])
+            swings = any(np.isfinite(s.each["kappa"]).any() for s in result.scene.surfaces)
+            (self.angles if swings else self.velocities)(ax=places["angles"])
             slides = has_mean_friction(result.scene) and "friction_force" in result[self._surface()]
             (self.friction_force if slides else self.phase)(ax=places["last"])
             if result.scene.output.ledger != "none":
