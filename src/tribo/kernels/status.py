@@ -40,9 +40,11 @@ STATUS_OF_CODE = {
 MEANINGS = {
     Status.COMPLETED: "the run reached its end",
     Status.BOBS_COINCIDE: "two interacting bobs are at the same place, where their force has no "
-    "direction",
-    Status.STEP_UNDERFLOW: "the motion needs steps below the spacing of floating-point times",
-    Status.NOT_FINITE: "a force or an energy is not a finite number",
+    "direction; move one, leave a gap between their paths, or add a repulsive core",
+    Status.STEP_UNDERFLOW: "the motion needs steps below the spacing of floating-point times; "
+    "leave a gap between the bobs' paths, or give a finite kappa, or a potential without a jump",
+    Status.NOT_FINITE: "a force or an energy is not a finite number; tribo check tells where that "
+    "of a potential is none",
     Status.ENCOUNTER_JUMPED: "a step of the given size would carry bobs past an encounter; "
     "give a smaller one",
     Status.NOT_CONVERGED: "iteration did not solve the equations of a step; give a smaller step",
