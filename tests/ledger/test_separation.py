@@ -139,6 +139,28 @@ def test_time_without_contact_of_a_pass():
     assert pass_over(CUTOFF + 0.01).time_without_contact("upper") == 1.0
 
 
+@pytest.mark.parametrize("inner", [tribo.WeeksChandlerAndersen(0.1, 1.0), tribo.Coulomb(1e-6)])
+def test_bobs_of_one_surface_that_act_on_one_another_are_no_contact(inner):
+    """Each bob was in contact with itself, and an endless force within hid all contacts."""
+    row = {"shape": (2, 1), "spacing": (6.0, 0.0)}
+    upper = tribo.Surface("upper", bob=(0.0, 1.0), velocity=(1.0, 0.0), drive="bars", **row)
+    lower = tribo.Surface("lower", facing="up", drive="bars")
+    between = tribo.Interaction(
+        tribo.WeeksChandlerAndersen(0.1, 1.0), between=("upper", "lower")
+    )
+    within = tribo.Interaction(inner, between=("upper", "upper"))
+    output = tribo.Output(samples=10, series=("forces", "contacts"))
+
+    def share(*interactions):
+        scene = tribo.Scene([upper, lower], interactions, 9.0, output=output)
+        result = tribo.simulate(scene, method="verlet", step=0.05)
+        assert [*result["upper"].contact_number] == [1.0, *[0.0] * 9]
+        assert not any('"upper" and "upper"' in note for note in result.notes)
+        return [result.time_without_contact(name) for name in ("upper", "lower")]
+
+    assert share(between, within) == share(between) == [pytest.approx(17 / 18)] * 2
+
+
 def test_time_without_contact_of_an_endless_potential():
     """Contact is where the energy is 1 % of torsion by 1 rad; distances are 2 % apart."""
     gap, height, speed = 0.4, 0.01, 0.5

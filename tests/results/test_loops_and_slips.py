@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import tribo
 from tribo import Asperite, Corrugation, Field, InputError, Langevin, Output, Pulled, Scene, Surface
-from tribo.results.stage import turning_points
+from tribo.results.stage import pull_of, turning_points
 
 AMPLITUDE, STIFFNESS, PERIOD, SPEED, DAMPING = 0.1, 0.5, 1.0, 0.02, 4.0
 MASS = 2.0
@@ -223,8 +223,26 @@ def test_a_loop_needs_no_forces(settings):
     assert found[1].area.mean == pytest.approx(found[0].area.mean, abs=1e-9)
     later = replace(quiet.scene, duration=40.0)
     after = tribo.simulate(later, start=quiet.state(), method="dop853", accuracy=1e-6)
-    with pytest.raises(InputError, match="in a run that begins at t = 0"):
-        after.loop("upper")
+    moved = tribo.Schedule(**TURNS).integral(after.t)
+    assert pull_of(after, "upper").position == pytest.approx(1.5 + moved, abs=1e-12)
+
+
+def test_the_loop_of_a_damped_block_that_goes_on():
+    """The stage is where an earlier run left it; the force that is recorded has the damper's."""
+    points = [[0, 0.2], [10, 0.2], [10, -0.2], [20, -0.2], [20, 0.2], [30, 0.2]]
+    drive = Pulled(stiffness=0.6, speed=points, load=0.05, block=True, damping=0.6)
+    upper = Surface("upper", bob=(0.4, 0.8), velocity=(0.1, 0.0), drive=drive)
+    row = {"shape": (9, 1), "spacing": (1.0, 0.0), "bob": (-3.0, 0.0), "drive": "bars"}
+    scene = Scene((upper, Surface("lower", facing="up", **row)), tribo.Gaussian(0.4, 0.5), 30.0)
+    scene = replace(scene, output=Output(samples=601, series=["forces"]))
+    first = tribo.simulate(replace(scene, duration=6.0, output=Output(samples=121)), accuracy=1e-6)
+    whole = tribo.simulate(scene, accuracy=1e-6)
+    later = tribo.simulate(scene, start=first.state(), accuracy=1e-6)
+    one, other = later.loop("upper"), whole.loop("upper", after=6.0)
+    position = 0.4 + tribo.Schedule(points).integral(later.t)
+    assert one.position == pytest.approx(position, abs=1e-12)
+    assert one.cycles.area.values == pytest.approx(other.cycles.area.values, rel=1e-5)
+    assert one.area.mean > 0.1
 
 
 def test_turning_points():

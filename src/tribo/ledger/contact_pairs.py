@@ -40,7 +40,7 @@ def _groups(layout: Layout, index: int) -> Iterator[tuple[np.ndarray, np.ndarray
     """Bobs of a surface, bobs of another one, and the distance at which they are in contact."""
     starts = [part.start for part in layout.parts.values()]
     for pair, reaches in repulsions_of(layout).items():
-        if index not in pair or pair[0] == pair[1]:
+        if index not in pair:
             continue
         for reach in reaches:
             one = starts[pair[0]] + reach.mine

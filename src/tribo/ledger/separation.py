@@ -222,17 +222,21 @@ def repulsions_of(layout: Layout) -> dict[tuple[int, int], list[Reach]]:
 
 
 def _reaches(scene: Scene, repelling: bool = False) -> dict[tuple[int, int], list[Reach]]:
-    """Of each two surfaces that interact by potentials with a reach alone, their distances."""
+    """Of each two surfaces that interact by potentials with a reach alone, their distances.
+
+    Bobs of one surface that act on one another are no contact of it.
+    """
     found: dict[tuple[int, int], list[Reach]] = {}
     endless = set()
     for interaction in scene.interactions:
+        pairs = _pairs_of_two(scene, interaction)
         if not has_reach(interaction):
-            endless.update(scene.pairs(interaction))
+            endless.update(pairs)
             continue
         ends = bool(np.isfinite(interaction.potential.range()))
         least = _least_energy(scene, interaction)
         species = interaction.species
-        for pair in scene.pairs(interaction):
+        for pair in pairs:
             for kinds in {species, species and species[::-1]}:
                 one, other = (
                     _bobs_by_charge(scene.surfaces[k], kinds and kinds[place])
@@ -249,6 +253,11 @@ def _reaches(scene: Scene, repelling: bool = False) -> dict[tuple[int, int], lis
                         reach = Reach(far, ends, mine, theirs, is_exact)
                         found.setdefault(pair, []).append(reach)
     return {pair: reach for pair, reach in found.items() if pair not in endless}
+
+
+def _pairs_of_two(scene: Scene, interaction: Interaction) -> list[tuple[int, int]]:
+    """The pairs of two surfaces between which an interaction acts."""
+    return [(one, other) for one, other in scene.pairs(interaction) if one != other]
 
 
 def _bobs_by_charge(
@@ -424,7 +433,7 @@ def has_contact_distance(scene: Scene, surface: Surface) -> bool:
     They have none where more unlike charges than `MOST_CHARGES` make unlike distances.
     """
     index = [each.name for each in scene.surfaces].index(surface.name)
-    mine = [i for i in scene.interactions if any(index in pair for pair in scene.pairs(i))]
+    mine = [i for i in scene.interactions if any(index in pair for pair in _pairs_of_two(scene, i))]
     if not mine or not all(map(has_reach, mine)):
         return False
     return all(reach.is_exact for reach in _repulsions_on(scene, surface))

@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.layout.legs import BEGUN
 from tribo.model.fields import period_of
 from tribo.results.averages import interval
 from tribo.results.run_result import RunResult
-from tribo.results.stage import places_of_bars
+from tribo.results.stage import moved_by_stage, places_of_bars
 from tribo.validation import POSITIVE, InputError, number
 
 # Relative size of a motion backwards that is round-off.
@@ -121,7 +120,7 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
         force = result[surface.name]["f2_x"] if recorded else _force_on_bars(result, index)
         along = float(np.sign(force[-1, 0]))
     if drive.stage is not None:
-        moved = _moved(result, index, result.t) - ground
+        moved = moved_by_stage(result, index, result.t) - ground
         moved = moved - moved[0]
         along = float(np.sign(moved[np.argmax(np.abs(moved))]))  # it may return to its start
         steps = along * np.diff(moved)
@@ -136,15 +135,6 @@ def _force(result: RunResult, index: int, ground: np.ndarray) -> tuple[np.ndarra
             f"{surface.name}.drive", "must be one that pulls or pushes along x, to start a slide"
         )
     return force, along
-
-
-def _moved(result: RunResult, index: int, t: np.ndarray) -> np.ndarray:
-    """How far the stage of a surface is from its place at the end of the run, at times t."""
-    state = result.state()
-    stage = result.scene.surfaces[index].drive.stage
-    assert stage is not None
-    begun = state.begun[index, BEGUN.index("stage")]
-    return np.asarray(stage.displacement(t - begun) - stage.displacement(state.t - begun))
 
 
 def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
@@ -166,7 +156,7 @@ def _force_on_bars(result: RunResult, index: int) -> np.ndarray:
     rest = surface.resting_bobs(seed=[scene.seed, index, 0])[:, 0] + surface.velocity[0] * state.t
     stage = rest + state.phases[index, 0]
     if drive.stage is not None:
-        stage = stage + _moved(result, index, t)
+        stage = stage + moved_by_stage(result, index, t)
     force = drive.force_along_x(x, t - state.begun[index, 0], stage)
     if force is None:
         raise InputError("output.series", f'must have "forces", as "{surface.name}" has {drive}')

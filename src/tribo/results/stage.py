@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from tribo.layout.elastic_body import shares_of_edges
+from tribo.layout.legs import BEGUN
 from tribo.model.surface import Surface
 from tribo.results.run_result import RunResult, index_of
 from tribo.validation import InputError, vector
@@ -36,14 +37,12 @@ class Pull(NamedTuple):
 def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
     """The position and the force of the drive of a surface, or of a `position` that is given.
 
-    The stage of a run from t = 0 is where its schedule has brought it, and the force that of its
-    springs where no forces were recorded.  Otherwise the stage is found from the force and the
-    places of the bars, so that it may have moved in any way.  Raises InputError.
+    The force is that of the springs to the stage where no forces were recorded.  Raises InputError.
     """
     index = index_of(result, name)
     surface = result.scene.surfaces[index]
     stiffness = stiffness_of(surface)
-    stage = _stage_from_start(result, index) if stiffness > 0.0 else None
+    stage = _place_of_stage(result, index) if stiffness > 0.0 else None
     force = _force(result, index, stage)
     if position is not None:
         given = vector("position", position, size=result.t.size, unit="length")
@@ -52,13 +51,11 @@ def pull_of(result: RunResult, name: str, position: object = None) -> Pull:
         return Pull(stage, force, stiffness)
     if surface.drive.holds_bars or surface.drive.gives_motion:
         return Pull(places_of_bars(result, name).mean(axis=1), force, np.inf)
-    if not 0.0 < stiffness < np.inf:
-        raise InputError(
-            "surface",
-            "must be one that springs to a stage pull, or whose bars are driven or moved; "
-            f'"{name}" has {surface.drive}: give the position of its stage as "position"',
-        )
-    return Pull(places_of_bars(result, name).mean(axis=1) + force / stiffness, force, stiffness)
+    raise InputError(
+        "surface",
+        "must be one that springs to a stage pull, or whose bars are driven or moved; "
+        f'"{name}" has {surface.drive}: give the position of its stage as "position"',
+    )
 
 
 def _force(result: RunResult, index: int, stage: np.ndarray | None) -> np.ndarray:
@@ -70,7 +67,7 @@ def _force(result: RunResult, index: int, stage: np.ndarray | None) -> np.ndarra
         raise InputError(
             "output.series",
             f'does not contain "forces", without which the pull on "{surface.name}" is known only '
-            "of undamped springs to a stage, in a run that begins at t = 0",
+            "of undamped springs to a stage",
         )
     return stiffness_of(surface) * (stage - _place_of_spring(result, index))
 
@@ -92,17 +89,28 @@ def _is_recorded(result: RunResult, name: str, quantity: str) -> bool:
     return quantity in series and len(series[quantity]) == result.t.size
 
 
-def _stage_from_start(result: RunResult, index: int) -> np.ndarray | None:
-    """(times,) mean place of the springs' ends on the stage; None where it is not known.
-
-    A run that began at a state may have a stage that an earlier run moved.
-    """
+def _place_of_stage(result: RunResult, index: int) -> np.ndarray | None:
+    """(times,) mean place of the springs' ends on the stage; None without a stage."""
     surface = result.scene.surfaces[index]
     stage = surface.drive.stage
-    if stage is None or result.settings.get("start") is not None:
+    if stage is None:
         return None
-    rest = np.mean(_resting_bobs(result, index)[:, 0])
-    return np.asarray(rest + stage.displacement(result.t))
+    rest = float(np.mean(_resting_bobs(result, index)[:, 0]))
+    if result.settings.get("start") is None:
+        return np.asarray(rest + stage.displacement(result.t))
+    # Where an earlier run has brought it, perhaps by another schedule.
+    state = result.state()
+    at_end = surface.velocity[0] * state.t + state.phases[index, 0]
+    return rest + at_end + moved_by_stage(result, index, result.t)
+
+
+def moved_by_stage(result: RunResult, index: int, t: np.ndarray) -> np.ndarray:
+    """How far the stage of a surface is at times t from its place at the end of the run."""
+    state = result.state()
+    stage = result.scene.surfaces[index].drive.stage
+    assert stage is not None
+    begun = state.begun[index, BEGUN.index("stage")]
+    return np.asarray(stage.displacement(t - begun) - stage.displacement(state.t - begun))
 
 
 def _resting_bobs(result: RunResult, index: int) -> np.ndarray:
