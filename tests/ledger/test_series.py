@@ -136,6 +136,7 @@ def test_noise_has_means():
     rest = tribo.simulate(scene, **how, start=half.state())
     for key in ("f_T_x", "f_bath_x", "f1_x", "k_bath", "heat_bath"):
         assert np.array_equal(rest["upper"][key][1:], upper[key][3:]), key
+    assert np.all(np.isnan(rest["upper"].f_T_x[0]))  # not the mean since t = 0
 
 
 @pytest.mark.parametrize("ledger", ["surfaces", "none"])

@@ -51,11 +51,12 @@ def test_each_point_draws_with_its_own_numbers(number, only_batches):
     ((key, numbers),) = values.items()
     # A start that follows the number has a value at each point.
     follows = "upper.swing" if number == "kappa" else "upper.omega"
-    assert data[follows].dims == (key, "member", "upper_asperite")
+    along = f"{'+'.join(surface.name for surface in PAIR.surfaces)}.asperite.{number}"
+    assert data[follows].dims == (along, "member", "upper_asperite")
     energies = []
     for k, value in enumerate(numbers):
         asperite = replace(PAIR.surfaces[0].asperite, **{number: value})
-        own, at = asperite.for_each(1), data.isel({key: k})
+        own, at = asperite.for_each(1), data.isel({along: k})
         kinetic = own["inertia"] * at["upper.omega"].values ** 2
         energies.append(0.5 * (kinetic + own["kappa"] * at["upper.swing"].values ** 2))
         scene = with_values(PAIR, {key: value})

@@ -244,10 +244,17 @@ def test_a_half_width_at_each_point():
 
 
 @pytest.mark.parametrize("members", [None, 3])
-def test_keys_of_all_surfaces(members):
-    """One value for every surface, in lanes as in a scene of its own."""
+def test_keys_of_all_surfaces(members, tmp_path):
+    """One value for every surface, in lanes as in a scene of its own; no name in a file has "*"."""
     key, vary = "*.asperite.kappa", None if members is None else THETA
-    data = sweep(SCENE, {key: [0.8, 1.3]}, members, vary, keep=["upper.W"])
+    out = tmp_path / "all.nc"
+    data = sweep(SCENE, {key: [0.8, 1.3]}, members, vary, keep=["upper.W"], out=out)
+    assert data["upper+lower.asperite.kappa"].values.tolist() == [0.8, 1.3]
+    with xarray.open_dataset(out) as file:
+        xarray.testing.assert_equal(numbers(file), numbers(data))
+    pairs = {(key, "duration"): [(0.8, 10.0), (1.3, 20.0)]}
+    joined = sweep(SCENE, pairs, members, vary, keep=["upper.W"], out=tmp_path / "pairs.nc")
+    assert joined["upper+lower.asperite.kappa"].dims == ("point",)
     both = {f"{name}.asperite.kappa": 1.3 for name in ("upper", "lower")}
     one = sweep(with_values(SCENE, both), {"duration": [40.0]}, members, vary, keep=["upper.W"])
     np.testing.assert_allclose(data["upper.W"][1], one["upper.W"][0], atol=1e-8)

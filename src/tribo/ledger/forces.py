@@ -109,11 +109,16 @@ class Forces:
         return self._every[:, table, axis, self.layout.places.columns[span.place]]
 
     def _mean(self, span: Span, work: str, axis: int) -> np.ndarray:
-        """The mean of a force over the interval that ends at each sample; NaN at the first."""
-        accounts = Accounts(span, self._samples.s)
+        """The mean of a force over the interval that ends at each sample.
+
+        It is NaN at the first sample of this run, before which there may be that of an earlier one.
+        """
+        samples = self._samples
+        accounts = Accounts(span, samples.s)
         impulse = accounts.whole((accounts[work].jx, accounts[work].jy)[axis])
         mean = np.full(impulse.shape, np.nan)
-        mean[1:] = np.diff(impulse, axis=0) / np.diff(self._samples.t)[:, None]
+        mean[1:] = np.diff(impulse, axis=0) / np.diff(samples.t)[:, None]
+        mean[: samples.index_from(self.layout.beginning) + 1] = np.nan
         return mean
 
     def _reaction(self, motion: Motion, axis: int) -> np.ndarray:

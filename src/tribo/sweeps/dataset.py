@@ -140,6 +140,7 @@ class Table:
             own_notes = []
             if without[index]:
                 own_notes = [f"{without[index]} of {status.shape[1]} members have no values"]
+                own_notes += _most_frequent(note[index][stopped[index]])
             known = excesses[index][~np.isnan(excesses[index])]
             excess = float(np.mean(known)) if known.size else 0.0
             own_notes += step_notes(Counter(status[index].tolist()), excess, step)
@@ -148,13 +149,19 @@ class Table:
                 yield f"{self._grid.label(index)}: {'; '.join(own_notes)}"
 
 
+def _most_frequent(notes: np.ndarray) -> list[str]:
+    """The first line of the most frequent of some notes, if any is not empty."""
+    found = Counter(note.splitlines()[0] for note in notes.tolist() if note)
+    return [note for note, _ in found.most_common(1)]
+
+
 def key_coordinates(grid: Grid) -> dict[str, Variable]:
     """The values of the keys."""
     found: dict[str, Variable] = {}
-    for axis in grid.axes:
+    for axis, name in zip(grid.axes, grid.names, strict=True):
         for k, key in enumerate(axis.keys):
             values = np.array([row[k] for row in axis.rows])
-            found[key] = (axis.name,), values, {"long_name": key}
+            found[grid.name_in_file(key)] = (name,), values, {"long_name": key}
     return found
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, SupportsIndex
 import numpy as np
 
 from tribo.ensembles.members import size_of
-from tribo.model.binding import bound, check_together
+from tribo.model.binding import EVERY, bound, check_together
 from tribo.model.parameters import with_values
 from tribo.model.scene import Scene
 from tribo.validation import LARGEST_COUNT, InputError, inside, is_list, must_be, scalar, short_repr
@@ -55,7 +55,7 @@ class Grid:
         self.scene = scene
         with inside("values"):
             self.axes = _named([_axis(key, items) for key, items in values.items()], point)
-            self.names = [axis.name for axis in self.axes]
+            self.names = [self.name_in_file(axis.name) for axis in self.axes]
             self.keys = [key for axis in self.axes for key in axis.keys]
             self.shape = tuple(len(axis.rows) for axis in self.axes)
             self.size = math.prod(self.shape)
@@ -88,6 +88,13 @@ class Grid:
             own = axis.at(place)
             if place:
                 with_values(self.first, {key: own[self.bound[key]] for key in self.bound_to(own)})
+
+    def name_in_file(self, key: str) -> str:
+        """The name of a key among dimensions and coordinates: no name in a file begins with "*"."""
+        if not key.startswith(f"{EVERY}."):
+            return key
+        names = "+".join(surface.name for surface in self.scene.surfaces)
+        return names + key.removeprefix(EVERY)
 
     def _has_numbers(self, axis: Axis) -> bool:
         """Whether all values are numbers in which members may differ."""
