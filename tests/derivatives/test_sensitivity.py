@@ -116,6 +116,12 @@ def test_members_differ_in_pairs():
         ((["upper.w1"], ["upper.drive"]), r"keys.upper\.drive: must be a number"),
         ((["upper.w1"], ["upper.asperite.kappa"]), "must be finite"),
         ((["upper.w9"], ["upper.velocity"]), "w9"),
+        ((["upper.w1"], ["uper.theta"]), r'uper\.theta: is not a known key; did you mean "upper'),
+        ((["upper.w1"], ["third.theta"]), r"third\.theta: is not a known key; the surfaces are"),
+        ((["upper.w1"], ["*.theta"]), "must be a number of the scene"),
+        ((["upper.w1"], ["upper.langevin.bar.gamma"]), "is not a known key"),
+        ((["upper.w1"], ["upper.asperite.kappa.1"]), "is not a known key"),
+        ((["upper.w1"], ["upper.heights.rms"]), "is not a known key"),
     ],
 )
 def test_refusals(arguments, message):

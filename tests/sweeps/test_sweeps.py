@@ -263,6 +263,15 @@ def test_keys_of_all_surfaces(members, tmp_path):
         sweep(SCENE, {key: [1.0]}, 3, {"upper.asperite.kappa": [1.0, 1.1, 1.2]})
 
 
+def test_means_to_a_half_width_keep_their_own_quantities():
+    """A sweep once took `keep`, and kept all."""
+    given = {"vary": THETA, "half_width": {"upper.W": 0.1}}
+    with pytest.raises(InputError, match="half_width: cannot go with keep"):
+        sweep(SCENE, {"upper.velocity": [0.4]}, keep=["upper.W"], **given)
+    with pytest.raises(InputError, match="statistics: cannot go with half_width"):
+        sweep(SCENE, {"upper.velocity": [0.4]}, statistics=True, **given)
+
+
 def test_members(tmp_path):
     """Each point is an ensemble; its mean has the interval of its members."""
     values, keep = {"upper.velocity": [0.4, 0.5]}, ["upper.w1", "upper.W", "upper.theta"]

@@ -13,7 +13,7 @@ from tribo.derivatives.differences import Derivative, Differences, best_of_ladde
 from tribo.ensembles.engines import Engine
 from tribo.ensembles.members import Sampler, Source
 from tribo.kernels.status import Status
-from tribo.model.parameters import value_of
+from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
 from tribo.sweeps import sweep
@@ -214,6 +214,8 @@ def _value_of(scene: Scene, key: str) -> float:
     """The number at a key.  Raises InputError if there is none."""
     try:
         value = value_of(scene, key)
+        if value is None:
+            with_values(scene, {key: 1.0})  # which says why, if it is no key
     except InputError as error:
         raise error.under("keys") from None
     if key.endswith(f".{VELOCITY}") and is_list(value):

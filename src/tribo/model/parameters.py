@@ -246,19 +246,26 @@ def value_of(scene: Scene, key: str) -> object:
     part, _, name = key.rpartition(".")
     table = scene.to_table()
     if part in (INTERACTION, FIELD):
-        return table[part][0].get(name) if len(table[part]) == 1 else None
+        items = table.get(part, [])
+        return items[0].get(name) if len(items) == 1 else None
     if part in ("", *PARTS_OF_SCENE):
-        return (table[part] if part else table).get(name)
-    surface, _, inner = part.partition(".")
-    own: dict[str, Any] = next(
-        (each for each in table["surface"] if each["name"] == (surface or part)), {}
-    )
-    inner, _, on = inner.partition(".")
-    values = own.get(inner, {}) if inner else own["initial"] | own
-    value = (values[list(PLACES).index(on)] if on else values).get(name)
+        return (table.get(part, {}) if part else table).get(name)
+    value = _value_in(table, part, name)
     if name == "velocity" and isinstance(value, list):
         return value[0]
     return value.get("kind") if name == "drive" and isinstance(value, dict) else value
+
+
+def _value_in(table: Mapping[str, Any], part: str, name: str) -> Any:
+    """The value of a surface, or of a part of it as "upper.langevin.bar", in a table; or None."""
+    surface, _, inner = part.partition(".")
+    own = next((each for each in table["surface"] if each["name"] == surface), {})
+    inner, _, on = inner.partition(".")
+    values = own.get(inner) if inner else own.get("initial", {}) | own
+    if on:
+        both = isinstance(values, list) and on in PLACES
+        values = values[list(PLACES).index(on)] if both else None
+    return values.get(name) if isinstance(values, dict) else None
 
 
 def _changed_settings(
@@ -294,15 +301,16 @@ def _unknown(scene: Scene, key: str) -> InputError:
     for kind, items in ((INTERACTION, scene.interactions), (FIELD, scene.fields)):
         if outer == kind and part:
             return InputError(key, f"needs one {kind}, and the scene has {len(items)}")
-    near = difflib.get_close_matches(part, _parts_of(scene), n=1) if part else []
-    if near and near[0]:
-        inner = [each for each in _keys_of(scene) if each.startswith(f"{near[0]}.")]
-        hint = _meant(name, inner) or f'did you mean "{near[0]}.{name}"?'
-    elif part:
+    keys = _keys_of(scene)
+    if part:
+        near = [outer]
+        if not any(each.startswith(f"{outer}.") for each in keys):
+            near = difflib.get_close_matches(part, _parts_of(scene), n=1)
         names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
-        hint = f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
+        hint = _meant(name, [each for each in keys if near and each.startswith(f"{near[0]}.")])
+        hint = hint or f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
     else:
-        hint = _meant(name, _keys_of(scene)) or f"known here: {', '.join(WITHOUT_POINT)}"
+        hint = _meant(name, keys) or f"known here: {', '.join(WITHOUT_POINT)}"
     return InputError(key, f"is not a known key; {hint}")
 
 

@@ -112,6 +112,8 @@ def sweep(
     variation = Variation(grid.first, sources, integer("seed", seed, 0))
     if number is not None:
         variation.check(number)
+    if half_width is not None and keep is not None:
+        raise InputError("half_width", "cannot go with keep; give one or the other")
     keep = scene.output.keep if keep is None else keep
     names = tuple(total_names(scene)) if keep is None else names_of_quantities("keep", keep)
     request = Request(names, with_errors=number is None, **settings)
