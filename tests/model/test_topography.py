@@ -210,9 +210,36 @@ def test_points_that_are_no_grid_are_no_matrix(tmp_path):
     np.savetxt(tmp_path / "holes.xyz", np.delete(rows, [8, 20], axis=0))
     with pytest.raises(InputError, match="33 of 7 x 5 points; give those that are missing"):
         heights(tmp_path / "holes.xyz", size=(7.0, 5.0))
+    scattered = np.random.default_rng(0).uniform(0.0, 6.0, (200, 3))
+    np.savetxt(tmp_path / "twice.xyz", np.append(rows, rows[:5], axis=0))
+    np.savetxt(tmp_path / "scattered.xyz", scattered)
+    for name in ("twice.xyz", "scattered.xyz", "holes.xyz"):
+        for size in (None, (7.0, 5.0)):  # that a size is missing would be misleading
+            with pytest.raises(InputError, match="has three columns"):
+                heights(tmp_path / name, size=size)
     rows[[8, 20], 2] = np.nan
     np.savetxt(tmp_path / "whole.xyz", rows)
     np.testing.assert_allclose(heights(tmp_path / "whole.xyz").T, X**2, atol=1.0)
+
+
+def test_heights_far_from_all_others_are_noted(tmp_path):
+    """Instruments write -9999 where they measure nothing."""
+    pytest.importorskip("SurfaceTopography")
+    values = np.random.default_rng(1).normal(size=X.shape)
+    notes = []
+    for name, lost in (("scan.npy", []), ("marked.npy", [3, 8])):
+        values.flat[lost] = -9999.0
+        np.save(tmp_path / name, values)
+        scan = Topography(tmp_path / name, size=(7.0, 5.0), detrend="none")
+        grid = {"shape": (7, 5), "spacing": (1.0, 1.0)}
+        scene = Scene([Surface("upper", **grid, heights=scan)], (), 0.1)
+        found = tribo.simulate(scene, method="verlet", step=0.05).notes
+        notes.append([note for note in found if "far from all others" in note])
+    assert notes[0] == []
+    assert notes[1] == [
+        '2 of 35 points of the scan of "upper" have heights far from all others; give nan where '
+        "there is none"
+    ]
 
 
 def test_a_matrix_as_text_is_turned(tmp_path):
@@ -230,7 +257,7 @@ def test_a_matrix_as_text_is_turned(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("nothing", r"scan\.txt cannot be read: it has no format that SurfaceTopography knows$"),
+        ("nothing", r"scan\.txt cannot be read: it has no format that SurfaceTopography knows; "),
         ("1 2 3 4\n" * 4, r"scan\.txt cannot be read \(.*sizes.*\); in Python, give the object"),
     ],
 )

@@ -25,7 +25,7 @@ from tribo.model.langevin import Langevin, as_langevin
 from tribo.model.roughness import Roughness, draw
 from tribo.model.springs import Springs, as_springs
 from tribo.model.tables import ComparedByValue, from_table, part
-from tribo.model.topography import Grid, Topography, as_topography, is_topography
+from tribo.model.topography import Grid, Sampled, Topography, as_topography, is_topography
 from tribo.validation import InputError, inside, is_list, must_be
 
 if TYPE_CHECKING:
@@ -276,10 +276,9 @@ class Surface(ComparedByValue):
         return isinstance(self.heights, (np.ndarray, Topography))
 
     @property
-    def points_without_height(self) -> tuple[int, int]:
-        """How many points of its scan have no height, and how many there are; 0 without a scan."""
-        sampled = self.heights.sampled if isinstance(self.heights, Topography) else None
-        return (0, 0) if sampled is None else (sampled.undefined, sampled.points)
+    def scan(self) -> Sampled | None:
+        """What its scan has at its asperites, and lacks; None without one."""
+        return self.heights.sampled if isinstance(self.heights, Topography) else None
 
     @property
     def noisy_forces(self) -> tuple[str, ...]:

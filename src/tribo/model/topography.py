@@ -25,6 +25,8 @@ METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 METRES |= {"A": 1e-10, "Å": 1e-10, "pm": 1e-12}
 # SurfaceTopography's name of each trend that is subtracted; None leaves the heights unchanged.
 TRENDS = {"plane": "height", "mean": "center", "curvature": "curvature", "none": None}
+# Median deviations beyond which a height is noted: of -9999, say, where there is none.
+OUTLYING = 300.0
 # Ratio up to which two lengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
 
@@ -42,6 +44,7 @@ class Sampled(NamedTuple):
     heights: np.ndarray  # (n,) shifts in y, x running fastest [length]
     undefined: int  # points of the scan that have no height, or one that is not finite
     points: int  # all of them
+    outliers: int  # points so far from the others that their heights may stand for none
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +136,8 @@ class Topography(ComparedByValue):
         heights = -grid.facing_sign * self._heights(scan, grid.shape, grid.spacing)
         heights.flags.writeable = False
         number = int(np.count_nonzero(undefined))
-        return replace(self, sampled=Sampled(grid, heights, number, undefined.size))
+        sampled = Sampled(grid, heights, number, undefined.size, _outliers(scan))
+        return replace(self, sampled=sampled)
 
     def _scan(self) -> Any:
         """The scan, read from its file if it is in one."""
@@ -167,7 +171,9 @@ class Topography(ComparedByValue):
         if unit is None:
             if self.unit is not None:
                 raise InputError(
-                    "unit", "has no meaning for a scan without a unit; leave it out [length]"
+                    "unit",
+                    "has no meaning for a scan without a unit; leave it out [length], and write "
+                    "its numbers in the scene's unit",
                 )
             return 1.0
         if unit not in METRES:
@@ -238,6 +244,13 @@ def _undefined(scan: Any) -> np.ndarray:
     return np.ma.getmaskarray(heights)
 
 
+def _outliers(scan: Any) -> int:
+    """How many points are OUTLYING median deviations from the median height."""
+    heights = np.ma.masked_invalid(scan.positions_and_heights()[-1]).compressed()
+    apart = np.abs(heights - np.median(heights))
+    return int(np.count_nonzero(apart > OUTLYING * np.median(apart))) if np.median(apart) else 0
+
+
 def _defined(scan: Any) -> Any:
     """The scan with values that are interpolated where it has none."""
     if scan.has_undefined_data:
@@ -272,23 +285,26 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
     if size is not None:
         settings["physical_sizes"] = tuple(np.atleast_1d(size).tolist())
     try:
-        with open_topography(_without_mark(path)) as reader:
+        with np.errstate(all="ignore"), open_topography(_without_mark(path)) as reader:
             if channel is not None:
                 settings["channel_index"] = _index_of(channel, [c.name for c in reader.channels])
+            number = settings.get("channel_index", reader.default_channel.index)
+            chosen = reader.channels[number]
             if size is not None:
-                number = settings.get("channel_index", reader.default_channel.index)
-                _check_sizes(size, reader.channels[number].dim)
-            scan = reader.topography(**settings)
-            if size is not None:
-                _check_no_points(scan)
-            return scan
+                _check_sizes(size, chosen.dim)
+            if chosen.physical_sizes is None:
+                sizes = settings.get("physical_sizes", (1.0,) * chosen.dim)
+                _check_no_points(reader.topography(**settings | {"physical_sizes": sizes}))
+            return reader.topography(**settings)
     except InputError:
         raise
     except MetadataAlreadyFixedByFile:
         raise InputError("size", "must be left out: the file states the size of the scan") from None
     except CannotDetectFileFormat:
         raise InputError(
-            "topography", f"{path} cannot be read: it has no format that SurfaceTopography knows"
+            "topography",
+            f"{path} cannot be read: it has no format that SurfaceTopography knows; a matrix of "
+            "heights may be text with blanks between numbers and points in them, or a .npy file",
         ) from None
     # Each of its readers of some forty formats raises errors of its own.
     except Exception as error:
@@ -301,7 +317,7 @@ def _read(path: str, channel: str | int | None = None, size: Any = None) -> Any:
 
 
 def _check_no_points(scan: Any) -> None:
-    """Refuse a matrix of three columns whose first two are places.  Raises InputError.
+    """Refuse a matrix of three columns, which may be places and heights.  Raises InputError.
 
     Readers take points that are no whole grid for a matrix of heights.
     """
@@ -316,6 +332,12 @@ def _check_no_points(scan: Any) -> None:
             f"has three columns, of which the first two are places: {rows} of {x} x {y} points; "
             "give those that are missing too, with the height nan",
         )
+    raise InputError(
+        "topography",
+        f"has three columns of {rows} numbers, which may be places and heights: points must be a "
+        "whole grid, each of them once, with the height nan where there is none; heights of three "
+        "lines go in as an object of SurfaceTopography",
+    )
 
 
 def _check_sizes(size: Any, axes: int) -> None:

@@ -80,14 +80,16 @@ def _on_interactions(scene: Scene) -> Iterator[str]:
 
 
 def _on_scans(scene: Scene) -> Iterator[str]:
-    """Scans some of whose points have no height."""
+    """Scans some of whose points have no height, or one that may stand for none."""
     for surface in scene.surfaces:
-        undefined, points = surface.points_without_height
-        if undefined:
-            yield (
-                f'{undefined} of {points} points of the scan of "{surface.name}" have no height, '
-                "and are interpolated from those around"
-            )
+        scan = surface.scan
+        if scan is None:
+            continue
+        of = f'of {scan.points} points of the scan of "{surface.name}" have'
+        if scan.undefined:
+            yield f"{scan.undefined} {of} no height, and are interpolated from those around"
+        if scan.outliers:
+            yield f"{scan.outliers} {of} heights far from all others; give nan where there is none"
 
 
 def _on_seams(scene: Scene) -> Iterator[str]:
