@@ -8,7 +8,8 @@ import pytest
 import tribo
 from support.command import main
 from tribo import InputError, paper, plotting
-from tribo.plotting import animation
+from tribo.plotting import animation, curves
+from tribo.plotting.marks import time_labels
 from tribo.plotting.pose import pose
 
 KINDS = ("angles", "work", "energy_budget", "phase", "snapshots")
@@ -139,6 +140,32 @@ def test_a_rigid_surface_shows_its_velocity():
     assert line.get_ydata() == pytest.approx(np.full(result.t.size, 0.5))
     labels = [ax.get_ylabel() for ax in result.plot.overview().axes]
     assert "velocity (length / time)" in labels and "swing (rad)" not in labels
+
+
+def test_numbers_in_si_units_are_told_apart():
+    """All times of snapshots were 0.000000, and powers of ten lay over notes."""
+    assert time_labels([0.0, 5.05e-9, 1e-8]) == [
+        "$t = 0$",
+        r"$t = 5.05 \times 10^{-9}$",
+        r"$t = 1 \times 10^{-8}$",
+    ]
+    assert time_labels([17.4, 22.15]) == ["$t = 17.40$", "$t = 22.15$"]
+    alone = tribo.Surface("upper", velocity=(5e-9, 0.0), drive="free")
+    scene = tribo.Scene((alone,), (), 1e-8, output=tribo.Output(samples=5))
+    ax = tribo.simulate(scene, method="verlet", step=1e-9).plot.velocities()
+    ax.figure.draw_without_rendering()
+    for axis in (ax.xaxis, ax.yaxis):
+        assert axis.get_offset_text().get_text() == ""
+        texts = {label.get_text() for label in axis.get_ticklabels()}
+        assert any("e\N{MINUS SIGN}9" in text for text in texts)
+
+
+def test_a_legend_is_no_wider_than_its_graph(result):
+    """Long names have fewer columns."""
+    ax = result.plot.angles()
+    for name, columns in (("a", 3), ("upper.velocity = 0.25, duration = 80", 1)):
+        found = curves.legend(ax, ax.get_lines()[:1] * 6, [name] * 6)
+        assert found._ncols == columns
 
 
 def test_film_that_cannot_be_written(result, tmp_path, monkeypatch):

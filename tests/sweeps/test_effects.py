@@ -129,7 +129,11 @@ STATES = {"upper.swing_state": tribo.Canonical(0.1)}
         ({"upper.theta": [0.1], "upper.swing": [0.1]}, {}, "cannot go with upper.theta"),
         ({"output.samples": [3, 30]}, {"at": "samples"}, "output.samples: cannot be swept where"),
         ({"duration": [3.0, 4.0]}, {"at": "samples"}, "duration: cannot be swept where"),
-        ({"duration": [3.0, 4.0]}, {"half_width": {"upper.W": 0.1}}, "duration: cannot be swept"),
+        (
+            {"duration": [3.0, 4.0]},
+            {"half_width": {"upper.W": 0.1}, "keep": None},
+            "duration: cannot be swept",
+        ),
         ({"output.samples": [3, 30]}, {}, "output.samples: changes averages over time alone"),
         ({"output.run_in": [0.0, 1.0]}, {}, "output.run_in: changes averages over time alone"),
         ({"output.ledger": ["asperites", "none"]}, {}, "output.ledger: changes no kept"),

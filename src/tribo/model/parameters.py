@@ -306,9 +306,10 @@ def _unknown(scene: Scene, key: str) -> InputError:
         near = [outer]
         if not any(each.startswith(f"{outer}.") for each in keys):
             near = difflib.get_close_matches(part, _parts_of(scene), n=1)
-        names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
         hint = _meant(name, [each for each in keys if near and each.startswith(f"{near[0]}.")])
-        hint = hint or f'the surfaces are {names}; keys are as "{scene.surfaces[0].name}.drive.load"'
+        names = ", ".join(f'"{s.name}"' for s in scene.surfaces)
+        example = f'"{scene.surfaces[0].name}.drive.load"'
+        hint = hint or f"the surfaces are {names}; keys are as {example}"
     else:
         hint = _meant(name, keys) or f"known here: {', '.join(WITHOUT_POINT)}"
     return InputError(key, f"is not a known key; {hint}")

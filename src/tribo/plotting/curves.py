@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.model.surface import Surface
-from tribo.plotting.style import CYCLE, NOTE_SIZE
+from tribo.plotting.marks import with_minus
+from tribo.plotting.style import CYCLE, NOTE_SIZE, figure_of
 from tribo.results.run_result import RunResult
 
 if TYPE_CHECKING:
@@ -18,6 +19,12 @@ if TYPE_CHECKING:
 
 # Colours of surfaces, and of the parts of an energy budget, one after the other.
 COLOURS = CYCLE * 8
+# Largest number of an axis whose ticks have no power of ten.
+LEAST_PLAIN = 1e-3
+MOST_PLAIN = 1e5
+# Letters of a legend in an inch, and those that a sample of a line takes.
+LETTERS = 28.5
+OF_LINE = 8
 # Height of a graph over its width.
 ASPECT = 0.66
 # Line styles of the results of a comparison, one after the other.
@@ -35,8 +42,29 @@ def swing_of(result: RunResult, surface: Surface) -> np.ndarray:
     return np.asarray(series.theta - surface.rest - series.phi)
 
 
+def with_powers_at_ticks(ax: Axes) -> None:
+    """Let each tick have its power of ten, as in SI units.
+
+    matplotlib writes one power at the end of an axis, over legends and notes.
+    """
+    from matplotlib.ticker import FuncFormatter, ScalarFormatter
+
+    for axis in (ax.xaxis, ax.yaxis):
+        largest = max(abs(each) for each in axis.get_view_interval())
+        is_scalar = type(axis.get_major_formatter()) is ScalarFormatter
+        if is_scalar and not LEAST_PLAIN <= largest < MOST_PLAIN:
+            axis.set_major_formatter(FuncFormatter(_with_power))
+
+
+def _with_power(value: float, place: int) -> str:
+    """A number with few digits, as 2e-9."""
+    mantissa, _, exponent = f"{value:.4g}".partition("e")
+    return with_minus(f"{mantissa}e{int(exponent)}" if exponent else mantissa)
+
+
 def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
     """Add the line of zero, the labels and the legend of a graph over time."""
+    with_powers_at_ticks(ax)
     ax.axhline(0.0, color="0.6", linewidth=0.5, linestyle="-", zorder=0)
     ax.set(xlabel="$t$", ylabel=ylabel, xlim=(result.t[0], result.t[-1]))
     legend(ax)
@@ -45,19 +73,23 @@ def finish(ax: Axes, result: RunResult, ylabel: str) -> None:
 def legend(
     ax: Axes, lines: Sequence[Any] = (), names: Sequence[str] = (), title: str | None = None
 ) -> Legend:
-    """Names of lines, or of all, above the graph, clear of the curves, at most three in a row.
+    """Names of lines, or of all, above the graph, clear of the curves.
 
-    The size is that of tribo's style also on Axes of another style.
+    There are at most three in a row, and no more than fit above the graph.  The size is that of
+    tribo's style also on Axes of another style.
     """
     handles, labels = (lines, names) if lines else ax.get_legend_handles_labels()
     number = max(1, len(labels))
+    longest = OF_LINE + max(map(len, labels), default=0)
+    width = ax.get_position().width * figure_of(ax).get_figwidth()
+    most = min(3, max(1, int(LETTERS * width / longest)))
     return ax.legend(
         handles,
         labels,
         title=title,
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
-        ncols=math.ceil(number / math.ceil(number / 3)),
+        ncols=math.ceil(number / math.ceil(number / most)),
         frameon=False,
         fontsize=NOTE_SIZE,
         title_fontsize=NOTE_SIZE,

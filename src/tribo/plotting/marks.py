@@ -60,8 +60,16 @@ def _pair(position: ArrayLike) -> tuple[float, float]:
 
 def time_labels(times: Sequence[float]) -> list[str]:
     """Times as text, all with as many decimals as the longest of them needs."""
+    if any("e" in f"{t:.6g}" for t in times):
+        return [f"$t = {with_power(t)}$" for t in times]
     decimals = max(len(f"{t:.6g}".partition(".")[2]) for t in times)
     return [f"$t = {t:.{decimals}f}$" for t in times]
+
+
+def with_power(value: float) -> str:
+    """A number as a mantissa times a power of ten, in mathematical text."""
+    mantissa, _, exponent = f"{value:.3e}".partition("e")
+    return rf"{float(mantissa):g} \times 10^{{{int(exponent)}}}" if value else "0"
 
 
 def point_length(ax: Axes, low: float, high: float, **margins: float) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tribo.ledger.quantities import AVERAGED
-from tribo.plotting.curves import COLOURS, DASHES, legend
+from tribo.plotting.curves import COLOURS, DASHES, legend, with_powers_at_ticks
 from tribo.plotting.style import COLUMN, NOTE_SIZE, WIDE, drawing_on
 from tribo.results.averages import interval
 from tribo.validation import InputError, one_of
@@ -48,6 +48,8 @@ def sweep_lines(
     ax : matplotlib.axes.Axes, optional
         The axes to draw on; by default a new figure.
     """
+    from matplotlib.ticker import NullLocator
+
     data = with_single_asperites_as_numbers(data)
     dimensions = keys_of(data)
     one_of("name", name, quantities(data))
@@ -65,8 +67,9 @@ def sweep_lines(
         numbers = values.dtype.kind in "fiu"
         places = values if numbers else values.astype(str)  # or categories
         order = np.argsort(values, kind="stable") if numbers else np.arange(values.size)
-        # Points of one value differ in keys that are swept together with this one.
-        joined = len({*values.tolist()}) == values.size
+        # Points of one value differ in keys that are swept together with this one; words have no
+        # values between them.
+        joined = numbers and len({*values.tolist()}) == values.size
         for number, indices in enumerate(lines):
             at = dict(zip(others, indices, strict=True))
             half = None if bars is None else bars.isel(at).values[order]
@@ -77,6 +80,9 @@ def sweep_lines(
             ax.errorbar(places[order], drawn.isel(at).values[order], half, label=label, **how)
         at_end = "" if name.rpartition(".")[2] in AVERAGED else " at the end"
         ax.set(xlabel=key, ylabel=f"{name}{at_end}")
+        with_powers_at_ticks(ax)
+        if not numbers:
+            ax.xaxis.set_minor_locator(NullLocator())
         title = f"bars: {meaning}" if meaning else None
         if others:
             legend(ax, title=title)
