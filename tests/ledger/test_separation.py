@@ -145,9 +145,7 @@ def test_bobs_of_one_surface_that_act_on_one_another_are_no_contact(inner):
     row = {"shape": (2, 1), "spacing": (6.0, 0.0)}
     upper = tribo.Surface("upper", bob=(0.0, 1.0), velocity=(1.0, 0.0), drive="bars", **row)
     lower = tribo.Surface("lower", facing="up", drive="bars")
-    between = tribo.Interaction(
-        tribo.WeeksChandlerAndersen(0.1, 1.0), between=("upper", "lower")
-    )
+    between = tribo.Interaction(tribo.WeeksChandlerAndersen(0.1, 1.0), between=("upper", "lower"))
     within = tribo.Interaction(inner, between=("upper", "upper"))
     output = tribo.Output(samples=10, series=("forces", "contacts"))
 
