@@ -16,6 +16,7 @@ from tribo.kernels.status import Status
 from tribo.model.parameters import value_of, with_values
 from tribo.model.scene import Scene
 from tribo.model.settings import names_of_quantities
+from tribo.progress import Shown
 from tribo.sweeps import sweep
 from tribo.sweeps.figure import with_single_asperites_as_numbers
 from tribo.validation import POSITIVE, InputError, instance, is_list, must_be, number
@@ -46,6 +47,7 @@ def sensitivity(
     vary: Mapping[str, Source] | None = None,
     sampler: Sampler | None = None,
     seed: int = 0,
+    progress: Shown = None,
     accuracy: Accuracy | None = None,
     method: str | None = None,
     step: float | None = None,
@@ -75,8 +77,8 @@ def sensitivity(
     members : int, optional
         Number of runs at each point, for means over noise or `vary`.  All points have the same
         seeds, so that derivatives are means of differences of single members.
-    vary, sampler, seed
-        As for :func:`tribo.sweep`.
+    vary, sampler, seed, progress
+        As for :func:`tribo.sweep`; progress is in runs of its points.
     accuracy, method, step, threads, engine, allow_unresolved
         As for :func:`tribo.sweep`; by default the scene's, or an accuracy of 1e-9 without noise.
 
@@ -118,7 +120,7 @@ def sensitivity(
         keep=names,
         sampler=sampler,
         seed=seed,
-        progress=False,
+        progress=progress,
         accuracy=accuracy,
         method=method,
         step=step,

@@ -153,9 +153,8 @@ def ensemble(
     statistics = boolean("statistics", statistics)
     for name, given in (("at", at_samples), ("statistics", statistics)):
         if given and keep is None:
-            other = half_width is not None
-            why = "cannot go with half_width" if other else 'needs keep, as keep=["upper.w1"]'
-            raise InputError(name, why)
+            needs = 'needs keep, as keep=["upper.w1"]'
+            raise InputError(name, needs if half_width is None else "cannot go with half_width")
     vary = sources_of(scene, vary, sampler, members)
     names = None if keep is None else names_of_quantities("keep", keep)
     request = Request(names, at, False, accuracy, method, step, allow_unresolved)

@@ -259,9 +259,9 @@ def value_of(scene: Scene, key: str) -> object:
 def _value_in(table: Mapping[str, Any], part: str, name: str) -> Any:
     """The value of a surface, or of a part of it as "upper.langevin.bar", in a table; or None."""
     surface, _, inner = part.partition(".")
-    own = next((each for each in table["surface"] if each["name"] == surface), {})
+    own: dict[str, Any] = next((s for s in table["surface"] if s["name"] == surface), {})
     inner, _, on = inner.partition(".")
-    values = own.get(inner) if inner else own.get("initial", {}) | own
+    values: Any = own.get(inner) if inner else own.get("initial", {}) | own
     if on:
         both = isinstance(values, list) and on in PLACES
         values = values[list(PLACES).index(on)] if both else None
