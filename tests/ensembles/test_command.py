@@ -100,6 +100,7 @@ def test_statistics_of_a_grid(tmp_path, capsys):
     assert main(command) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[:2] == ["completed: 15 of 15 members", "15 completed"]
+    assert any("members on a grid are no random sample" in line for line in lines)
     plane = {
         "upper.theta": np.repeat(np.linspace(0.0, 0.2, 5), 3),
         "upper.omega": np.tile([-1.0, 0.0, 1.0], 5),

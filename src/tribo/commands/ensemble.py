@@ -137,10 +137,16 @@ def run_ensemble(options: argparse.Namespace) -> int:
     with workers(options) as engine:
         data = also_in_part(ensemble, scene, engine=engine, **settings)
     found = _summary(data, options.out)
+    if any(isinstance(source, np.ndarray) for source in settings["vary"].values()):
+        found["notes"].append(ON_A_GRID)
     averaged = _averaged(data, found["quantities"])
     print(strict_json(found) if options.json else _in_words(found, averaged))
     shared.draw_to(options.figure, partial(_draw, data, settings["keep"]))
     return COMPLETED if data.attrs["status"] == "completed" else STOPPED
+
+
+# A note on the half-widths of members that were not drawn.
+ON_A_GRID = "members on a grid are no random sample: half-widths are those of as many drawn ones"
 
 
 def _draw(data: xarray.Dataset, keep: Sequence[str] | None, path: Path) -> None:
