@@ -482,7 +482,8 @@ def test_table_of_means(tmp_path, capsys):
     command = ["sweep", str(path), "--set", "upper.velocity=0.4,0.5", "--members", "3"]
     command += ["--vary", "upper.theta=normal(0,0.1)", "--keep", "upper.friction_force"]
     assert main([*command, "--out", str(out)]) == 0
-    _, head, first, _, meaning, _ = capsys.readouterr().out.splitlines()
+    _, head, first, _, meaning, note, _ = capsys.readouterr().out.splitlines()
+    assert "6 of 6 runs have no interval" in note
     assert head.split() == ["upper.velocity", "upper.friction_force_mean", "half-width", "status"]
     assert meaning == "half-width: of the 95 % interval of the mean over members"
     with xarray.open_dataset(out) as data:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 LINES = 20
 # Most quantities that it shows.
 COLUMNS = 5
+# Most notes that it prints.
+MOST_NOTES = 6
 # Characters of a column, of which long headings take more.
 WIDTH = 18
 # The heading of the intervals of means over members.
@@ -127,6 +129,10 @@ def _summary(data: xarray.Dataset, out: Path | None) -> str:
     lines += _table(data)
     if out is not None and data.attrs["status"] != "completed":
         lines.append(f"the finished points are in {out}.part; --resume goes on")
+    notes = json.loads(data.attrs["notes"])
+    lines += [f"note: {note}" for note in notes[:MOST_NOTES]]
+    if len(notes) > MOST_NOTES:
+        lines.append(f"{len(notes) - MOST_NOTES} more notes: --json prints them")
     lines.append(f"{data.attrs['seconds']:.2f} s")
     return "\n".join(lines)
 

@@ -32,6 +32,7 @@ from tribo.model.scene_file import scene_from
 from tribo.model.settings import names_of_quantities
 from tribo.prepared import Simulation
 from tribo.progress import Shown
+from tribo.results.notes import scene_notes
 from tribo.simulation import prepare
 from tribo.validation import InputError, boolean, choice, instance, integer, short_repr
 
@@ -208,7 +209,8 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     plan = runs.policy.simulation.plan
     step = None if plan.automatic else plan.setting.step
     attributes |= {"doubtful": doubtful(store.tally.statuses) if step is not None else 0}
-    attributes |= target.attributes(interrupted, store.tally.notes(step))
+    notes = [*scene_notes(runs.policy.simulation.scene), *store.tally.notes(step)]
+    attributes |= target.attributes(interrupted, notes)
     if isinstance(store, StatisticsStore):
         store.flush()
         if (moments := store.moments()) is None:

@@ -54,10 +54,14 @@ def run_notes(layout: Layout, method: Method, step: float | None) -> tuple[str, 
     """Notes on starts, rough potentials, given steps, and baths that are too small."""
     scene = layout.scene
     steps = [] if step is None else [*_on_cut(layout, step), *_on_step(layout, method, step)]
-    starts = [*core_notes(layout), *_on_places(scene), *_on_images(scene)]
-    starts += [*_on_angles(scene), *_on_scans(scene), *_on_seams(scene)]
-    starts += [*_on_rigid(scene), *_on_interactions(scene)]
+    starts = [*core_notes(layout), *_on_places(scene), *scene_notes(scene)]
     return (*starts, *_on_potentials(scene, method), *steps, *_on_baths(scene))
+
+
+def scene_notes(scene: Scene) -> list[str]:
+    """Notes on what a scene contains, which hold for all its members too."""
+    of_starts = [*_on_images(scene), *_on_angles(scene), *_on_scans(scene), *_on_seams(scene)]
+    return [*of_starts, *_on_rigid(scene), *_on_interactions(scene)]
 
 
 def _on_rigid(scene: Scene) -> Iterator[str]:

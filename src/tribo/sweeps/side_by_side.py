@@ -11,6 +11,7 @@ from tribo.ensembles.request import Request
 from tribo.ensembles.runner import Execution
 from tribo.ensembles.stores import MemberStore, Target
 from tribo.model.scene import Scene
+from tribo.results.notes import scene_notes
 from tribo.sweeps.dataset import Table, points_dataset
 from tribo.sweeps.grid import Grid
 from tribo.sweeps.point_sets import members_of, point_sets, runs_of
@@ -54,6 +55,7 @@ class SideBySide(NamedTuple):
             found = store.datasets(grid, order, step)
             return points_dataset(grid, target, *found, interrupted)
         table = Table(grid, order, kept, store.values(), members_of(sets) if members else None)
-        attributes = target.attributes(interrupted, table.notes(step))
+        notes = [*scene_notes(grid.first), *table.notes(step)]
+        attributes = target.attributes(interrupted, notes)
         attributes["keep"] = json.dumps(kept.names)
         return target.saved(xarray.Dataset(table.variables(), table.coordinates, attributes))
