@@ -134,8 +134,12 @@ def run_ensemble(options: argparse.Namespace) -> int:
     with inside("--vary"):
         given = bound(scene, shared.by_key("--set", options.set))
         check_apart(scene, bound(scene, settings["vary"]), given, "set")
-    with workers(options) as engine:
-        data = also_in_part(ensemble, scene, engine=engine, **settings)
+    try:
+        with workers(options) as engine:
+            data = also_in_part(ensemble, scene, engine=engine, **settings)
+    except InputError as error:
+        varied = any(error.field.startswith(key) for key in settings["vary"])
+        raise InputError(f"--vary {error.field}", error.problem) if varied else error from None
     found = _summary(data, options.out)
     if any(isinstance(source, np.ndarray) for source in settings["vary"].values()):
         found["notes"].append(ON_A_GRID)

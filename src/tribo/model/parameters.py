@@ -134,7 +134,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         (interaction,) = scene.interactions
         with inside(INTERACTION):
             potential = by_key.with_values(interaction.potential, of_parts[INTERACTION])
-        own["interactions"] = (replace(interaction, potential=potential),)
+            own["interactions"] = (replace(interaction, potential=potential),)
     if FIELD in of_parts:
         with inside(FIELD):
             own["fields"] = (_changed_field(scene.fields[0], of_parts[FIELD]),)

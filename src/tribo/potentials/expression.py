@@ -90,6 +90,8 @@ def class_of(text: str) -> type:
             raise _refusal(text, f'another name for the parameter "{name}"')
     if "r" not in _names(tree):
         raise _refusal(text, "the distance r")
+    if not fields:
+        raise _refusal(text, "a name for one of its numbers, as k/r with k = 0.2")
     source = HEAD.format(text=text.replace("\\", "").replace('"', ""))
     source += "".join(f"    {name}: float\n" for name in fields)
     energy = _compiled(tree)

@@ -153,7 +153,10 @@ def _axis(key: object, values: object) -> Axis:
         row = tuple(map(scalar, item if together else [item]))
         for each in row:
             if not isinstance(each, (float, int, str)):
-                raise must_be(name, "a list of numbers or words", each)
+                wanted = "a list of numbers or words"
+                if is_list(each):  # one of two numbers has a key of its own
+                    wanted += f", as those of {name}.0 or {name}.1 are"
+                raise must_be(name, wanted, each)
         rows.append(row)
     if len(set(rows)) < len(rows):
         raise InputError(name, "has a value twice; give each value once")
