@@ -112,6 +112,9 @@ def test_statistics_of_a_grid(tmp_path, capsys):
     assert capsys.readouterr().out.splitlines()[:-1] == lines[:-1]
     assert main([*command, "--seed", "1"]) == 2
     assert "settings.seed was 0, is 1" in capsys.readouterr().err
+    masses = ["--vary", "upper.asperite.m1=normal(1,1)", "--members", "100"]
+    assert main(["ensemble", str(path), *masses]) == 2
+    assert "--vary upper.asperite.m1[0]: must be positive" in capsys.readouterr().err
     mixed = ["--vary", "lower.omega=normal(0,1)"]
     assert main([*command, *mixed]) == 2
     assert "cannot mix grid(...)" in capsys.readouterr().err

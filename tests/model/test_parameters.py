@@ -162,6 +162,8 @@ def test_values_of_plug_ins():
         ("lower.bath.gamma", 1.0, "lower.bath.spectrum", "is missing"),
         ("interaction.strenght", 1.0, "interaction.strenght", 'did you mean "strength"?'),
         ("interaction.cutoff", -1.0, "interaction.cutoff", "must be positive"),
+        ("interaction.strength", "0.2eV", "interaction.strength", "must be a number"),
+        ("upper.asperite.kappa.1", 1.0, "upper.asperite.kappa.1", "the surfaces are"),
         ("field.period", -1.0, "field.period", "must be positive"),
         ("duration", -1.0, "duration", "must be positive"),
     ],

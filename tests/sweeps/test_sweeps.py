@@ -263,6 +263,11 @@ def test_keys_of_all_surfaces(members, tmp_path):
         sweep(SCENE, {key: [1.0]}, 3, {"upper.asperite.kappa": [1.0, 1.1, 1.2]})
 
 
+def test_one_of_two_numbers_has_a_key_of_its_own():
+    with pytest.raises(InputError, match=r"upper\.bob: .*as those of upper\.bob\.0"):
+        sweep(SCENE, {"upper.bob": [(-10.0, 0.1), (-10.0, 0.2)]})
+
+
 def test_means_to_a_half_width_keep_their_own_quantities():
     """A sweep once took `keep`, and kept all."""
     given = {"vary": THETA, "half_width": {"upper.W": 0.1}}
