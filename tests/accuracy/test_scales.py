@@ -176,6 +176,17 @@ def test_a_surface_alone_keeps_an_accuracy(kappa, accuracy):
     assert result["upper"].vx_cm == pytest.approx(0.5, abs=0.0, rel=1e-15)
 
 
+@pytest.mark.parametrize("kappa", [1.0, 100.0])
+def test_a_surface_at_rest_in_a_field_keeps_an_accuracy(kappa):
+    """Rates and velocities of round-off were relative to zero."""
+    field = tribo.Field(tribo.Corrugation(0.1, 1.0), on=["upper"])
+    upper = tribo.Surface("upper", drive="free", asperite=tribo.Asperite(kappa=kappa))
+    scene = tribo.Scene((upper,), (), 3.0, fields=[field])
+    result = tribo.simulate(scene, accuracy=1e-6)
+    assert result.met and result.notes == ()
+    assert np.max(np.abs(result["upper"].W)) < 1e-12
+
+
 UNCOMPILED = """
 import tribo
 surfaces = tribo.Surface("upper"), tribo.Surface("lower", facing="up")

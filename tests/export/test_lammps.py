@@ -363,7 +363,8 @@ def test_files_hold_the_scene(tmp_path):
     assert '"0.5*time"' in run
     assert "fix surface1_friction surface1 langevin 0.2 0.2 6.0 1 scale 2 1.0 scale 3 2.0\n" in run
     assert "fix surface2_motion surface2 move linear 0.5 0.0 0" in run
-    assert run.endswith("timestep 0.01\nrun 200\n")
+    assert "\ndump atoms all custom 1 " in run  # a frame at each sample
+    assert run.endswith("timestep 0.005\nrun 400\n")
     assert files.omitted == ('surface "lower": pendulums: bobs are fixed to their bars',)
 
 
@@ -390,6 +391,14 @@ def test_what_is_omitted(tmp_path):
     assert [word in text for word, text in zip(words, files.omitted, strict=True)] == [True] * 7
     run = files.run.read_text()
     assert all(f"# Omitted: {text}\n" in run for text in files.omitted)
+    bound = tribo.Surface("bound", **body | {"springs": tribo.Springs(3.0)}, bob=(0.0, 4.0))
+    bound = replace(bound, asperite=tribo.Asperite(kappa=math.inf))
+    within = tribo.Interaction(LJ.with_cutoff(2.5), between=("bound", "bound"))
+    files = to_lammps(tribo.Scene((bound,), within, 1.0), tmp_path)
+    assert [text.split(", ")[0] for text in files.omitted if "rigid body" in text] == [
+        'surface "bound": the springs of a rigid body',
+        'surface "bound": contact within a rigid body',
+    ]
 
 
 def test_command(tmp_path, capsys):

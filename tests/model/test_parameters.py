@@ -134,6 +134,15 @@ class Brake(NamedTuple):
         return -self.drag * vx, -fy
 
 
+@pytest.mark.parametrize("name", ["field", "interaction"])
+def test_a_surface_with_the_name_of_a_part(name):
+    """Its keys are those of the part, which the scene may not have: in a sentence."""
+    scene = tribo.Scene((tribo.Surface(name), tribo.Surface("lower", facing="up")), (), 1.0)
+    for key in (f"{name}.theta", "*.theta"):
+        with pytest.raises(InputError, match=f"needs one {name}, and the scene has 0"):
+            with_values(scene, {key: 0.1})
+
+
 def test_values_of_plug_ins():
     """Plug-ins that no file could name have theirs too."""
     surface = tribo.Surface("block", drive=tribo.Custom(force=Brake(0.1)))

@@ -160,6 +160,19 @@ def test_numbers_in_si_units_are_told_apart():
         assert any("e\N{MINUS SIGN}9" in text for text in texts)
 
 
+def test_ticks_of_a_short_range_are_told_apart():
+    """Four digits are too few for 8e-10 to 8.0005e-10, where matplotlib writes what they share."""
+    from matplotlib.figure import Figure
+
+    ax = Figure().add_subplot()
+    ax.plot([8e-10, 8.0005e-10], [1e6, 1e6 + 10.0])
+    curves.with_powers_at_ticks(ax)
+    ax.figure.draw_without_rendering()
+    for axis in (ax.xaxis, ax.yaxis):
+        texts = [label.get_text() for label in axis.get_ticklabels()]
+        assert len(set(texts)) == len(texts)
+
+
 def test_a_legend_is_no_wider_than_its_graph(result):
     """Long names have fewer columns."""
     ax = result.plot.angles()

@@ -140,12 +140,14 @@ def scales_of(
     # Where nothing happens, what the motion or a pendulum that turns by 1 rad could exchange.
     for possible in (0.5 * mass * np.asarray(speed) ** 2, 0.5 * soft):
         energy = np.where(energy > 0.0, energy, possible)
+    rate = resolved(_highest(names, tops, RATES), np.sqrt(potential / inertia))
     velocity = resolved(speed, np.sqrt(potential / mass))
+    # Where nothing moves but all of the scene, whose velocities are known to their rounding.
+    resting = np.maximum(np.sqrt(energy / mass), largest(layout.velocities))
     scales: dict[str, Any] = {
-        "rate": resolved(_highest(names, tops, RATES), np.sqrt(potential / inertia)),
+        "rate": np.where(rate > 0.0, rate, np.sqrt(energy / inertia)),
         "length": length_scale(path, length),
-        # Where nothing moves but all of the scene, whose velocities are known to their rounding.
-        "velocity": np.where(velocity > 0.0, velocity, largest(layout.velocities)),
+        "velocity": np.where(velocity > 0.0, velocity, resting),
         "energy": energy,
         "total": np.maximum(energy, _highest(names, tops, TOTALS)),
         "work": work if works else np.zeros_like(work),

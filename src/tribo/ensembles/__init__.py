@@ -144,7 +144,8 @@ def ensemble(
         The ensemble was interrupted, as by Ctrl-C.  The attribute ``result`` of the exception has
         the data set of the complete members, if enough were, with the status "Interrupted".
     """
-    scene = instance(Scene)("scene", scene).with_heights()
+    of_scene = scene_notes(instance(Scene)("scene", scene))
+    scene = scene.with_heights()
     if keep is None and half_width is None:
         keep = scene.output.keep
     for name, other in (("sampler", sampler), ("keep", keep)):
@@ -184,7 +185,7 @@ def ensemble(
         simulation = request.prepare(scene, recorded)
         runs = planned(request, simulation, kept, variation, most, how._replace(progress=progress))
         if names is not None:
-            return _collected(runs, statistics, most, target)
+            return _collected(runs, statistics, most, target, of_scene)
         return mean_dataset(runs, target, wanted, most)
 
     others = {"members": most, "statistics": statistics, "half_width": wanted}
@@ -192,8 +193,13 @@ def ensemble(
     return in_file(out, resume, recorded, identify, progress, most, "members", compute)
 
 
-def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarray.Dataset:
-    """The data set of all members or of their statistics; after an interrupt, of those so far."""
+def _collected(
+    runs: Runs, statistics: bool, count: int, target: Target, of_scene: Sequence[str]
+) -> xarray.Dataset:
+    """The data set of all members or of their statistics; after an interrupt, of those so far.
+
+    Its notes begin with those `of_scene`.
+    """
     import xarray
 
     kept = runs.policy.kept
@@ -209,7 +215,7 @@ def _collected(runs: Runs, statistics: bool, count: int, target: Target) -> xarr
     plan = runs.policy.simulation.plan
     step = None if plan.automatic else plan.setting.step
     attributes |= {"doubtful": doubtful(store.tally.statuses) if step is not None else 0}
-    notes = [*scene_notes(runs.policy.simulation.scene), *store.tally.notes(step)]
+    notes = [*of_scene, *store.tally.notes(step)]
     attributes |= target.attributes(interrupted, notes)
     if isinstance(store, StatisticsStore):
         store.flush()

@@ -14,6 +14,7 @@ from tribo.export import lammps_motion as motion
 from tribo.export.lammps_atoms import CONSTANT_FORCES, Atoms, atoms_of, data_file
 from tribo.export.lammps_pairs import pair_lines
 from tribo.files import replace_file
+from tribo.integrators.step_control import count_of_steps
 from tribo.kernels.kinematics import nearest_image
 from tribo.layout.contacts import SKIN
 from tribo.layout.layout import lay_out
@@ -139,8 +140,9 @@ def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
         if motion.moves_uniformly(scene, surface):
             lines.append(f"variable {group}_force_x equal fcm({group},x)")
             series += f" v_{group}_force_x"
-    step = scene.numerics.step or _step(scene, atoms)
-    every = max(1, round(scene.duration / (step * (len(scene.times) - 1))))
+    interval = scene.duration / (len(scene.times) - 1)
+    # Steps divide the time between samples, as in runs, so that frames are at their times.
+    every = int(count_of_steps(interval, scene.numerics.step or _step(scene, atoms)))
     return [
         *lines,
         f"thermo_style custom {series}",
@@ -148,8 +150,8 @@ def _run(scene: Scene, atoms: Atoms, omitted: tuple[str, ...]) -> list[str]:
         f"dump atoms all custom {every} atoms.dump id type x y z vx vy fx fy",
         "dump_modify atoms sort id format float %.15g",
         "# Run",
-        f"timestep {step!r}",
-        f"run {max(1, round(scene.duration / step))}",
+        f"timestep {interval / every!r}",
+        f"run {every * (len(scene.times) - 1)}",
     ]
 
 

@@ -66,6 +66,12 @@ def omitted_effects(scene: Scene, surface: Surface) -> Iterator[str]:
         "the unequal masses of a rigid body, whose forces are shared equally": (
             drive.moves_as_one and bool(np.ptp(surface.each["mass"]) > 0.0)
         ),
+        "the springs of a rigid body, whose forces on single bars are shared too": (
+            drive.moves_as_one and bool(surface.springs)
+        ),
+        "contact within a rigid body, whose forces on single bars are shared too": (
+            drive.moves_as_one and scene.has_contact_within(surface)
+        ),
         "oscillators of the bath": surface.bath.masses.size > 0 or surface.bath.inertias.size > 0,
         "the reservoir on the swing": surface.reservoir("swing") is not None,
         "reservoirs that differ between asperites": not all(

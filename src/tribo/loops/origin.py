@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from tribo.kernels.records import PENDULUMS
 from tribo.layout.layout import Layout, lay_out
 from tribo.layout.legs import BEGUN
 from tribo.ledger.samples import Samples
@@ -115,9 +114,9 @@ def continued(given: Scene, state: State) -> tuple[Layout, Origin]:
 
 
 def _is_whole(layout: Layout, state: State, start: np.ndarray) -> bool:
-    """Whether a state's y is that of its surfaces, in rounding of centres about blocks' bars."""
+    """Whether a state's y is that of its surfaces, in rounding of the places of blocks' bars."""
     surfaces = layout.surfaces
-    if np.any((surfaces.block == PENDULUMS) | (surfaces.tilting > 0)):
+    if np.any((surfaces.block > 0) | (surfaces.elastic_block > 0) | (surfaces.tilting > 0)):
         return np.allclose(state.y, start, rtol=SAME, atol=SAME * float(np.max(np.abs(start))))
     return np.array_equal(state.y, start)
 

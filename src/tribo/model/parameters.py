@@ -106,7 +106,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         if outer in (INTERACTION, FIELD) and inner:
             part = outer
             name = inner
-        if part not in known:
+        if part not in known or (part == outer and not _has_one(scene, part)):
             raise _unknown(scene, key)
         of_parts.setdefault(part, {})[name] = value
     whole = of_parts.pop("", {})
@@ -139,6 +139,15 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         with inside(FIELD):
             own["fields"] = (_changed_field(scene.fields[0], of_parts[FIELD]),)
     return replace(scene, **own) if own else scene
+
+
+def _has_one(scene: Scene, part: str) -> bool:
+    """Whether a part of keys, if it is `interaction` or `field`, is one of the scene.
+
+    A surface may have its name.
+    """
+    items = {INTERACTION: scene.interactions, FIELD: scene.fields}
+    return len(items.get(part, (None,))) == 1
 
 
 def component(key: str) -> tuple[str, int] | None:

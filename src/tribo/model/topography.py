@@ -25,8 +25,8 @@ METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 METRES |= {"A": 1e-10, "Å": 1e-10, "pm": 1e-12}
 # SurfaceTopography's name of each trend that is subtracted; None leaves the heights unchanged.
 TRENDS = {"plane": "height", "mean": "center", "curvature": "curvature", "none": None}
-# Median deviations beyond which a height is noted: of -9999, say, where there is none.
-OUTLYING = 300.0
+# Spreads of most heights beyond which one is noted: of -9999, say, where there is none.
+OUTLYING = 100.0
 # Ratio up to which two lengths are the same, in spite of rounding.
 ROUNDING = 1.0 + 1e-9
 
@@ -245,10 +245,14 @@ def _undefined(scan: Any) -> np.ndarray:
 
 
 def _outliers(scan: Any) -> int:
-    """How many points are OUTLYING median deviations from the median height."""
+    """How many points are farther from most of the others than these are from one another.
+
+    Most are eight of ten: a peak or a step on a flat surface is none.
+    """
     heights = np.ma.masked_invalid(scan.positions_and_heights()[-1]).compressed()
-    apart = np.abs(heights - np.median(heights))
-    return int(np.count_nonzero(apart > OUTLYING * np.median(apart))) if np.median(apart) else 0
+    low, high = np.percentile(heights, [10.0, 90.0])
+    beyond = np.maximum(low - heights, heights - high)
+    return int(np.count_nonzero(beyond > OUTLYING * (high - low)))
 
 
 def _defined(scan: Any) -> Any:

@@ -22,6 +22,8 @@ COLOURS = CYCLE * 8
 # Largest number of an axis whose ticks have no power of ten.
 LEAST_PLAIN = 1e-3
 MOST_PLAIN = 1e5
+# Least span of such an axis, relative to its largest number.
+LEAST_SPAN = 0.05
 # Letters of a legend in an inch, and those that a sample of a line takes.
 LETTERS = 28.5
 OF_LINE = 8
@@ -50,9 +52,11 @@ def with_powers_at_ticks(ax: Axes) -> None:
     from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
     for axis in (ax.xaxis, ax.yaxis):
-        largest = max(abs(each) for each in axis.get_view_interval())
+        low, high = axis.get_view_interval()
+        largest = max(abs(low), abs(high))
         is_scalar = type(axis.get_major_formatter()) is ScalarFormatter
-        if is_scalar and not LEAST_PLAIN <= largest < MOST_PLAIN:
+        is_wide = abs(high - low) > LEAST_SPAN * largest  # else four digits do not tell ticks apart
+        if is_scalar and is_wide and not LEAST_PLAIN <= largest < MOST_PLAIN:
             axis.set_major_formatter(FuncFormatter(_with_power))
 
 

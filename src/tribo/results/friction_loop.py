@@ -84,8 +84,8 @@ def loop(
     ----------
     surface : str
         Name of the surface, which a stage pulls or whose bars are driven.  Undamped springs to a
-        stage need no further series; in a run that continues another one, and with other drives,
-        the scene's output asks for the series "forces".
+        stage need no further series; with other drives, the scene's output asks for the series
+        "forces".
     after : float, optional
         Time at which the first cycle may begin; by default the scene's ``output.run_in`` [time].
     margin : float

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -186,9 +186,11 @@ def points_dataset(
     found: Mapping[int, xarray.Dataset],
     refused: Mapping[int, str],
     interrupted: bool,
+    of_scene: Sequence[str] = (),
 ) -> xarray.Dataset:
     """The data sets of points, by their numbers, side by side; the others have no values.
 
+    Notes begin with those `of_scene`, if the points do not have them.
     `refused` has the reasons of points that cannot be run.  Raises InputError if there are no
     others, and KeyboardInterrupt if the first of them was interrupted.
     """
@@ -211,7 +213,7 @@ def points_dataset(
     about = {"long_name": "end of the ensemble"}
     variables["point_status"] = tuple(grid.names), np.reshape(statuses, grid.shape), about
     labelled = [f"{grid.label(index)}: {note}" for index in sorted(notes) for note in notes[index]]
-    attributes = target.attributes(interrupted, labelled)
+    attributes = target.attributes(interrupted, [*of_scene, *labelled])
     attributes["keep"] = json.dumps([str(name) for name in found[min(found)].data_vars])
     coordinates |= key_coordinates(grid)
     return target.saved(xarray.Dataset(variables, coordinates, attributes))

@@ -55,7 +55,6 @@ class Grid:
         self.scene = scene
         with inside("values"):
             self.axes = _named([_axis(key, items) for key, items in values.items()], point)
-            self.names = [self.name_in_file(axis.name) for axis in self.axes]
             self.keys = [key for axis in self.axes for key in axis.keys]
             self.shape = tuple(len(axis.rows) for axis in self.axes)
             self.size = math.prod(self.shape)
@@ -64,6 +63,7 @@ class Grid:
                     raise InputError(key, "is swept twice; give each key once")
             # Key of one surface -> the key that gives its value.
             self.bound = bound(scene, {key: key for key in self.keys})
+            self.names = [self.name_in_file(axis.name) for axis in self.axes]
             check_together(scene, self.bound)
             if self.size > LARGEST_COUNT:
                 raise must_be("", f"of at most {LARGEST_COUNT} points", self.size)
@@ -93,8 +93,7 @@ class Grid:
         """The name of a key among dimensions and coordinates: no name in a file begins with "*"."""
         if not key.startswith(f"{EVERY}."):
             return key
-        names = "+".join(surface.name for surface in self.scene.surfaces)
-        return names + key.removeprefix(EVERY)
+        return "+".join(own.partition(".")[0] for own in self.bound_to([key])) + key[len(EVERY) :]
 
     def _has_numbers(self, axis: Axis) -> bool:
         """Whether all values are numbers in which members may differ."""

@@ -53,7 +53,7 @@ class SideBySide(NamedTuple):
         if isinstance(store, PointStatistics):
             store.flush()
             found = store.datasets(grid, order, step)
-            return points_dataset(grid, target, *found, interrupted)
+            return points_dataset(grid, target, *found, interrupted, scene_notes(grid.first))
         table = Table(grid, order, kept, store.values(), members_of(sets) if members else None)
         notes = [*scene_notes(grid.first), *table.notes(step)]
         attributes = target.attributes(interrupted, notes)
